@@ -525,6 +525,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "FlightSchedule.held": Door(schedule.held, {"time": 66.0}),
+        "FlightSchedule.plants": Door(
+            schedule.plants, {"time": 66.0, "model": "drift", "plane": "yaw"}
+        ),
         "FlightSchedule.to_csv": Door(schedule.to_csv, {"path": folder / "schedule.csv"}),
         "FlightSchedule.nominal_at": Door(schedule.nominal_at, {"time": 66.0}),
         "GainSchedule": Door(

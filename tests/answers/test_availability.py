@@ -372,36 +372,41 @@ def test_what_cannot_be_used_is_unknown_with_its_reason(flight, tmp_path) -> Non
     assert "above 130" in found.why[1]
 
 
-def test_a_wind_that_meets_the_flight_too_steeply_is_unknown(flight) -> None:
-    gale = tv.WindProfile(height=[0, 5e3, 40e3], east=[500, 5, 5], north=[0, 0, 0])
-    found = tv.availability(flight, one(gale), limit=1.0, azimuth=EAST)
+def test_a_wind_too_steep_at_the_largest_dynamic_pressure_is_unknown(flight) -> None:
+    height = np.linspace(0.0, 40e3, 41)
+    storm = tv.WindProfile(height=height, east=900.0 + 0.0 * height, north=0.0 * height)
+    found = tv.availability(flight, one(storm), limit=1.0, azimuth=EAST)
 
-    assert found.why == ("its wind meets the flight at more than 30 deg",)
+    assert "more than 30 deg" in found.why[0]
+    assert np.all(np.isnan(found.judged))
+    assert found.today(storm).go is None
 
 
-def test_how_many_winds_are_too_steep_is_told_and_from_when_on_none_is(archive) -> None:
-    """From a speed of 20 m/s on, the wind near the ground decides of which it can be said."""
+def test_where_a_wind_is_too_steep_the_rest_of_the_flight_is_judged(archive) -> None:
+    """From a speed of 20 m/s on, the wind near the ground decides of which part it can be said."""
     booster = tv.load_vehicle("configuration-i")
     times, heights = [10.0, 60.0, 80.0], [100.0, 12e3, 22e3]
     slow = tv.FlightSchedule(
         booster.replace(time=times, velocity=[20.0, 500.0, 700.0]), altitude=heights
     )
-    # across the path of 45 deg a head wind counts by its sine: above 14.1 m/s it is too steep
     levels = np.arange(0.0, 41e3, 1000.0)
     winds = [
         tv.WindProfile(height=levels, east=np.where(levels > 0.0, 5.0, v), north=0.0 * levels)
-        for v in (10.0, 15.0, 60.0)
+        for v in (9.0, 15.0, 60.0)
     ]
     some = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
     found = tv.availability(slow, some, limit=1.0, **PITCH)
-    fast = ["30 deg" in why for why in found.why]
-    assert fast == [False, False, True]
+    assert found.why == ("", "", "")
+    assert found.judged[0].tolist() == [10.0, 80.0]
+    # the wind is straight over height, and known at the levels: at the first of them it is weak
+    first = float(np.interp(1000.0, heights, times))
+    assert found.judged[1:, 0] == pytest.approx(first, rel=1e-12)
+    assert found.judged_in_all == (pytest.approx(first, rel=1e-12), 80.0)
     (note,) = [one for one in found.notes if "30 deg" in one]
-    assert note.startswith("1 of 3 soundings are unknown")
-    begin = float(note.split("--from ")[1].rstrip(")"))
-    assert 10.0 < begin < 20.0
-    later = tv.availability(slow.between(begin), some, limit=1.0, **PITCH)
-    assert not any("30 deg" in why for why in later.why)
+    assert "2 of 3 soundings" in note
+    later = tv.availability(slow.between(first), some, limit=1.0, **PITCH)
+    assert found.need[1:] == pytest.approx(later.need[1:], rel=STRAIGHT)
+    assert found.today(winds[2]).judged == tuple(found.judged[2])
 
 
 def test_a_schedule_without_altitude_is_refused(archive) -> None:

@@ -6,7 +6,9 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.small_launcher import sounding, write
+from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.study_file.parse import parse_study
 
 EAST = np.radians(90.0)
 
@@ -82,17 +84,79 @@ def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     assert lost.tolist() == [True, False]
 
 
-def test_availability_says_from_when_on_all_winds_can_be_judged(flight) -> None:
-    days = np.datetime64("2024-02-01T00") + 24 * np.arange(3)
-    winds = tv.winds.Soundings.from_profiles([sounding(s) for s in (1.0, 0.6, 1.3)], days)
-    asked = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
-    (note,) = (one for one in tv.availability(flight, winds, **asked).notes if "--from" in one)
-    begin = float(note.split("--from ")[1].rstrip(")"))
-    found = tv.availability(flight.between(begin), winds, **asked)
+def archive(*strengths):
+    days = np.datetime64("2024-02-01T00") + 24 * np.arange(len(strengths))
+    return tv.winds.Soundings.from_profiles([sounding(s) for s in strengths], days)
+
+
+PITCH = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
+
+
+def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) -> None:
+    found = tv.availability(flight, archive(1.0, 0.6, 1.3), **PITCH)
     assert found.part().flown == 3
-    met = tv.fly_through(sounding(), flight.between(begin), azimuth=EAST)
+    assert found.judged[1, 0] < found.judged[0, 0] < found.judged[2, 0]
+    (note,) = (one for one in found.notes if "30 deg" in one)
+    assert "3 of 3 soundings" in note
+    met = tv.fly_through(sounding(), flight, azimuth=EAST)
+    assert met.known[0] == pytest.approx(found.judged[0, 0], abs=0.51)  # a row of the schedule
     alone = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
     assert found.need[0] == pytest.approx(alone, rel=1e-3)
+
+
+ARMS = {
+    "stable at first": ([0, 25, 35, 122], [-0.5, 0.0, 4.0, 3.0]),
+    "stable between": ([0, 40, 50, 60, 70, 122], [3.0, 3.0, -1.0, -1.0, 3.0, 3.0]),
+    "stable at the end": ([0, 70, 80, 122], [3.0, 3.0, -1.0, -1.0]),
+}
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None:
+    """With a little more than is needed the trim law survives the whole of it."""
+    arm = np.interp(flight.times, *ARMS[name])
+    turned = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height)
+    found = tv.availability(turned, archive(1.0), **PITCH)
+    each = [tv.availability(part, archive(1.0), **PITCH).need[0] for part in turned.parts]
+    assert [np.all(np.diff(np.sign(p.vehicle.aerodynamic_arm[1:-1])) == 0) for p in turned.parts]
+    assert found.need[0] == pytest.approx(max(each), rel=1e-9)
+    assert "turns the vehicle to the other side" in " ".join(found.notes)
+    met = tv.fly_through(sounding(), turned, azimuth=EAST)
+    sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
+    assert sized == pytest.approx(found.need[0], rel=1e-3)
+    mode = GrowingMode(turned, "drift-exact", "pitch", turned.span)
+    steps = flight_steps(mode)
+    wind = tv.fly_through(sounding(), turned, azimuth=EAST).wind(steps)
+    limits = found.need[0] * np.array([[1.02, 1.2, 2.0]])
+    assert not trim_law_lost(mode, steps, wind[np.newaxis], limits).any()
+
+
+def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:
+    stable = tv.FlightSchedule(flight.vehicle.replace(aerodynamic_arm=-1.0), altitude=flight.height)
+    found = tv.availability(stable, archive(1.0), model="fixed-path", **PITCH)
+    assert found.need.tolist() == [0.0]
+    assert "nothing grows" in found.notes[0]
+
+
+def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
+    """As with a hundredth of a millimetre in its place."""
+    needs = []
+    for least in (0.0, 1e-5):
+        arm = np.where(flight.times < 30.0, least, 3.0)
+        some = tv.FlightSchedule(
+            flight.vehicle.replace(aerodynamic_arm=arm), altitude=flight.height
+        )
+        met = tv.fly_through(sounding(), some, azimuth=EAST)
+        sized = tv.size(some, met, times=[20.0, 60.0], varying=True)
+        assert np.all(sized.required["K = 1"] >= 0.0)
+        needs.append(
+            [
+                sized.required["K = 1, varying"][1, 0],
+                tv.availability(some, archive(1.0), **PITCH).need[0],
+            ]
+        )
+    assert needs[0] == pytest.approx(needs[1], rel=1e-4)
+    assert needs[0][0] == pytest.approx(needs[0][1], rel=1e-3)
 
 
 def test_part_of_a_schedule_is_the_schedule_between_two_times(flight) -> None:
@@ -117,3 +181,10 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
     found = tv.read_soundings(tmp_path, in_order=True)
     assert [str(one)[:10] for one in found.times] == ["2000-01-01", "2000-01-02", "2000-01-03"]
     assert "3 files without a date" in found.notes[0]
+    document = {
+        "study": {"vehicle": "configuration-i"},
+        "wind": {"peak_deg": 5.0, "duration_s": 7.5},
+        "availability": {"archive": ".", "azimuth_deg": 90, "in_order": True},
+    }
+    asked = parse_study(document, tmp_path).availability
+    assert np.array_equal(asked.soundings.times, found.times)

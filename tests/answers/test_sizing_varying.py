@@ -223,16 +223,22 @@ def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
     assert found.required["K = 1, varying"][1, 0] == 0.0
 
 
-def test_a_moment_that_turns_while_the_wind_blows_is_said(configuration_i) -> None:
+def test_where_a_moment_turns_each_part_of_the_flight_is_judged(configuration_i) -> None:
     turns = configuration_i.replace(
         time=[40.0, 60.0, 64.0, 120.0], aerodynamic_arm=[-2.0, -2.0, 9.45, 9.45]
     )
     wind = tv.TriangularWind(peak=0.05, duration=8.0)
     found = tv.size(tv.FlightSchedule(turns), wind, times=[63.0], model="fixed-path", varying=True)
 
-    assert found.required["K = 1"][0, 0] > 0.0
-    assert np.isnan(found.required["K = 1, varying"][0, 0])
-    assert "B changes its sign" in " ".join(found.notes)
+    later = tv.FlightSchedule(turns).parts[1]
+    assert later.span[0] == pytest.approx(60.0 + 4.0 * 2.0 / 11.45, rel=1e-12)
+    rest = wind.shift(63.0 - 4.0)
+    rest = rest - rest.before(later.span[0])
+    alone = tv.size(later, rest, times=[63.0], placing="flight", model="fixed-path", varying=True)
+    for K in ("K = 1, varying", "K = 0.5, varying"):
+        needed = found.required[K][0, 0]
+        assert needed > 0.0
+        assert needed == pytest.approx(alone.required[K][0, 0], rel=1e-6)
 
 
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:

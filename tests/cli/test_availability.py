@@ -45,6 +45,9 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     assert list(towards["placard_deg"].values()) == np.degrees(found.placard()[0]).tolist()
     assert table.read_text() == found.to_csv()
     said = " ".join(run(station, *EAST, "--limit-deg", "0.35").output.split())
+    assert document["judged_s"] == [41.0, 116.0]
+    assert "from 41 to 116 s of the flight" in said
+    assert "With 95 % confidence the part of all such days lies in the interval" in said
     assert "only if that decides about 0.35 deg. Else least_deg and most_deg" in said
 
 

@@ -63,6 +63,21 @@ def test_a_page_tells_of_each_part() -> None:
     assert told[-1] == (1.0, 1.0)
 
 
+def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(progress, "_LINES", 0.0)
+    monkeypatch.setattr(progress, "monotonic", iter(range(100_000)).__next__)
+    (tmp_path / "all.toml").write_text(
+        '[study]\nvehicle = "configuration-i"\n'
+        '[wind]\npeak_deg = 5.0\nduration_s = 7.5\n[criteria]\nname = "classic"\n'
+        "[campaign]\ncases = 64\n"
+        '[[dispersion]]\nparameter = "thrust"\nshape = "normal"\npercent = 1.0\n'
+    )
+    said = CliRunner().invoke(app, ["study", str(tmp_path / "all.toml")])
+
+    assert " answers" in said.stderr
+    assert " answers" not in said.stdout
+
+
 def test_the_report_tells_of_each_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = reproduce.FIGURES["sketch-a"]
     monkeypatch.setattr(reproduce, "FIGURES", dict.fromkeys("abc", drawn))

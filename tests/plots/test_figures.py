@@ -367,6 +367,15 @@ def test_study_chart_and_pole_map_are_control_plots(configuration_i):
     assert sorted(all_lines(poles)[0].get_xdata()) == pytest.approx([-0.52928, 0.52928], abs=5e-6)
 
 
+def test_a_study_with_a_gust_draws_few_durations(configuration_i):
+    """For each of them the trim law is flown."""
+    wind = tv.ShapedWind(
+        "triangular", 0.08, 7.5, gust=tv.OneMinusCosineGust(peak=0.02, duration=2.0), gust_at=3.0
+    )
+    study = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind, model="fixed-path"))
+    assert curves_of(plots.study_chart(study)).abscissa.size <= 40
+
+
 def test_curves_say_what_is_wrong():
     column = Column("one", np.zeros(3))
 

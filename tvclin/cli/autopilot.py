@@ -24,6 +24,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.output import print_tables, say, say_notes
+from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
@@ -84,14 +85,14 @@ def autopilot(
     )
     loaded, plant, asked = case.vehicle, case.plant, case.held_to
     limit = None if case.nozzle.limit is None else degrees(case.nozzle.limit)
-    sought = least.found(case, asked)
+    with waiting("seeking gains"):
+        sought = least.found(case, asked)
     autopilot = autopilot_asked(case, case.history, asked) if sought is None else sought.autopilot
     found = compare_with_trim(plant, autopilot, case.history)
     worst = _worst(found, case.blows)
-    if plot is not None and sought is None:
-        _draw(found, plot)
-    elif plot is not None:
-        draw_front(sought, plot)
+    if plot is not None:
+        with waiting("drawing"):
+            _draw(found, plot) if sought is None else draw_front(sought, plot)
     document = _document(loaded, found, worst, limit, asked)
     if sought is not None:
         document["least"] = sought

@@ -212,9 +212,11 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
-    say(f"Limit {np.degrees(found.limit):.3f} deg")
+    begin, end = found.judged_in_all
+    say(f"Limit {np.degrees(found.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")
     for azimuth, part in zip(azimuths, found.part(), strict=True):
         say(f"towards {azimuth} deg: {part}")
+    say(answer_tables.interval(found))
     typer.echo()
     print_tables(answer_tables.by_month(found), answer_tables.placard(found))
     say(
@@ -224,7 +226,9 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
         " again for another limit."
     )
     for azimuth, one in zip(azimuths, launch, strict=False):
-        say(f"Today towards {azimuth} deg: {_said(one)}")
+        cut = one.judged != found.judge.flight.span and not one.why
+        part = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*one.judged) * cut
+        say(f"Today towards {azimuth} deg: {_said(one)}{part}")
     say_notes(found.notes)
 
 

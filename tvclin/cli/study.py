@@ -16,6 +16,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.output import print_tables, say, say_lines, say_notes
+from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
 
 if TYPE_CHECKING:
@@ -117,7 +118,8 @@ def study(
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
     if plan.dispersions is None:
         only_with("--disperse, or a study file with dispersions", cases=cases, seed=seed)
-    found = find(questioned(plan))
+    with bar("answers") as progress:
+        found = find(questioned(plan), progress)
     result, dispersed = found.study, found.dispersed
     if disperse and dispersed is None:
         raise InputError(found.reasons["dispersed"])
@@ -125,7 +127,8 @@ def study(
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
         chart = study_planes_chart if result.in_both else study_chart
-        save_figure(chart(result), plot)
+        with waiting("drawing"):
+            save_figure(chart(result), plot)
     if as_json:
         extra = {} if dispersed is None else {"dispersed": dispersed}
         answers = {"questions": questions(found), "sufficient": sufficient(found)}

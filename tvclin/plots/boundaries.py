@@ -51,6 +51,8 @@ CONFIGURATIONS = ("configuration-i", "configuration-ii")
 _ABSCISSA = "wind duration tau*{} [-]"
 _ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
+_POINTS, _FLOWN_POINTS = 200, 40
+"""Durations of the wind; with a gust, where the trim law is flown for each."""
 
 
 def boundary_chart(
@@ -153,7 +155,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         Abscissas [s], positive; up to three times the study's duration where not given.
     """
     chosen = float(study.wind.duration)
-    x = np.linspace(0.02, 3.0, 200) * chosen if durations is None else np.asarray(durations)
+    points = _POINTS if study.gust is None else _FLOWN_POINTS
+    x = np.linspace(0.02, 3.0, points) * chosen if durations is None else np.asarray(durations)
     curves = _study_curves(study, x)
     axes = new_axes()
     lines: list[Any] = []

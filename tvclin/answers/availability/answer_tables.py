@@ -29,6 +29,14 @@ def by_month(a: Availability) -> Table:
     return Table("By month", head, tuple(rows))
 
 
+def interval(a: Availability) -> str:
+    """Return what the interval means, in words."""
+    return (
+        f"With {100 * a.confidence:g} % confidence the part of all such days lies in the interval;"
+        " days that are alike count as fewer independent ones."
+    )
+
+
 def placard(a: Availability) -> Table:
     """Return the limits that are enough in parts of the judged soundings, towards each azimuth."""
     rows: list[tuple[Line, ...]] = []

@@ -28,7 +28,7 @@ AVAILABILITY_TABLE = FileTable(
             ("persistence_hours", "utc_offset_hours", "confidence", "least_part"), "number"
         ),
     },
-    words=("archive", "station", "plane"),
+    words=("archive", "station", "plane", "in_order"),
     lists=("months", "years"),
 )
 

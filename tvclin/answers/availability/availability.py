@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
-from tvclin.answers.availability.judge import STOPS, TOO_FAST, Judge
+from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -99,8 +98,7 @@ def availability(
     Raises
     ------
     InputError
-        For a flight without altitude, a vehicle that is stable or whose B changes its sign, no
-        soundings at all, and numbers out of range.
+        For a flight without altitude, no soundings at all, and numbers out of range.
 
     Examples
     --------
@@ -160,10 +158,11 @@ def availability(
         confidence=trusted,
         notes=(
             *(*soundings.notes, *told, *near),
-            *_too_fast(judge, soundings, needs.why),
+            *_judged(judge, needs.judged),
             *_seasons(soundings, needs.why),
         ),
         reasons=tuple(needs.why),
+        judged=needs.judged,
         judge=judge,
     )
 
@@ -190,22 +189,32 @@ def _added(
     return np.full(least.shape[0], growth), told
 
 
-def _too_fast(judge: Judge, soundings: Soundings, why: list[str]) -> list[str]:
-    """How many soundings meet the flight at too large an angle, and from when on none does."""
-    count, path = why.count(TOO_FAST), judge.path
-    if not count:
-        return []
-    height, wind = soundings.height, np.hypot(soundings.east, soundings.north)
-    steep = wind > np.sin(LARGEST_ANGLE) * np.interp(height, path.height, path.speed)
-    above = height[np.minimum(np.flatnonzero(steep) + 1, height.size - 1)]
-    above = above[(above > path.height[0]) & (above < path.height[-1])]
-    time = math.ceil(10.0 * np.interp(np.max(above, initial=0.0), path.height, path.time)) / 10.0
-    begin = f", so begin at {time:g} s (--from {time:g})" if time < path.time[-1] else ""
-    return [
-        f"{count} of {len(why)} soundings are unknown: somewhere their wind meets the flight at"
-        f" more than {np.degrees(LARGEST_ANGLE):.3g} deg, of which linear aerodynamics says"
-        f" nothing; near lift-off any wind does{begin}"
-    ]
+def _judged(judge: Judge, times: FloatArray) -> list[str]:
+    """Which part of the flight is judged, where that is not all of it, and why."""
+    flight, (first, last) = judge.flight, judge.flight.span
+    told = []
+    if len(judge.parts) > 1:
+        turns = ", ".join(f"{part.path.time[0]:.4g}" for part in judge.parts[1:])
+        told.append(
+            f"the air turns the vehicle to the other side from {turns} s on: what is before and"
+            " what is after is judged by itself, each from trim on, and the larger need counts"
+        )
+    calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.tables]
+    told += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
+    late, early = times[:, 0] > first, times[:, 1] < last
+    where = []
+    if np.any(late):
+        where.append(f"until {flight.place(times[late, 0].max())}")
+    if np.any(early):
+        where.append(f"from {flight.place(times[early, 1].min())} on")
+    if where:
+        count, most = int(np.sum(late | early)), np.degrees(LARGEST_ANGLE)
+        told.append(
+            f"{' and '.join(where)} the wind of {count} of {len(times)} soundings meets the flight"
+            f" at more than {most:.3g} deg, somewhere there, of which linear aerodynamics says"
+            " nothing: in each of them the rest is judged"
+        )
+    return told
 
 
 def _seasons(soundings: Soundings, why: list[str]) -> list[str]:

@@ -7,7 +7,7 @@ The need lies between what these two ask for.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -35,7 +35,7 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "it cannot be used",
     "it ends below the height of the largest dynamic pressure",
     "it begins above the height of the largest dynamic pressure",
-    "its wind meets the flight at more than 30 deg",
+    "its wind meets the flight at more than 30 deg where the dynamic pressure is largest",
     "it ends below known_to",
 )
 _AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000
@@ -61,12 +61,31 @@ class Needs:
         Whether the wind is known wherever it may count, ``(a, n)``.
     why : list of str
         Why it cannot, ``(n,)``; empty where it can.
+    judged : ndarray
+        First and last time [s] of the part of the flight of which it can, ``(n, 2)``.
     """
 
     least: FloatArray
     most: FloatArray
     known: BoolArray
     why: list[str]
+    judged: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FlightPart:
+    """A part of a flight in which the air turns the vehicle to one side alone.
+
+    Attributes
+    ----------
+    path : FlownPath
+        The part over height.
+    tables : dict of str to FlightTables
+        By planes, those in which something grows.
+    """
+
+    path: FlownPath
+    tables: dict[str, FlightTables]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +98,10 @@ class Judge:
         The flight.
     path : FlownPath
         The same over height.
-    tables : dict of str to FlightTables
-        By planes.
+    parts : tuple of FlightPart
+        The same in parts: in each the vehicle is flown by itself, and the largest need counts.
+    planes : tuple of str
+        Which count.
     model : str
         As of `Plant`.
     azimuths : ndarray
@@ -101,7 +122,8 @@ class Judge:
 
     flight: FlightSchedule
     path: FlownPath
-    tables: dict[str, FlightTables]
+    parts: tuple[FlightPart, ...]
+    planes: tuple[str, ...]
     model: str
     azimuths: FloatArray
     stop: str
@@ -116,8 +138,7 @@ class Judge:
         """Return that of a flight; `InputError` as `GrowingMode` and `FlownPath`."""
         planes = PLANES if plane == BOTH else (plane,)
         path = FlownPath.of(flight)
-        tables = {one: _tables(flight, model, one) for one in planes}
-        return cls(flight, path, tables, model, **asked)
+        return cls(flight, path, _parts(flight, model, planes), planes, model, **asked)
 
     def used_to(self, soundings: Soundings) -> Judge:
         """Return the same that takes what is not known to be as strong as in an archive."""
@@ -127,7 +148,7 @@ class Judge:
         heights = np.interp(evenly, path.time, path.height)
         found = {
             (plane, azimuth): known.strength(heights, azimuth, plane)
-            for plane in self.tables
+            for plane in self.planes
             for azimuth in self.azimuths.tolist()
         }
         return replace(self, heights=heights, strength=found)
@@ -146,6 +167,7 @@ class Judge:
         """
         least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
         known_all = np.ones(least.shape, dtype=bool)
+        heights = np.full((len(soundings), 2), np.nan)
         why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
         index = np.flatnonzero(soundings.usable)
         for reason, holds in self._left_out(soundings):
@@ -158,25 +180,30 @@ class Judge:
         last = len(soundings) - index.size
         at_once = _AT_ONCE if limits is None and not flown else _FLOWN_AT_ONCE
         cuts = np.arange(at_once, ends.max(initial=0), at_once)
-        for part in np.split(np.arange(index.size), np.searchsorted(ends, cuts)):
-            if part.size:
-                winds, those = known.some(part), index[part]
-                low, high = self._needs(winds, False, flown, limits)
+        for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
+            within = known.some(some).flat(self.path, self._growth)
+            heights[index[some]] = within
+            flat = ~np.isnan(within[:, 0])
+            winds, within, those = known.some(some[flat]), within[flat], index[some[flat]]
+            if those.size:
+                low, high = self._needs(winds, within, False, flown, limits)
                 least[:, those], most[:, those] = low, high
                 open_ = winds.incomplete(self.path)
                 if np.any(open_):
-                    some = winds.some(np.flatnonzero(open_))
-                    held, higher = self._needs(some, True, flown, limits)
-                    known_all[:, those[open_]] = low[:, open_] == held
-                    least[:, those[open_]] = np.minimum(low[:, open_], held)
-                    most[:, those[open_]] = np.maximum(high[:, open_], higher)
-                last += part.size
+                    those, within = those[open_], within[open_]
+                    held, higher = self._needs(
+                        winds.some(np.flatnonzero(open_)), within, True, flown, limits
+                    )
+                    known_all[:, those] = low[:, open_] == held
+                    least[:, those] = np.minimum(low[:, open_], held)
+                    most[:, those] = np.maximum(high[:, open_], higher)
+            last += some.size
             if progress is not None:
                 progress(last, len(soundings))
-        fast = np.isnan(least + most).any(axis=0)
-        least[:, fast] = most[:, fast] = np.nan
+        fast = np.isnan(heights[:, 0])
         why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
-        return Needs(least, most, known_all, why)
+        times = np.interp(heights, self.path.height, self.path.time)
+        return Needs(least, most, known_all, why, times)
 
     def decided(
         self, soundings: Soundings, needs: Needs, limits: FloatArray
@@ -226,46 +253,74 @@ class Judge:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
+    def _growth(self, height: FloatArray) -> Any:
+        """What the wind may become at heights [m/s]."""
+        return 0.0 if self.growth is None else self.growth.at(height)
+
     def _needs(
-        self, known: KnownWinds, held: bool, flown: bool, limits: FloatArray | None
+        self,
+        known: KnownWinds,
+        within: FloatArray,
+        held: bool,
+        flown: bool,
+        limits: FloatArray | None,
     ) -> FloatArray:
-        """The least and the most needs in all azimuths, ``(2, a, n)``, of both planes."""
-        height = known.knots(self.path, held)
-        times = np.interp(height, self.path.height, self.path.time)
-        fine = self.path.finer(times)
-        hidden = known.unknown(height) if held else None
-        found = np.zeros((len(self.tables), 2, self.azimuths.size, height.shape[0]))
+        """The least and the most needs in all azimuths, ``(2, a, n)``, of both planes.
+
+        Between heights [m], ``(n, 2)``.
+        """
+        found = np.zeros((len(self.planes), 2, self.azimuths.size, within.shape[0]))
         met: list[list[PlaneFlights]] = [[] for _ in self.azimuths]
-        paired = np.zeros(height.shape[0], dtype=bool)
-        for p, (plane, tables) in enumerate(self.tables.items()):
-            rows = tables.at(fine)
-            for a, azimuth in enumerate(self.azimuths.tolist()):
-                wind = known.at(known.wind(azimuth, plane, held), height)
-                strong = np.abs(wind)
-                if held and self.strength:
-                    most = np.interp(height, self.heights, self.strength[plane, azimuth])
-                    strong = np.maximum(strong, most)
-                winds = []
-                for side in (1.0, -1.0):
-                    blows = side * wind if hidden is None else np.where(hidden, strong, side * wind)
-                    need, those = self._side(plane, height, times, blows, fine, rows, flown)
-                    found[p, :, a] = np.maximum(found[p, :, a], need)
-                    winds += those
-                if not held and self.gust is None and self.growth is None:
-                    del winds[1:]  # it is the same
-                met[a].append(PlaneFlights(tables.mode, winds, found[p, 0, a]))
-            paired |= rows.paired.any(axis=1)
+        paired = np.zeros(within.shape[0], dtype=bool)
+        for part in self.parts:
+            for p, a, need, winds, pairs in self._met(part, known, within, held, flown):
+                np.maximum(found[p, :, a], need, out=found[p, :, a])
+                mode = part.tables[self.planes[p]].mode
+                met[a].append(PlaneFlights(mode, winds, found[p, 0, a]))
+                paired |= pairs
         both = np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
         if limits is not None:
             for a, limit in enumerate(limits.tolist()):
                 over = ~paired & (np.nan_to_num(both[0, a]) > limit)
-                part = np.divide(limit, both[0, a], out=np.ones(over.shape), where=over)
-                both[:, a, survives_all(met[a], part)] = limit
+                some = np.divide(limit, both[0, a], out=np.ones(over.shape), where=over)
+                both[:, a, survives_all(met[a], some)] = limit
         return both
+
+    def _met(
+        self, part: FlightPart, known: KnownWinds, within: FloatArray, held: bool, flown: bool
+    ) -> Iterator[tuple[int, int, FloatArray, list[Winds], BoolArray]]:
+        """By plane and azimuth what a part of the flight asks for, ``(2, n)``, and in which winds.
+
+        And in which of them two modes grow as a pair, ``(n,)``.
+        """
+        low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
+        there = low < high
+        height = np.clip(known.knots(part.path, held), low, high)
+        times = np.interp(height, part.path.height, part.path.time)
+        fine = part.path.finer(times)
+        hidden = known.unknown(height) if held else False
+        for plane, tables in part.tables.items():
+            rows = tables.at(fine)
+            for a, azimuth in enumerate(self.azimuths.tolist()):
+                wind = there * known.at(known.wind(azimuth, plane, held), height)
+                strong = np.abs(wind)
+                if held and self.strength:
+                    most = np.interp(height, self.heights, self.strength[plane, azimuth])
+                    strong = np.maximum(strong, there * most)
+                sides = [
+                    self._side(
+                        tables, height, times, np.where(hidden, strong, blows), fine, rows, flown
+                    )
+                    for blows in (wind, -wind)
+                ]
+                alike = not held and self.gust is None and self.growth is None
+                winds = sides[0][1] + ([] if alike else sides[1][1])
+                need = np.maximum(*(one for one, _ in sides))
+                yield self.planes.index(plane), a, need, winds, np.asarray(rows.paired.any(axis=1))
 
     def _side(
         self,
-        plane: str,
+        tables: FlightTables,
         height: FloatArray,
         times: FloatArray,
         wind: FloatArray,
@@ -275,35 +330,30 @@ class Judge:
     ) -> tuple[FloatArray, list[Winds]]:
         """What winds [m/s] at heights and times ask for to one side, at the least and the most.
 
-        ``(2, n)``; NaN where too fast. And these winds, with their gusts.
+        ``(2, n)``. And these winds, with their gusts.
         """
-        if self.growth is not None:
-            wind = wind + self.growth.at(height)
-        angle = self.path.angle(wind, times, plane)
-        lost = np.asarray(np.isnan(angle).any(axis=1))
-        angle = np.where(lost[:, np.newaxis], 0.0, angle)
+        angle = self.path.angle(wind + self._growth(height), times, tables.mode.plane)
         if fine is not times:
             angle = on_lines(times, angle, fine)
-        need, at_limit = self._on_lines(plane, fine, angle, rows, flown)
+        need, at_limit = self._on_lines(tables, fine, angle, rows, flown)
         winds = [(fine, angle)]
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
             blows = np.max(angle, axis=1) > 0.0
             winds = [with_gust(self.gust, blows, fine, angle, at) for at in (top, at_limit)]
-            gusty = [self._on_lines(plane, *wind, None, flown)[0] for wind in winds]
+            gusty = [self._on_lines(tables, *wind, None, flown)[0] for wind in winds]
             need = np.where(blows, np.maximum(*gusty), need)
-        return np.where(lost, np.nan, need), winds
+        return need, winds
 
     def _on_lines(
         self,
-        plane: str,
+        tables: FlightTables,
         times: FloatArray,
         angle: FloatArray,
         rows: TableRows | None,
         flown: bool,
     ) -> tuple[FloatArray, FloatArray]:
         """The same of wind angles [rad], ``(2, n)``, and when trim and demand are that large."""
-        tables = self.tables[plane]
         found = needs_of_winds(tables, times, angle, rows)
         fast = tables.at(found.at).drifts_fast
         part = np.where(found.returns, _RETURNS, np.where(fast, _DRIFTS_FAST, 1.0))
@@ -319,6 +369,16 @@ class Judge:
 
 
 @lru_cache(maxsize=8)
-def _tables(flight: FlightSchedule, model: str, plane: str) -> FlightTables:
-    """Return the tables of a flight, kept for the next question about it."""
-    return flight_tables(GrowingMode(flight, model, plane, flight.span))
+def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
+    """Return the parts of a flight, kept for the next question about it."""
+    return tuple(
+        FlightPart(
+            FlownPath.of(part),
+            {
+                plane: flight_tables(mode)
+                for plane in planes
+                if (mode := GrowingMode(part, model, plane, part.span)).grows
+            },
+        )
+        for part in flight.parts
+    )

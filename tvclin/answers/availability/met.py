@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gathered
-from tvclin.winds.soundings.passage import LARGEST_ANGLE, checked_flight
+from tvclin.winds.soundings.passage import LARGEST_ANGLE, checked_flight, longest_run
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -75,10 +77,10 @@ class FlownPath:
         return np.sort(np.concatenate([times, more], axis=1), axis=1)
 
     def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
-        """Return angles [rad], eq (B1e), of winds [m/s] at times; NaN above `LARGEST_ANGLE`."""
+        """Return angles [rad], eq (B1e), of winds [m/s] at times; at most `LARGEST_ANGLE`."""
         across = 1.0 if plane == "yaw" else np.sin(np.interp(time, self.time, self.climb))
-        sine = wind * across / np.interp(time, self.time, self.speed)
-        return np.asarray(np.arcsin(np.where(np.abs(sine) <= np.sin(LARGEST_ANGLE), sine, np.nan)))
+        sine, most = wind * across / np.interp(time, self.time, self.speed), np.sin(LARGEST_ANGLE)
+        return np.asarray(np.arcsin(np.clip(sine, -most, most)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +157,27 @@ class KnownWinds:
             stronger = np.where(np.abs(below) > np.abs(above), below, above)
             wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
         return np.asarray(wind)
+
+    def flat(self, path: FlownPath, more: Callable[[FloatArray], Any]) -> FloatArray:
+        """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
+
+        That is the longest time in which the wind, with so many m/s more at a height, cannot meet
+        the flight at more than `LARGEST_ANGLE` from any side; NaN where that leaves out the largest
+        dynamic pressure.
+        """
+        height = self.knots(path, held=False)
+        wind = np.hypot(self.at(self.east, height), self.at(self.north, height)) + more(height)
+        steep = wind > np.sin(LARGEST_ANGLE) * np.interp(height, path.height, path.speed)
+        ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
+        for i in np.flatnonzero(steep.any(axis=1)).tolist():
+            run = longest_run(np.interp(height[i], path.height, path.time), ~steep[i])
+            ends[i] = np.nan
+            if run.start < run.stop:
+                low, high = height[i, run.start], height[i, run.stop - 1]
+                ends[i, 0] = low if run.start else path.height[0]
+                ends[i, 1] = high if run.stop < height.shape[1] else path.height[-1]
+        inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
+        return np.where(inside, ends, np.nan)
 
     def unknown(self, height: FloatArray) -> BoolArray:
         """Where at heights ``(n, k)`` nothing was measured."""

@@ -55,6 +55,8 @@ class Today(Shown):
         Deflection capability [rad].
     part : float
         Of the archive's soundings of which it is known, so many ask for less.
+    judged : tuple of float
+        First and last time [s] of the part of the flight of which it can be said.
     why : str
         Why nothing can be said; empty where it can.
     """
@@ -63,9 +65,10 @@ class Today(Shown):
     most: float
     limit: float
     part: float
+    judged: tuple[float, float]
     why: str = ""
 
-    as_dict = keyed("go least_deg most_deg part_of_archive_below=part why")
+    as_dict = keyed("go least_deg most_deg part_of_archive_below=part judged_s why")
 
     @property
     def go(self) -> bool | None:
@@ -105,6 +108,9 @@ class Availability(Shown):
         What the reader should know.
     reasons : tuple of str
         Why nothing can be said of a sounding, ``(n,)``; empty where it can.
+    judged : ndarray
+        First and last time [s] of the part of the flight that is judged in each, ``(n, 2)``: that
+        in which its wind meets the flight at 30 deg at most. NaN where nothing can be said.
     judge : Judge
         The flight, ready for any wind.
     """
@@ -121,6 +127,7 @@ class Availability(Shown):
     confidence: float
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
+    judged: FloatArray
     judge: Judge
 
     @property
@@ -147,6 +154,13 @@ class Availability(Shown):
         return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
 
     _keys = "limit_deg model plane notes"
+
+    @property
+    def judged_in_all(self) -> tuple[float, float]:
+        """First and last time [s] of the part of the flight that is judged in every sounding."""
+        begins, ends = self.judged[~np.isnan(self.judged[:, 0])].T
+        first, last = self.judge.flight.span
+        return float(begins.max(initial=first)), float(ends.min(initial=last))
 
     def part(self) -> Any:
         """Return how many fly: a `Part`."""
@@ -219,28 +233,31 @@ class Availability(Shown):
             least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))
             known = most[~np.isnan(most)]
             part = float(np.mean(known < high * _LESS)) if known.size else float("nan")
-            found.append(Today(least, high, self.limit, part, needs.why[0]))
+            span = needs.judged[0].tolist()
+            found.append(Today(least, high, self.limit, part, (span[0], span[1]), needs.why[0]))
         return self._plain(found)
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return a line for each sounding and azimuth as CSV, and write it where a path is given.
 
-        The columns need_deg, least_deg and most_deg are `need`, `least` and `most`.
+        The columns need_deg, least_deg and most_deg are `need`, `least` and `most`; from_s and to_s
+        are `judged`.
 
         Raises
         ------
         InputError
             When the file cannot be written.
         """
-        names = ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
-        rows: list[list[str]] = [names]
+        names = "time_utc azimuth_deg need_deg least_deg most_deg flies from_s to_s why"
+        rows = [names.split()]
         angles = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
         flies = np.atleast_2d(self.flies)
         for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
             for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
                 said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
                 cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in angles)
-                rows.append([str(time), f"{azimuth:.10g}", *cells, said, why])
+                ends = ("" if np.isnan(x) else repr(x) for x in self.judged[i].tolist())
+                rows.append([str(time), f"{azimuth:.10g}", *cells, said, *ends, why])
         return write_rows(rows, path)
 
     def to_xarray(self) -> xarray.Dataset:
@@ -298,6 +315,7 @@ class Availability(Shown):
         return {
             **picked(self, f"{head} confidence"),
             "soundings": len(self.soundings),
+            "judged_s": list(self.judged_in_all),
             "towards": towards,
             "notes": self.notes,
         }

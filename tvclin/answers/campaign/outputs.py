@@ -11,6 +11,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import first_plant
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
+from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -124,9 +125,10 @@ def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, Float
         When one of the cases cannot be answered.
     """
     found: dict[str, Any] = {}
-    for output in (REGISTRY[name] for name in campaign.outputs):
-        if output.alone(campaign) == alone:
-            found |= output.work(campaign, batch)
+    for name in campaign.outputs:
+        if REGISTRY[name].alone(campaign) == alone:
+            with naming(f"output {name}"):
+                found |= REGISTRY[name].work(campaign, batch)
     return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
 
 

@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
-from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
@@ -92,6 +91,11 @@ class GrowingMode:
         return np.asarray(self._solution(np.clip(t, *self.span))[-1])
 
     @property
+    def grows(self) -> bool:
+        """Whether anything grows in this flight; else there is no direction in which it does."""
+        return self._rows[0].size > 1
+
+    @property
     def held_from(self) -> float:
         """The last time [s] with a real unstable pole, after which parameters are taken as there.
 
@@ -107,23 +111,24 @@ class GrowingMode:
             np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
         ]
         times = np.concatenate([*between, rows[-1:]])
-        plant = Plant.from_vehicle(self.schedule.held(times), self.model, self.plane)
+        plant = self.schedule.plants(times, self.model, self.plane)
         A, inputs, _, _ = plant.matrices()
         both = np.concatenate([A, inputs], axis=-1)
         both = np.broadcast_to(both, (times.size, *both.shape[-2:]))
-        grows = np.flatnonzero(_fastest(both[..., : both.shape[-2]]) > 0.0)
-        if not grows.size or times[grows[-1]] <= times[0]:
-            raise InputError(
-                "varying parameters need a real unstable pole, which this flight has at none of its"
-                " times"
-            )
-        return times[: grows[-1] + 1], both[: grows[-1] + 1]
+        some = np.flatnonzero(_fastest(both[..., : both.shape[-2]]) > 0.0)
+        kept = slice(int(some.max(initial=-1)) + 1)
+        return times[kept], both[kept]
 
     @cached_property
     def _table(self) -> Any:
         from scipy.interpolate import PchipInterpolator
 
         times, rows = self._rows
+        if not self.grows:
+            raise InputError(
+                "varying parameters need a real unstable pole, which this flight has at none of its"
+                " times"
+            )
         table = PchipInterpolator(times, rows, axis=0)
         return lambda t: table(np.clip(t, times[0], times[-1]))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from os import PathLike
 from typing import Any
 
@@ -25,6 +26,7 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_text
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -42,6 +44,8 @@ _KEYS = {
     "attitude_deg": "attitude",
 }
 """The columns of a file, and of which field of the vehicle each is."""
+_LEAST_B = 1e-9
+"""In size, of plants: without any moment of the air the path does not follow from coefficients."""
 _MOST_ROWS = 100_000
 """A schedule of more times than that is a step that was given in the wrong unit."""
 
@@ -170,6 +174,29 @@ class FlightSchedule(Shown):
             for name, values in _numbers(self.vehicle).items()
         }
         return self.vehicle.replace(**numbers, time=times)
+
+    def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
+        """Return the plants at times [s], as `held`; also where the air has no moment."""
+        v = self.held(time)
+        least = _LEAST_B * np.asarray(v.control_force)
+        force = np.maximum(v.normal_force_slope, least)
+        arm = np.asarray(v.aerodynamic_arm)
+        weak = np.abs(v.normal_force_slope * arm) < least * np.abs(v.control_arm)
+        if np.any(weak):
+            longer = np.copysign(least * np.abs(v.control_arm) / force, arm)
+            arm, force = np.where(weak, longer, arm), np.where(weak, force, v.normal_force_slope)
+            v = v.replace(aerodynamic_arm=arm, normal_force_slope=force)
+        return Plant.from_vehicle(v, model, plane)
+
+    @property
+    def parts(self) -> tuple[FlightSchedule, ...]:
+        """The flight in parts, in each of which the air turns the vehicle to one side alone."""
+        arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
+        times, turned = self.times, np.flatnonzero(np.abs(arm) > _LEAST_B * np.abs(arm).max())
+        at = turned[:-1][arm[turned[:-1]] * arm[turned[1:]] < 0.0]
+        turns = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])
+        ends = [None, *turns.tolist(), None]
+        return tuple(self.between(*both) for both in pairwise(ends)) if turns.size else (self,)
 
     def between(self, start: float | None = None, stop: float | None = None) -> FlightSchedule:
         """Return the part of the flight from one time [s] to another; to its ends without them.

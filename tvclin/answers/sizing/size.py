@@ -31,7 +31,7 @@ from tvclin.answers.sizing.record import (
     beyond_one_pole,
 )
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.varying import VaryingNeed, varying_need
+from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts, varying_need
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
@@ -178,8 +178,8 @@ def _sized(
     """The sizing in one plane, without its notes."""
     schedule, bands, model, plane = asked.schedule, asked.dead_bands, asked.model, asked.plane
     needs = [
-        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, asked.law)) for w in row]
-        for v, row in zip(vehicles, placed, strict=True)
+        [told(_frozen(schedule.plants(t, model, plane), w, bands, asked.law)) for w in row]
+        for t, row in zip(asked.times, placed, strict=True)
     ]
     required = _frozen_columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
@@ -289,7 +289,11 @@ def _varying_columns(
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            along[key] = varying_need(mode, wind.in_flight, bands, wind.whole)
+            found = varying_need(mode, wind.in_flight, bands, wind.whole)
+            if np.any(np.isnan(found.required)) and len(mode.schedule.parts) > 1:
+                parts = need_in_parts(mode, wind.in_flight, bands, wind.whole)
+                found = replace(found, required=parts)
+            along[key] = found
         return along[key]
 
     needs = [

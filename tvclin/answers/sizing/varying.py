@@ -44,7 +44,8 @@ _BETWEEN = 16
 _LOOKS = 17
 """Times of a wind at which the pace of the path is looked at."""
 _SLACK = 1e-9
-_EDGE = 1e-12
+_LEAST = 1e-6
+"""Of the largest: what is less to the other side is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +91,12 @@ def varying_need(
     """
     times = _times(wind)
     course = _Course.of(mode, wind)
-    trim = np.abs(mode.trim_per_wind(times) * wind(times))
+    moment = mode.trim_per_wind(times) * wind(times)
+    trim = np.abs(moment)
     minimum = abs(float(course.future(wind.onset)[0] / mode.farthest(wind.onset)))
-    side = -float(np.sign(wind.peak * mode.trim_per_wind(times[0])))
-    blows = side * -mode.trim_per_wind(times) * wind(times)
-    if np.any(blows < -_EDGE * trim.max()):
+    side = -float(np.sign(moment[np.argmax(trim)]))
+    blows = -side * moment
+    if np.any(blows < -_LEAST * trim.max()):
         required = np.full(dead_bands.shape, np.nan)
     else:
         driver = side * course.trim(times)
@@ -108,6 +110,24 @@ def varying_need(
             flown = max(flown, _flown(_Course.of(mode, whole), _times(whole), (side, -side)))
         required = np.where(dead_bands == 1.0, np.maximum(required, flown), required)
     return VaryingNeed(float(trim.max()), required, minimum)
+
+
+def need_in_parts(
+    mode: GrowingMode, wind: History, dead_bands: FloatArray, whole: History | None
+) -> FloatArray:
+    """Return the most that a wind requires in one of the `FlightSchedule.parts`, ``(k,)``."""
+    parts, (first, last) = mode.schedule.parts, mode.span
+    ends = [first, *(part.span[0] for part in parts[1:]), last]
+    required = np.zeros(dead_bands.shape)
+    for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
+        alone = GrowingMode(part, mode.model, mode.plane, (start, stop))
+        blows, both = (
+            None if one is None else one.before(stop) - one.before(start) for one in (wind, whole)
+        )
+        if alone.grows and blows is not None and np.any(blows(blows.probe_times())):
+            needed = varying_need(alone, blows, dead_bands, both).required
+            required = np.maximum(required, needed)
+    return required
 
 
 def _times(wind: History) -> FloatArray:
@@ -152,7 +172,7 @@ def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
 
 def _held(mode: GrowingMode, times: FloatArray) -> Plant:
     """The plants with the parameters of these times."""
-    return Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
+    return mode.schedule.plants(times, mode.model, mode.plane)
 
 
 def _boundary(

@@ -79,7 +79,8 @@ def availability_of(document: Mapping[str, Any], folder: Path) -> AvailabilityAs
         if "persistence" in given:
             raise InputError("[availability] has an angle and hours of persistence; keep one")
         given["persistence"] = PairGrowth(hours)
-    wanted = {key: given.pop(key) for key in ("months", "years", "station") if key in given}
+    keys = ("months", "years", "station", "in_order")
+    wanted = {key: given.pop(key) for key in keys if key in given}
     offset = given.pop("utc_offset_hours", 0.0)
     return AvailabilityAsked(
         flight=_flight(document, folder)["schedule"],

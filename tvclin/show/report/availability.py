@@ -33,7 +33,10 @@ def _blocks(found: Findings) -> list[Block]:
         ": ",
         *whole.line,
     )
-    blocks: list[Block] = [Paragraph((*answer, ".")), Paragraph((_how(a),))]
+    blocks: list[Block] = [
+        Paragraph((*answer, ".")),
+        Paragraph((_how(a), " ", answer_tables.interval(a))),
+    ]
     if np.nanmax(a.most, initial=0.0) > 0.0:
         label = "The part of soundings that fly, over the deflection limit"
         caption = (

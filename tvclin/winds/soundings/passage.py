@@ -68,7 +68,7 @@ def angles_along(
     flown = np.interp(when, time, speed)
     sine = np.abs(known * np.sin(angle)) / flown
     if largest is not None:
-        flat = _longest_run(when, sine <= np.sin(largest))
+        flat = longest_run(when, sine <= np.sin(largest))
         if flat.stop - flat.start < 2:
             raise InputError(
                 f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
@@ -85,8 +85,8 @@ def angles_along(
     return when, angle_from_speed(known, flown, angle)
 
 
-def _longest_run(times: FloatArray, good: NDArray[np.bool_]) -> slice:
-    """The places of the longest time in which all is good."""
+def longest_run(times: FloatArray, good: NDArray[np.bool_]) -> slice:
+    """Return the places of the longest time in which all is good."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
     return max(runs, key=lambda one: times[one.stop - 1] - times[one.start], default=slice(0, 0))
