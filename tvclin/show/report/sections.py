@@ -92,6 +92,11 @@ def boundaries(found: Findings) -> Section:
         f" forecast of the wind, K = 0 a certain one. {tables.LEGEND} The marked row has the dead"
         " band of the verdict."
     )
+    if s.sign_factors:
+        words += (
+            " All rows have the dynamic pressure of calm air, but for a head and a tail wind, which"
+            " have that met in them."
+        )
     blocks = (tables.boundaries(s), figure, Paragraph((words,)))
     return Section("boundaries", "Boundaries", blocks)
 
