@@ -24,7 +24,12 @@ from tvclin.cli.app import app
 def nominal():
     vehicle = tv.load_vehicle("configuration-i")
     return tv.Study.from_vehicle(
-        vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.42), model="fixed-path"
+        vehicle,
+        duration=7.5,
+        peak=np.radians(5),
+        limit=np.radians(0.42),
+        model="fixed-path",
+        sign="frozen",
     )
 
 
@@ -137,7 +142,7 @@ def test_dispersed_cases_are_those_of_single_studies(nominal):
         duration = values.pop("wind_duration")
         vehicle = nominal.vehicle.replace(**values)
         alone = tv.Study.from_vehicle(
-            vehicle, duration=duration, peak=np.radians(5), model="fixed-path"
+            vehicle, duration=duration, peak=np.radians(5), model="fixed-path", sign="frozen"
         )
         assert found.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
     assert set(found.status.tolist()) == {"ok"}
@@ -188,7 +193,7 @@ def test_what_cannot_be_is_told(parameter, nominal, possible):
 
 def test_the_command_line_says_the_same(nominal):
     arguments = ["study", "--disperse", "--cases", "1800", "--seed", "2", "--limit-deg", "0.42"]
-    arguments += ["--model", "fixed-path"]
+    arguments += ["--model", "fixed-path", "--sign", "frozen"]
     text = CliRunner().invoke(app, arguments).output
     document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)["dispersed"]
     found = tv.answers.disperse_study(nominal, cases=1800, seed=2)

@@ -113,7 +113,7 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
             vehicle.replace(pitch_damping=float(damping[case])),
             **{"duration": 7.5, "peak": np.radians(5), "dead_band": 0.5, "model": "fixed-path"},
         )
-        assert found["required_K0.5"][case] == pytest.approx(study.required_deflection, rel=1e-12)
+        assert found["required_K0.5"][case] == pytest.approx(study.frozen_deflection, rel=1e-12)
         assert found["minimum"][case] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
     order = np.argsort(damping[~impossible])
     assert np.all(np.diff(found["required_K1"][~impossible][order]) < 0.0)  # trim: less with more
@@ -154,7 +154,7 @@ def test_cases_are_those_of_single_studies(plan, whole):
         )
         found = {name: whole.column(name)[case] for name in whole.outputs}
         row = study.boundaries["fixed-path"].deflection
-        assert found["required_K0.5"] == pytest.approx(study.required_deflection, rel=1e-12)
+        assert found["required_K0.5"] == pytest.approx(study.frozen_deflection, rel=1e-12)
         assert found["required_K1"] == pytest.approx(abs(row[0]), rel=1e-12)
         assert found["minimum"] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
 
@@ -467,7 +467,7 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
     study = tv.Study.from_vehicle(
         plan.vehicle, duration=7.5, peak=np.radians(5), model="fixed-path"
     )
-    assert whole.nominal["required_K1"] == pytest.approx(study.required_deflection, rel=1e-12)
+    assert whole.nominal["required_K1"] == pytest.approx(study.frozen_deflection, rel=1e-12)
 
 
 def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):

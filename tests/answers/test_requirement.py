@@ -274,7 +274,7 @@ def test_every_room_says_no_where_the_pair_needs_more(configuration_i, tmp_path)
 
 def test_the_command_exits_by_what_is_required():
     given = ["study", "configuration-i", "--model", "drift-exact", "--duration", "60",
-             "--dead-band", "0.5", "--json"]  # fmt: skip
+             "--dead-band", "0.5", "--sign", "frozen", "--json"]  # fmt: skip
     for limit, code in (("0.105", 1), ("0.12", 0)):
         result = CliRunner().invoke(app, [*given, "--limit-deg", limit])
         verdict = json.loads(result.stdout)["verdict"]

@@ -50,6 +50,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
+_LEAST_SIZE = 0.01
 _SIZES = 5
 """Sizes of a wind at which what its sign changes is computed for dispersed winds."""
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
@@ -351,14 +352,16 @@ class Study(Shown):
     def factors_at(self, sizes: ArrayLike) -> NDArray[np.float64]:
         """Return the factor of the sign that counts in winds of so many times this size.
 
-        Between a few sizes it is interpolated.
+        Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
         """
-        wanted, (name, factor) = np.asarray(sizes, dtype=float), self.counts
+        wanted, (name, factor) = np.abs(np.asarray(sizes, dtype=float)), self.counts
         if name == FROZEN or np.all(wanted == 1.0):
             return np.full(wanted.shape, factor)
+        wanted = np.maximum(wanted, _LEAST_SIZE)
         nodes = np.linspace(wanted.min(), wanted.max(), _SIZES)
         found = [self._factor_at(float(size)) for size in nodes]
-        return np.asarray(np.interp(wanted, nodes, found))
+        between = np.interp(wanted, nodes, found)
+        return np.where(np.isnan(between), np.inf, between)
 
     def _factor_at(self, size: float) -> float:
         """The same of one size."""
@@ -366,7 +369,10 @@ class Study(Shown):
         if name == FROZEN:
             return 1.0
         asked = None if self.slanting is not None else name
-        return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]
+        try:
+            return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]
+        except InputError:
+            return np.inf
 
     def _judged(self, limit: float) -> dict[str, Any]:
         """Whether a limit is enough, and what peak it survives."""

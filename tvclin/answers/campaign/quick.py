@@ -191,13 +191,13 @@ def disperse_study(
     for name, part in (("probability", probability), ("confidence", confidence)):
         fraction(name, part)
     found = evaluate(campaign, 0, cases)
-    sizes = found["wind_peak"] / study.blows.peak if "wind_peak" in found else np.ones(cases)
-    factors = study.factors_at(sizes)
-    deflection = found[required_name(study.dead_band)] * study.of_both * factors
+    deflection = found[required_name(study.dead_band)] * study.of_both
     good = ~np.isnan(deflection)
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
     values = {name: found[name] for name in dispersions.parameters}
+    peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
+    deflection[good] *= study.factors_at(peaks[good] / study.blows.peak)
     counted = deflection[good]
     return DispersedStudy(
         nominal=study,

@@ -138,11 +138,8 @@ def survived_size(limit: float, need: Callable[[float], float]) -> float:
     """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
     from scipy.optimize import brentq, root_scalar
 
-    def over(x: float) -> float:
-        try:
-            return float(np.log(need(float(np.exp(x))) / limit))
-        except InputError:  # no wind turns the path so far
-            return 1.0
+    def over(x: float) -> float:  # where no wind turns the path so far none is survived
+        return min(float(np.log(need(float(np.exp(x))) / limit)), 1.0)
 
     first = -over(0.0)
     if abs(first) < _CLOSE:
