@@ -68,7 +68,7 @@ def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: st
 
 
 def test_each_row_says_which_peak_the_limit_survives() -> None:
-    asked = ["study", "--limit-deg", "0.3", "--model", "drift"]
+    asked = ["study", "--limit-deg", "0.3", "--model", "drift", "--sign", "frozen"]
     rows = {
         line.split()[2]: line.split()
         for line in CliRunner().invoke(app, asked).output.splitlines()

@@ -59,6 +59,7 @@ VALUES = {
     "peak_speed": ["21"],
     "gust": ["1.5 3"],
     "gust_at": ["2"],
+    "sign": ["tail", "frozen"],
     "winds": [SOUNDING],
     "winds_time": ["2024-02-15 12"],
     "window": ["15"],

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from tvclin.cli.app import app
 
 COMMANDS = {
-    "study": ["study", "configuration-i", "--limit-deg", "0.4", "--model", "fixed-path"],
+    "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
     "boundary": ["boundary", "configuration-i", "--model", "drift"],
     "autopilot": ["margins", "configuration-i"],
     "error": ["study", "a vehicle of which nobody has ever heard and that is nowhere to be found"],

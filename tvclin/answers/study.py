@@ -30,9 +30,11 @@ from tvclin.base.errors import (
     InputError,
     between,
     instance,
+    nonnegative,
     number,
     one_of,
     single,
+    within,
 )
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
@@ -50,7 +52,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
-_LEAST_SIZE = 0.01
+_LEAST_SIZE, _LARGEST_SIZE = 0.01, 1e9
 _SIZES = 5
 """Sizes of a wind at which what its sign changes is computed for dispersed winds."""
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
@@ -353,8 +355,14 @@ class Study(Shown):
         """Return the factor of the sign that counts in winds of so many times this size.
 
         Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
+
+        Raises
+        ------
+        InputError
+            For sizes that are negative, or no numbers.
         """
-        wanted, (name, factor) = np.abs(np.asarray(sizes, dtype=float)), self.counts
+        wanted = within("sizes", nonnegative("sizes", sizes), 0.0, _LARGEST_SIZE)
+        name, factor = self.counts
         if name == FROZEN or np.all(wanted == 1.0):
             return np.full(wanted.shape, factor)
         wanted = np.maximum(wanted, _LEAST_SIZE)

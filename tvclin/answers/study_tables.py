@@ -103,9 +103,8 @@ def boundaries(s: Study) -> Table:
             row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
     if s.model in names and not s.in_both:
-        of_the_verdict = f"K = {s.dead_band:g}"
         rows += [
-            ((f"{of_the_verdict} as a {sign} wind",), *_parts(s, sign, {s.model: need}))
+            ((f"{sign} wind, K = {s.dead_band:g}",), *_parts(s, sign, {s.model: need}))
             for sign, need in s.sign_needs.items()
         ]
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]

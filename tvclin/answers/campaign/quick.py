@@ -197,7 +197,7 @@ def disperse_study(
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
     values = {name: found[name] for name in dispersions.parameters}
     peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
-    deflection[good] *= study.factors_at(peaks[good] / study.blows.peak)
+    deflection[good] *= study.factors_at(np.abs(peaks[good] / study.blows.peak))
     counted = deflection[good]
     return DispersedStudy(
         nominal=study,

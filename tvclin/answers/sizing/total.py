@@ -306,7 +306,10 @@ def worst_total(
     """
     instance("sizing", sizing, Sizing, "see size")
     part = number("dispersion", dispersion, nonnegative)
-    adds = np.broadcast_to(nonnegative("sign", sign), sizing.times.shape)
+    adds = nonnegative("sign", sign)
+    if adds.shape not in ((), sizing.times.shape):
+        raise InputError(f"sign must be one number or {sizing.times.size}; got {adds.shape}")
+    adds = np.broadcast_to(adds, sizing.times.shape)
     winds = sizing.at_times(name)
     if np.all(np.isnan(winds)):
         why = "; ".join(sizing.said or sizing.notes)
