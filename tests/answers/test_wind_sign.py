@@ -98,7 +98,7 @@ def test_the_verdict_counts_the_worst_of_head_tail_and_calm_air() -> None:
 
 @pytest.mark.parametrize("sign", ["head", "tail", "frozen", None])
 def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
-    for limit in np.radians([0.1, 0.4, 0.7]):
+    for limit in np.radians([0.02, 0.1, 0.4, 0.7]):
         peak = np.degrees(of_peak(5.0, limit=limit, sign=sign).survivable_peak)
         assert of_peak(peak, sign=sign).required_deflection == pytest.approx(limit, rel=1e-4)
 
@@ -119,6 +119,15 @@ def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
     both = blown(30.0, stop="round")
     assert 1.0 < both.sign_factors["head"] < of_peak(5.0).sign_factors["head"]
     assert both.required_deflection == both.planes.deflection * both.sign_factors["head"]
+
+
+def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:
+    for duration in (1e4, 1e8):
+        found = tv.Study.from_vehicle(
+            configuration_i, duration=duration, peak=np.radians(5), model="fixed-path"
+        )
+        assert found.sign_factors == {}
+        assert any("can be followed for at most" in note for note in found.notes)
 
 
 def test_across_the_path_and_without_a_speed_nothing_is_changed(configuration_i) -> None:

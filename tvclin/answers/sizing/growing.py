@@ -35,6 +35,7 @@ FloatArray = NDArray[np.float64]
 RTOL, ATOL = 1e-9, 1e-12
 _LONGEST = 500.0
 """Of the span, over the time of the fastest mode; the solver takes at least twice as many steps."""
+_MOST_ROWS = 100_000
 _STEP = 0.5
 """Between rows of the schedule coefficients are tabulated at least every half second."""
 
@@ -107,6 +108,11 @@ class GrowingMode:
     def _rows(self) -> tuple[FloatArray, FloatArray]:
         """Times [s], and A beside the columns of the inputs; up to the last real unstable pole."""
         rows = self.schedule.times
+        if rows[-1] - rows[0] > _MOST_ROWS * _STEP:
+            raise InputError(
+                f"varying parameters can be followed for at most {_MOST_ROWS * _STEP:.4g} s; the"
+                f" flight lasts {rows[-1] - rows[0]:.4g} s: shorten the winds"
+            )
         between = [
             np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
         ]

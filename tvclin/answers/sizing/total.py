@@ -320,7 +320,7 @@ def worst_total(
             wind,
             nominal=float(sizing.schedule.nominal_at(t)),
             dispersion=part * wind * (1.0 + more),
-            others=(Line("head wind", more * wind),),
+            others=(Line("head wind", more * wind),) * (more > 0.0),
             **offsets,  # type: ignore[arg-type]
         )
         for t, wind, more in zip(sizing.times.tolist(), winds.tolist(), adds.tolist(), strict=True)

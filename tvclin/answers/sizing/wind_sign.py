@@ -34,8 +34,8 @@ SIGNS = {"head": -1.0, "tail": 1.0}
 """Of the wind angle in the pitch plane."""
 FROZEN = "frozen"
 """The dynamic pressure of calm air, for either sign."""
-_CLOSE, _TRIES = 1e-5, 12
-"""Of the logarithm of a factor on the wind, and of evaluations that find it."""
+_CLOSE = 1e-5
+"""Of the logarithm of a factor on the wind."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
 _JUMP = 1e-6
@@ -136,21 +136,21 @@ def _factor(
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
     """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
-    from scipy.optimize import brentq, root_scalar
+    from scipy.optimize import brentq
 
-    def over(x: float) -> float:  # where no wind turns the path so far none is survived
-        return min(float(np.log(need(float(np.exp(x))) / limit)), 1.0)
+    def over(x: float) -> float:
+        value = float(np.log(need(float(np.exp(x))) / limit))
+        return 1.0 if np.isinf(value) else value  # where no wind turns the path so far
 
     first = -over(0.0)
     if abs(first) < _CLOSE:
         return 1.0
-    found = root_scalar(over, method="secant", x0=0.0, x1=first, xtol=_CLOSE, maxiter=_TRIES)
-    x = found.root
-    if not (found.converged and x * first > 0.0 and abs(x) < 2.0 * abs(first)):
-        ends = sorted((0.0, 2.0 * first))
-        inside = over(ends[0]) * over(ends[1]) < 0.0
-        x = brentq(over, *ends, xtol=_CLOSE) if inside else min(first, 2.0 * first)
-    return float(np.exp(x))
+    end = first if over(first) * first > 0.0 else 2.0 * first  # a tail wind needs less than so much
+    while first < 0.0 < over(end):
+        end *= 2.0
+    if over(end) < 0.0 < first:
+        return float(np.exp(end))
+    return float(np.exp(brentq(over, 0.0, end, xtol=_CLOSE)))
 
 
 def signed_need(
