@@ -211,6 +211,7 @@ def doors(folder: Path) -> dict[str, Door]:
     options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
     hardware = {"rate_limit": 1.0, "actuator": actuator}
     history = {"plant": plant, "wind": wind}
+    hinge = tv.answers.NozzleData(engine=tv.vehicle.Engine(mass=2000.0, arm=1.0))
     both = {"plant": plant, "deflection": held, "wind": wind}
     study_file, campaign_file = folder / "study.toml", folder / "campaign.toml"
     study_file.write_text(
@@ -376,6 +377,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "design": tv.AutopilotDesign(),
             },
         ),
+        "Case.blows_at": Door(tv.Case(vehicle=booster, wind=slanting).blows_at, {"dead_band": 0.5}),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
         "CampaignResults.column": Door(results.column, {"name": "thrust"}),
@@ -1098,6 +1100,40 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "nozzle_card": Door(
+            tv.answers.nozzle_card,
+            {
+                "times": np.linspace(0.0, 1.0, 5),
+                "deflection": 0.01 * np.arange(5),
+                "limit": 0.1,
+                "window": 0.5,
+                "nozzle": hinge,
+                "vehicle": booster,
+                "angle_of_attack": 0.01 * np.ones(5),
+                "attitude": 0.01 * np.ones(5),
+            },
+        ),
+        "NozzleData": Door(
+            tv.answers.NozzleData,
+            {
+                "engine": hinge.engine,
+                "stiffness": 1e5,
+                "damping": 1e4,
+                "friction": 100.0,
+                "offset": 0.01,
+                "thrust_offset": 0.01,
+            },
+        ),
+        "rate_front": Door(
+            tv.boundary.rate_front,
+            {
+                **history,
+                "rates": [0.05, 0.1],
+                "limit": 0.02,
+                "rate_limit": 0.1,
+                "acceleration_limit": 5.0,
+            },
+        ),
         "optimum_deflection": Door(
             tv.optimum_deflection, {**history, "start": 0.0, "horizon": 20.0}
         ),

@@ -45,7 +45,7 @@ def _file(folder: Path, text: str) -> str:
         ["boundary"],
         ["optimum"],
         ["respond", "--model", "drift", "--limit-deg", "0.4"],
-        ["study", "--model", "drift-exact", "--limit-deg", "0.4"],
+        ["study", "--model", "drift-exact", "--limit-deg", "0.4", "--peak-deg", "1"],
         ["margins"],
         ["autopilot", "--natural-frequency", "1.5"],
     ],

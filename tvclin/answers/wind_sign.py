@@ -68,7 +68,7 @@ def signed_needs(
         As `signed_need`, and for a vehicle of which speed and attitude are not known.
     """
     frozen = abs(float(required.needs[BOUNDARY]))
-    if frozen == 0.0 or np.isinf(frozen):
+    if frozen == 0.0 or not np.isfinite(frozen * float(required.deflection)):
         return {}
     whole = whole_vehicle(vehicle, "the sign of a wind").rigid
     per = abs(float(required.deflection)) / frozen

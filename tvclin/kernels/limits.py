@@ -78,7 +78,7 @@ def _left_side(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatAr
 
 def _above_the_root(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
     """An end at which the left side is not positive; for b2 > b1 it may lie beyond p/K."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         high = np.minimum(p / K, 1.0 / (1.0 - K))
     for _ in range(60):
         below = _left_side(high, K, kappa, K1, rho, L) > 0.0

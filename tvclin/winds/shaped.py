@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, directions, instance, number, one_of
+from tvclin.base.errors import InputError, directions, instance, number, one_of, within
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.checks import checked_peak, checked_span
+from tvclin.winds.checks import LONGEST, checked_peak, checked_span
 from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
@@ -78,7 +78,7 @@ class ShapedWind:
             number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
         if self.gust_at is not None:
-            number("gust_at", self.gust_at, unit="s")
+            within("gust_at", number("gust_at", self.gust_at, unit="s"), -LONGEST, LONGEST, "s")
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return its part in a plane, without a heading; itself where it has none.

@@ -195,7 +195,9 @@ class SizingAsked:
         assert isinstance(own, ShapedWind)
         gust, at = own.gust, own.gust_at
         return tuple(
-            replace(one, gust=gust, gust_at=0.5 * one.duration if at is None else at)
+            one
+            if gust is None
+            else replace(one, gust=gust, gust_at=0.5 * one.duration if at is None else at)
             for one in (*((own,) if self.pulse else ()), *self.others)
         )
 
