@@ -66,7 +66,7 @@ class ArchiveOptions:
 
 @dataclass(frozen=True)
 class JudgedOptions:
-    """How soundings are judged; `grouped` gives the options."""
+    """How soundings are judged, and the balloon of today; `grouped` gives the options."""
 
     plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both"
     stop: Annotated[
@@ -86,7 +86,6 @@ class JudgedOptions:
             " these hours."
         ),
     ] = None
-
     gust: Gust = None
     known_to_m: Annotated[
         float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
@@ -94,6 +93,16 @@ class JudgedOptions:
     confidence: Annotated[float, typer.Option(help="Confidence of the intervals, from 0 to 1.")] = (
         0.95
     )
+    today: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
+    ] = None
+    today_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
+        ),
+    ] = None
 
     def availability(
         self, flight: "FlightSchedule", soundings: "Soundings", limit: float, azimuth: "ArrayLike"
@@ -130,25 +139,9 @@ class JudgedOptions:
             return PairGrowth(self.persistence_hours)
         return radians_of("--persistence-deg", self.persistence_deg, 0.0)
 
-
-@dataclass(frozen=True)
-class TodayOptions:
-    """The balloon of today; `grouped` gives the options."""
-
-    today: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
-    ] = None
-    today_time: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
-        ),
-    ] = None
-
     @property
     def balloon(self) -> "WindProfile | None":
-        """What it saw; None without an option."""
+        """What the balloon of today saw; None without an option."""
         if self.today is None:
             only_with("--today", today_time=self.today_time)
             return None
@@ -190,7 +183,6 @@ def availability(
         typer.Option("--to", help="Last flight time that counts, in s.", show_default="the last"),
     ] = None,
     judged: JudgedOptions = JudgedOptions(),
-    launch: TodayOptions = TodayOptions(),
     as_json: AsJson = False,
     csv: Annotated[
         Path | None,
@@ -218,7 +210,7 @@ def availability(
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
-    flight, balloon = load_schedule(source).between(begin, end), launch.balloon
+    flight, balloon = load_schedule(source).between(begin, end), judged.balloon
     found = judged.availability(flight, only.read(archive), float(limit), azimuths)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:

@@ -195,12 +195,16 @@ class BlowingOptions(PulseOptions):
         placed = place(met, whole, time, "peak", length)
         if not placed.known or placed.calm:
             word = "calm" if placed.known else "not known"
-            of = f"the wind of {self.winds.name}"
-            raise InputError(f"{of} is {word} at {time:g} s, the vehicle's time")
+            raise InputError(
+                f"the wind of {self.winds.name} is {word} at {time:g} s, the vehicle's time"
+            )
         first, last = met.known
         if time - length / 2 < first or last < time + length / 2:
-            span = f"from {first:.6g} to {last:.6g} s of flight only; what blows beyond is not"
-            say(f"Note: {self.winds.name} is known {span} counted.", err=True)
+            say(
+                f"Note: {self.winds.name} is known from {first:.6g} to {last:.6g} s of flight only;"
+                " what blows beyond is not counted.",
+                err=True,
+            )
         return placed.in_flight
 
     def _met(self, plan: "StudyPlan", source: str, azimuth: float, length: float) -> "Met":
