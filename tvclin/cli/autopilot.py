@@ -1,7 +1,8 @@
 """`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
 
-from dataclasses import replace
-from math import degrees
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import degrees, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,31 +11,22 @@ import typer
 from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import case_of
-from tvclin.cli.least import LeastOptions, draw_front, print_least
+from tvclin.cli.inputs import CaseOptions, case_of
+from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
-from tvclin.cli.options import (
-    AsJson,
-    Model,
-    Plane,
-    Plot,
-    Rigid,
-    SampleRate,
-    Source,
-    grouped,
-)
-from tvclin.cli.output import print_tables, say, say_notes
+from tvclin.cli.options import MotionOptions, Rigid, SampleRate, Shown, Source, grouped
+from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
-from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from tvclin.answers.least_gains.record import LeastGains
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.base.lines import Row
     from tvclin.control.comparison.duration import WorstDuration
     from tvclin.control.comparison.trim import TrimComparison
-    from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
@@ -53,10 +45,8 @@ def autopilot(
     criteria: CriteriaOptions = CriteriaOptions(),
     least: LeastOptions = LeastOptions(),
     rigid: Rigid = False,
-    model: Model = None,
-    plane: Plane = None,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    motion: MotionOptions = MotionOptions(),
+    shown: Shown = Shown(),
 ) -> None:
     """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
 
@@ -69,41 +59,161 @@ def autopilot(
     Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
     """
     from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
 
-    case = case_of(
-        vehicle,
-        *(criteria.over, least.over, gains.over, loop.over),
-        blows=blows.over,
-        told=("autopilot",),
-        rigid=rigid,
-        model=model,
-        plane=plane,
-        limit_deg=limit_deg,
-        sample_rate=sample_rate,
-    )
-    loaded, plant, asked = case.vehicle, case.plant, case.held_to
-    limit = None if case.nozzle.limit is None else degrees(case.nozzle.limit)
+    own = CaseOptions(limit_deg, None, sample_rate, rigid).over
+    changes = own, motion.over, criteria.over, least.over, gains.over, loop.over
+    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",))
     with waiting("seeking gains"):
-        sought = least.found(case, asked)
-    autopilot = autopilot_asked(case, case.history, asked) if sought is None else sought.autopilot
-    found = compare_with_trim(plant, autopilot, case.history)
-    worst = _worst(found, case.blows)
-    if plot is not None:
+        sought = least.found(case, case.held_to)
+    wind = case.history
+    loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
+    compared = compare_with_trim(case.plant, loop_of, wind)
+    found = _Found(case, compared, _worst(compared, case.blows), sought)
+    if shown.plot is not None:
         with waiting("drawing"):
-            _draw(found, plot) if sought is None else draw_front(sought, plot)
-    document = _document(loaded, found, worst, limit, asked)
-    if sought is not None:
-        document["least"] = sought
-    if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "plane": case.plane, **document})
+            found.draw(shown.plot)
+    if shown.as_json:
+        print_json(found.document())
     else:
-        _print(loaded, found, worst, document, wind_words(blows.name(case), case), limit)
-        if sought is not None:
-            print_least(sought)
-    if not document["met"]:
+        found.print(blows.title(case, ""))
+    if not found.met:
         raise typer.Exit(1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What an autopilot needs in the wind of a case, and in the one that asks for most."""
+
+    case: "StudyPlan"
+    compared: "TrimComparison"
+    worst: "WorstDuration | None"
+    sought: "LeastGains | None"
+
+    @property
+    def limit(self) -> float | None:
+        """The limit [deg] that is judged."""
+        return None if self.case.nozzle.limit is None else degrees(self.case.nozzle.limit)
+
+    @property
+    def within(self) -> bool:
+        """Whether the limit is enough in this wind; true without one."""
+        return self.limit is None or degrees(self.compared.peak_deflection) <= self.limit
+
+    @cached_property
+    def criteria_met(self) -> bool:
+        """Whether the margins are those that are asked for."""
+        found = self.compared
+        return MarginsFound.of(found.autopilot, found.plant, self.case.held_to).met
+
+    @property
+    def met(self) -> bool:
+        """Whether the loop is stable, and meets criteria and limit."""
+        return bool(self.compared.margins.stable and self.criteria_met and self.within)
+
+    @property
+    def loads(self) -> tuple[float, float]:
+        """Normal force [N] and speed across [m/s]; NaN for a vehicle known by its coefficients."""
+        from tvclin.vehicle.vehicle import Vehicle
+
+        vehicle, found = self.case.vehicle, self.compared
+        if not isinstance(vehicle, Vehicle):
+            return float("nan"), float("nan")
+        force = abs(float(vehicle.normal_force_slope)) * found.peak_angle_of_attack
+        return force, found.peak_flight_path_angle * float(vehicle.velocity)
+
+    def document(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        from tvclin.base.documents import picked
+
+        found, (force, across) = self.compared, self.loads
+        bounds = {f"{K:g}": degrees(one) for K, one in found.boundaries.items()}
+        return {
+            **picked(self.case, "vehicle=vehicle.name model=plant.model plane"),
+            "autopilot": found.autopilot,
+            **poles_document(found.autopilot, found.plant),
+            **picked(
+                found,
+                "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
+                " part_of_trim=relative peak_deflection_rate_deg_s peak_angle_of_attack_deg",
+            ),
+            "peak_normal_force_N": force,
+            **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
+            "peak_lateral_speed_m_s": across,
+            **picked(found, "trim_deg=trim_deflection"),
+            "boundaries_deg": bounds,
+            **picked(found, "minimum_deg wind_gain"),
+            "worst_duration": self.worst,
+            "criteria": {"name": self.case.held_to.name, "met": self.criteria_met},
+            "limit_deg": self.limit,
+            "within_limit": None if self.limit is None else self.within,
+            **picked(self, "met notes=compared.notes"),
+            **({} if self.sought is None else {"least": self.sought}),
+        }
+
+    def print(self, title: str) -> None:
+        """Print the autopilot, what it needs, and the verdict; and how it was sought."""
+        from tvclin.base.lines import quantities
+
+        found, rows = self.compared, self.compared.autopilot.rows()
+        if found.plant.structure is not None:
+            say(parts_line(found.plant.structure))
+        elif found.autopilot.sample_rate is None:
+            rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
+        print_tables(quantities(title, rows))
+        if found.margins.stable:
+            print_tables(found.deflections("Largest deflection in this wind"))
+            print_tables(quantities("In this wind", [*found.motions(), *self._more()]))
+            print_bounds(found.autopilot, found.plant)
+            say_notes(found.notes)
+            self._judge()
+        else:
+            say(f"NO NUMBERS: {found.margins.reason}")
+        if self.sought is not None:
+            print_least(self.sought)
+
+    def _judge(self) -> None:
+        word = "MET" if self.criteria_met else "NOT MET (tvclin margins says by how much)"
+        say(f"Criteria {self.case.held_to.name}: {word}")
+        if self.limit is None:
+            return
+        word = "ENOUGH" if self.within else "NOT ENOUGH for this autopilot"
+        worst = self.worst
+        if worst is not None and self.within and self.limit < degrees(worst.peak_deflection):
+            word += f" in this wind, but not in one of {worst.duration:.3g} s"
+        say(f"Limit {self.limit:g} deg: {word}")
+
+    def _more(self) -> "Iterator[Row]":
+        """Yield what takes the whole vehicle, and the wind that asks most."""
+        from tvclin.base.lines import degrees as angle
+        from tvclin.base.lines import significant
+
+        (force, across), worst = self.loads, self.worst
+        if isfinite(force):
+            yield (
+                "N times the angle of attack",
+                significant("wind.normal_force", force, 4, "N"),
+            )
+        if isfinite(across):
+            yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
+        if worst is not None:
+            end = ", an end of the range tried" * worst.at_the_end
+            asks = angle("wind.worst", worst.peak_deflection, unit="deg")
+            yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
+
+    def draw(self, plot: Path) -> None:
+        """Draw what a disk margin costs, where gains were sought, or else a stable response."""
+        from tvclin import plots
+
+        if self.sought is not None:
+            from tvclin.answers.least_gains.front import least_gains_front
+
+            plots.save_figure(plots.least_gains_chart([least_gains_front(self.sought)]), plot)
+        elif self.compared.margins.stable:
+            plots.save_figure(plots.comparison_chart(self.compared), plot)
+        else:
+            said = "an unstable loop has no response to draw"
+            say(f"No figure is written to {plot}: {said}.", err=True)
 
 
 def _worst(found: "TrimComparison", wind: Any) -> "WorstDuration | None":
@@ -121,104 +231,3 @@ def _worst(found: "TrimComparison", wind: Any) -> "WorstDuration | None":
         longest=_LONGEST * wind.duration,
         shape=lambda peak, duration: wind.history({"wind_peak": peak, "wind_duration": duration}),
     )
-
-
-def _draw(found: "TrimComparison", plot: Path) -> None:
-    from tvclin.plots import comparison_chart, save_figure
-
-    if not found.margins.stable:
-        say(f"No figure is written to {plot}: an unstable loop has no response to draw.", err=True)
-        return
-    save_figure(comparison_chart(found), plot)
-
-
-def _document(
-    vehicle: "AnyVehicle",
-    found: "TrimComparison",
-    worst: "WorstDuration | None",
-    limit_deg: float | None,
-    asked: "Criteria",
-) -> dict[str, Any]:
-    import numpy as np
-
-    from tvclin.base.documents import picked
-    from tvclin.vehicle.vehicle import Vehicle
-
-    within = limit_deg is None or np.degrees(found.peak_deflection) <= limit_deg
-    criteria = MarginsFound.of(found.autopilot, found.plant, asked).met
-    slope = speed = float("nan")  # of a vehicle that is known by its coefficients
-    if isinstance(vehicle, Vehicle):
-        slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
-    return {
-        "autopilot": found.autopilot,
-        **poles_document(found.autopilot, found.plant),
-        **picked(
-            found,
-            "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
-            " part_of_trim=relative peak_deflection_rate_deg_s peak_angle_of_attack_deg",
-        ),
-        "peak_normal_force_N": slope * found.peak_angle_of_attack,
-        **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
-        "peak_lateral_speed_m_s": found.peak_flight_path_angle * speed,
-        **picked(found, "trim_deg=trim_deflection"),
-        "boundaries_deg": {f"{K:g}": np.degrees(one) for K, one in found.boundaries.items()},
-        **picked(found, "minimum_deg wind_gain"),
-        "worst_duration": worst,
-        "criteria": {"name": asked.name, "met": criteria},
-        "limit_deg": limit_deg,
-        "within_limit": None if limit_deg is None else bool(within),
-        "met": bool(found.margins.stable and criteria and within),
-        "notes": found.notes,
-    }
-
-
-def _print(
-    vehicle: "AnyVehicle",
-    found: "TrimComparison",
-    worst: "WorstDuration | None",
-    document: dict[str, Any],
-    wind: str,
-    limit_deg: float | None,
-) -> None:
-    import numpy as np
-
-    from tvclin.base.lines import quantities
-
-    rows = found.autopilot.rows()
-    if found.plant.structure is not None:
-        say(parts_line(found.plant.structure))
-    elif found.autopilot.sample_rate is None:
-        rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
-    print_tables(quantities(f"{vehicle.name}, {found.plant.model}: {wind}", rows))
-    if not found.margins.stable:
-        say(f"NO NUMBERS: {found.margins.reason}")
-        return
-    print_tables(found.deflections("Largest deflection in this wind"))
-    print_tables(quantities("In this wind", [*found.motions(), *_more(document, worst)]))
-    print_bounds(found.autopilot, found.plant)
-    say_notes(found.notes)
-    word = "MET" if document["criteria"]["met"] else "NOT MET (tvclin margins says by how much)"
-    say(f"Criteria {document['criteria']['name']}: {word}")
-    if limit_deg is not None:
-        word = "ENOUGH" if document["within_limit"] else "NOT ENOUGH for this autopilot"
-        if worst is not None and document["within_limit"]:
-            longer = limit_deg < float(np.degrees(worst.peak_deflection))
-            word += f" in this wind, but not in one of {worst.duration:.3g} s" if longer else ""
-        say(f"Limit {limit_deg:g} deg: {word}")
-
-
-def _more(document: dict[str, Any], worst: "WorstDuration | None") -> "Iterator[Row]":
-    """Yield what takes the whole vehicle, and the wind that asks most."""
-    import numpy as np
-
-    from tvclin.base.lines import degrees, significant
-
-    force, across = document["peak_normal_force_N"], document["peak_lateral_speed_m_s"]
-    if np.isfinite(force):
-        yield "N times the angle of attack", significant("wind.normal_force", force, 4, "N")
-    if np.isfinite(across):
-        yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
-    if worst is not None:
-        end = ", an end of the range tried" * worst.at_the_end
-        asks = degrees("wind.worst", worst.peak_deflection, unit="deg")
-        yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)

@@ -1,21 +1,154 @@
 """`tvclin availability`: on how many days of an archive the nozzle is enough."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import note_source, only_with
-from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
-from tvclin.cli.output import print_tables, say, say_notes
+from tvclin.cli.inputs import note_source, only_with, radians_of
+from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot, grouped
+from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import gust_of
+from tvclin.cli.wind import gust_of, noted_sounding
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from tvclin.answers.availability.growth import PairGrowth
     from tvclin.answers.availability.record import Availability, Today
+    from tvclin.answers.sizing.schedule import FlightSchedule
+    from tvclin.winds.soundings.archive import Soundings
+    from tvclin.winds.soundings.profile import WindProfile
 
 
+@dataclass(frozen=True)
+class ArchiveOptions:
+    """Which soundings of an archive count; `grouped` gives the options."""
+
+    month: Annotated[
+        list[int] | None,
+        typer.Option(help="Only this month, from 1 to 12; may be given several times."),
+    ] = None
+    years: Annotated[
+        tuple[int, int] | None, typer.Option(metavar="FIRST LAST", help="Only these years.")
+    ] = None
+    station: Annotated[
+        str | None, typer.Option(help="Only this station, where there are several.")
+    ] = None
+    in_order: Annotated[
+        bool,
+        typer.Option(
+            "--in-order",
+            help="Take files without a date in the order of their names, one a day from 2000-01-01"
+            " on; of what month they are is then not known.",
+        ),
+    ] = False
+    utc_offset: Annotated[
+        float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
+    ] = 0.0
+
+    def read(self, archive: list[Path]) -> "Soundings":
+        """Return these soundings."""
+        from tvclin.winds.soundings.read_soundings import read_soundings
+
+        with bar("read") as progress:
+            return read_soundings(
+                archive,
+                months=self.month or None,
+                years=self.years,
+                station=self.station,
+                utc_offset=self.utc_offset,
+                in_order=self.in_order,
+                progress=progress,
+            )
+
+
+@dataclass(frozen=True)
+class JudgedOptions:
+    """How soundings are judged, and the balloon of today; `grouped` gives the options."""
+
+    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both"
+    stop: Annotated[
+        str,
+        typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
+    ] = "round"
+    model: Model = None
+    persistence_deg: Annotated[
+        float | None,
+        typer.Option(help="Angle added for the change of wind until launch, in deg."),
+    ] = None
+    persistence_hours: Annotated[
+        float | None,
+        typer.Option(
+            help="In place of --persistence-deg, the hours from balloon to launch. Added is the"
+            " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
+            " these hours."
+        ),
+    ] = None
+    gust: Gust = None
+    known_to_m: Annotated[
+        float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
+    ] = None
+    confidence: Annotated[float, typer.Option(help="Confidence of the intervals, from 0 to 1.")] = (
+        0.95
+    )
+    today: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
+    ] = None
+    today_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
+        ),
+    ] = None
+
+    def availability(
+        self, flight: "FlightSchedule", soundings: "Soundings", limit: float, azimuth: "ArrayLike"
+    ) -> "Availability":
+        """Return on how many days a limit [rad] is enough towards azimuths [rad]."""
+        from tvclin.answers.availability.availability import availability
+        from tvclin.linear.models import USUAL_MODEL
+
+        with bar("soundings") as progress:
+            return availability(
+                flight,
+                soundings,
+                limit=limit,
+                azimuth=azimuth,
+                plane=self.plane,
+                stop=self.stop,
+                model=self.model or USUAL_MODEL,
+                persistence=self.growth,
+                gust=gust_of(self.gust),
+                known_to=self.known_to_m,
+                confidence=self.confidence,
+                progress=progress,
+            )
+
+    @property
+    def growth(self) -> "float | PairGrowth | None":
+        """An angle [rad], or how needs grew in the archive; None without an option."""
+        from tvclin.answers.availability.growth import PairGrowth
+        from tvclin.base.errors import InputError
+
+        if self.persistence_deg is not None and self.persistence_hours is not None:
+            raise InputError("give --persistence-deg or --persistence-hours, not both")
+        if self.persistence_hours is not None:
+            return PairGrowth(self.persistence_hours)
+        return radians_of("--persistence-deg", self.persistence_deg, 0.0)
+
+    @property
+    def balloon(self) -> "WindProfile | None":
+        """What the balloon of today saw; None without an option."""
+        if self.today is None:
+            only_with("--today", today_time=self.today_time)
+            return None
+        return noted_sounding(self.today, self.today_time)
+
+
+@grouped
 def availability(
     source: Annotated[
         str,
@@ -38,27 +171,7 @@ def availability(
         ),
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
-    month: Annotated[
-        list[int] | None,
-        typer.Option(help="Only this month, from 1 to 12; may be given several times."),
-    ] = None,
-    years: Annotated[
-        tuple[int, int] | None, typer.Option(metavar="FIRST LAST", help="Only these years.")
-    ] = None,
-    station: Annotated[
-        str | None, typer.Option(help="Only this station, where there are several.")
-    ] = None,
-    in_order: Annotated[
-        bool,
-        typer.Option(
-            "--in-order",
-            help="Take files without a date in the order of their names, one a day from 2000-01-01"
-            " on; of what month they are is then not known.",
-        ),
-    ] = False,
-    utc_offset: Annotated[
-        float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
-    ] = 0.0,
+    only: ArchiveOptions = ArchiveOptions(),
     begin: Annotated[
         float | None,
         typer.Option(
@@ -69,41 +182,7 @@ def availability(
         float | None,
         typer.Option("--to", help="Last flight time that counts, in s.", show_default="the last"),
     ] = None,
-    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both",
-    stop: Annotated[
-        str,
-        typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
-    ] = "round",
-    model: Model = None,
-    persistence_deg: Annotated[
-        float | None,
-        typer.Option(help="Angle added for the change of wind until launch, in deg."),
-    ] = None,
-    persistence_hours: Annotated[
-        float | None,
-        typer.Option(
-            help="In place of --persistence-deg, the hours from balloon to launch. Added is the"
-            " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
-            " these hours."
-        ),
-    ] = None,
-    gust: Gust = None,
-    known_to_m: Annotated[
-        float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
-    ] = None,
-    confidence: Annotated[
-        float, typer.Option(help="Confidence of the intervals, from 0 to 1.")
-    ] = 0.95,
-    today: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
-    ] = None,
-    today_time: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
-        ),
-    ] = None,
+    judged: JudgedOptions = JudgedOptions(),
     as_json: AsJson = False,
     csv: Annotated[
         Path | None,
@@ -124,84 +203,33 @@ def availability(
     """
     import numpy as np
 
-    from tvclin.answers.availability.availability import availability as judged
+    from tvclin import plots
     from tvclin.answers.sizing.schedule_file import load_schedule
     from tvclin.base.errors import within
-    from tvclin.cli.output import print_json
-    from tvclin.linear.models import USUAL_MODEL
-    from tvclin.winds.soundings.read import read_sounding
-    from tvclin.winds.soundings.read_soundings import read_soundings
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
-    flight = load_schedule(source).between(begin, end)
-    balloon = None
-    if today is None:
-        only_with("--today", today_time=today_time)
-    else:
-        balloon = read_sounding(today, time=today_time)
-        for note in balloon.notes:
-            say(f"Note: {today.name}: {note}.", err=True)
-    with bar("read") as progress:
-        soundings = read_soundings(
-            archive,
-            months=month or None,
-            years=years,
-            station=station,
-            utc_offset=utc_offset,
-            in_order=in_order,
-            progress=progress,
-        )
-    with bar("soundings") as progress:
-        found = judged(
-            flight,
-            soundings,
-            limit=float(limit),
-            azimuth=azimuths,
-            plane=plane,
-            stop=stop,
-            model=model or USUAL_MODEL,
-            persistence=_persistence(persistence_deg, persistence_hours),
-            gust=gust_of(gust),
-            known_to=known_to_m,
-            confidence=confidence,
-            progress=progress,
-        )
-    launch = () if balloon is None else found.today(balloon)
+    flight, balloon = load_schedule(source).between(begin, end), judged.balloon
+    found = judged.availability(flight, only.read(archive), float(limit), azimuths)
+    today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)
-    if plot is not None:
-        from tvclin.plots import availability_chart, save_figure
-
-        save_figure(availability_chart(found), plot)
+    draw(plot, lambda: plots.availability_chart(found))
     if as_json:
-        document = found.as_dict()
-        for towards, one in zip(document["towards"], launch, strict=False):
-            towards["today"] = one
-        print_json(document)
+        print_json(_document(found, today))
     else:
-        _print(found, launch, source)
-    judged_any = any(part.judged for part in found.part())
-    if any(one.go is not True for one in launch) or (balloon is None and not judged_any):
+        _print(found, today, source)
+    if not (all(one.go for one in today) if today else any(part.judged for part in found.part())):
         raise typer.Exit(1)
 
 
-def _persistence(degrees: float | None, hours: float | None) -> "float | PairGrowth | None":
-    import numpy as np
-
-    from tvclin.answers.availability.growth import PairGrowth
-    from tvclin.base.errors import InputError, within
-
-    if degrees is not None and hours is not None:
-        raise InputError("give --persistence-deg or --persistence-hours, not both")
-    if hours is not None:
-        return PairGrowth(hours)
-    return (
-        None
-        if degrees is None
-        else float(np.radians(within("--persistence-deg", degrees, 0.0, 90.0)))
-    )
+def _document(found: "Availability", today: "tuple[Today, ...]") -> dict[str, Any]:
+    """What was found, with the balloon of today in each direction, as JSON."""
+    document = found.as_dict()
+    for towards, one in zip(document["towards"], today, strict=False):
+        towards["today"] = one
+    return document
 
 
 def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:

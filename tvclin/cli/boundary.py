@@ -1,11 +1,15 @@
 """`tvclin boundary`: the boundary limit over the duration of the wind."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.options import SOURCE_HELP, AsJson, Model, Plot, Shape
+from tvclin.cli.output import draw, print_json, print_tables, say_notes
+
+if TYPE_CHECKING:
+    from tvclin.linear.plant import Plant
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -41,52 +45,46 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
+    from tvclin import plots
     from tvclin.base.errors import one_of, positive, within
     from tvclin.boundary.limit import boundary_limit
-    from tvclin.cli.output import print_json, print_tables, say_notes
-    from tvclin.linear.plant import Plant
-    from tvclin.plots import boundary_chart, save_figure
-    from tvclin.vehicle.coefficients import Coefficients
     from tvclin.winds.shaped import PULSES
 
-    if vehicle is None:
-        only_with("a vehicle", model=model, plane=plane)
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    if vehicle is None:
-        name, plant = "", Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
-        wind, plane = chosen(wind, "triangular"), "pitch"
-    else:
-        case = case_of(vehicle, told=("boundary",), model=model, plane=plane)
-        name, plant = case.vehicle.name or vehicle, case.plant.rigid
-        wind, plane = chosen(wind, case.shape), case.plane
+    name, plant, plane, own = _subject(vehicle, model, plane)
+    wind = chosen(wind, own)
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
     # one unit of peak is enough: the boundary limit does not depend on it
-    limits = boundary_limit(
-        plant, shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole), K
-    )
+    blows = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
+    limits = boundary_limit(plant, blows, K)
     shown = None if vehicle is None else plant.coefficients
     axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
-    if plot is not None:
-        curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
-        save_figure(boundary_chart(curve, K.tolist(), shown), plot)
+    curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
+    draw(plot, lambda: plots.boundary_chart(curve, K.tolist(), shown))
     if as_json:
-        print_json(
-            {
-                "vehicle": name or None,
-                "wind": wind,
-                "model": plant.model,
-                "plane": plane,
-                axis.replace("*", "_"): x,
-                "dead_band": K,
-                "limit": limits.limit,
-                "status": limits.status.tolist(),
-            }
-        )
+        head = {"vehicle": name or None, "wind": wind, "model": plant.model, "plane": plane}
+        found = {"dead_band": K, "limit": limits.limit, "status": limits.status.tolist()}
+        print_json(head | {axis.replace("*", "_"): x} | found)
         return
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_tables(limits.table(f"{title}: boundary limit y_BR, {wind} wind", axis, x, K))
     say_notes(_notes(axis, x, K, limits.status))
+
+
+def _subject(
+    vehicle: str | None, model: str | None, plane: str | None
+) -> "tuple[str, Plant, str, str]":
+    """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.coefficients import Coefficients
+
+    if vehicle is None:
+        only_with("a vehicle", model=model, plane=plane)
+        plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
+        return "", plant, "pitch", "triangular"
+    case = case_of(vehicle, told=("boundary",), model=model, plane=plane)
+    return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:

@@ -1,5 +1,6 @@
 """What `tvclin margins --box` adds: the worst margins when numbers lie anywhere in a box."""
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -7,7 +8,7 @@ import typer
 from tvclin.cli.output import print_tables, say
 
 if TYPE_CHECKING:
-    from tvclin.answers.case import Case
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.answers.worst_case import WorstCase
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
@@ -28,20 +29,50 @@ Box = Annotated[
 ]
 
 
-def worst_in_box(given: list[str], case: "Case", autopilot: "Autopilot") -> "WorstCase | None":
-    """Return the worst case in the box of the options; None without one."""
+@dataclass(frozen=True, eq=False)
+class BoxFound:
+    """The worst case in a box, and what is asked of its margins."""
+
+    worst: "WorstCase"
+    asked: "Criteria"
+
+    @property
+    def met(self) -> bool:
+        """Whether the worst margins are those that are asked for, as far as they are known."""
+        return self.worst.stable and all(
+            self.worst.margins[one.margin].value >= one.limit
+            for one in self.asked.requirements
+            if one.margin in self.worst.margins
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        return self.worst.as_dict() | {"met": self.met}
+
+    def print(self) -> None:
+        """Print the worst margins and the worst deflection, where they are, and the verdict."""
+        from tvclin.answers.worst_case import unit_of
+
+        print_tables(self.worst.table())
+        if not self.worst.stable:
+            say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
+        disk = self.worst.margins["disk_margin"]
+        at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
+        say(f"Worst disk margin at: {at}")
+        say(f"Criteria {self.asked.name} in the box: {'MET' if self.met else 'NOT MET'}")
+
+
+def worst_in_box(given: list[str], case: "StudyPlan", autopilot: "Autopilot") -> "BoxFound | None":
+    """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
     if not given:
         return None
-    from dataclasses import replace
-
-    from tvclin.answers.worst_case import BOX_TABLE, worst_case
+    from tvclin.answers.worst_case import worst_case
     from tvclin.base.errors import InputError
-    from tvclin.base.tables import known
     from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import ShapedWind
 
     vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.blows
-    autopilot = replace(autopilot, sample_rate=None)
+    loop = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(
             "--box moves peak and duration of a pulse: give no --winds with it; --flown goes"
@@ -49,23 +80,36 @@ def worst_in_box(given: list[str], case: "Case", autopilot: "Autopilot") -> "Wor
         )
     box: dict[str, tuple[float, float]] = {}
     for one in given:
-        key, ends, percent = _parted(one)
-        if percent:
-            known("number of --box", [key], BOX_TABLE.quantities)
-            name, centre = key, _nominal(key, vehicle, autopilot, wind)
-            if not centre:
-                raise InputError(
-                    f"--box {one}: {key} has no nominal value for a percentage; give both ends in"
-                    " its unit"
-                )
-            factor = 0.01 * abs(centre)
-        else:
-            ((name, factor),), centre = BOX_TABLE.read({key: 1.0}).items(), 0.0
+        name, ends = _interval(one, vehicle, loop, wind)
         if name in box:
             raise InputError(f"--box gives {name} twice")
-        box[name] = (centre + factor * ends[0], centre + factor * ends[1])
-    model, plane = case.plant.model, case.plane
-    return worst_case(vehicle, autopilot, box, model=model, plane=plane, wind=wind)
+        box[name] = ends
+    if autopilot.sample_rate is not None:
+        say("Note: the margins in the box are of the continuous autopilot.", err=True)
+    worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
+    return BoxFound(worst, case.held_to.without_modes or case.held_to)
+
+
+def _interval(
+    one: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "ShapedWind"
+) -> tuple[str, tuple[float, float]]:
+    """The name of a number, and its two ends [SI]."""
+    from tvclin.answers.worst_case import BOX_TABLE
+    from tvclin.base.errors import InputError
+    from tvclin.base.tables import known
+
+    key, (low, high), percent = _parted(one)
+    if not percent:
+        ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
+        return name, (factor * low, factor * high)
+    known("number of --box", [key], BOX_TABLE.quantities)
+    centre = _nominal(key, vehicle, autopilot, wind)
+    if not centre:
+        raise InputError(
+            f"--box {one}: {key} has no nominal value for a percentage; give both ends in its unit"
+        )
+    factor = 0.01 * abs(centre)
+    return key, (centre + factor * low, centre + factor * high)
 
 
 def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
@@ -98,25 +142,3 @@ def _nominal(name: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "Shape
         known["actuator_damping"] = actuator.damping
     value = known.get(name)
     return float(value) if isinstance(value, int | float) else 0.0
-
-
-def met_in_box(found: "WorstCase", asked: "Criteria") -> bool:
-    """Return whether the worst margins are those that are asked for, as far as they are known."""
-    return found.stable and all(
-        found.margins[one.margin].value >= one.limit
-        for one in asked.requirements
-        if one.margin in found.margins
-    )
-
-
-def print_worst(found: "WorstCase", asked: "Criteria") -> None:
-    """Print the worst margins and the worst deflection, where they are, and the verdict."""
-    from tvclin.answers.worst_case import unit_of
-
-    print_tables(found.table())
-    if not found.stable:
-        say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
-    worst = found.margins["disk_margin"]
-    at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in worst.at.items())
-    say(f"Worst disk margin at: {at}")
-    say(f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}")

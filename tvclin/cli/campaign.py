@@ -1,19 +1,21 @@
 """`tvclin campaign`: many dispersed cases, run, continued, shown and replayed."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import AsJson
+from tvclin.cli.options import AsJson, grouped
 from tvclin.cli.output import print_tables, say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
+    from contextlib import AbstractContextManager
 
     from tvclin.answers.campaign.results import CampaignResults
 
@@ -24,18 +26,48 @@ campaign = typer.Typer(
 )
 
 Folder = Annotated[Path, typer.Argument(help="The folder of the campaign.")]
-Workers = Annotated[
-    int | None, typer.Option(help="Number of worker processes. Without it: none but this one.")
-]
-Scheduler = Annotated[
-    str | None, typer.Option(help="A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
-]
-Shard = Annotated[
-    str | None, typer.Option(help="Compute part i of n of the chunks, i/n; for job arrays.")
-]
 Output = Annotated[
     str | None, typer.Option("--output", help="Output to show. Without it: the first.")
 ]
+
+
+@dataclass(frozen=True)
+class WorkOptions:
+    """What computes, and which part; `grouped` gives the options to a command."""
+
+    workers: Annotated[
+        int | None, typer.Option(help="Number of worker processes. Without it: none but this one.")
+    ] = None
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
+    ] = None
+    shard: Annotated[
+        str | None, typer.Option(help="Compute part i of n of the chunks, i/n; for job arrays.")
+    ] = None
+
+    @contextmanager
+    def told(self, folder: Path) -> Iterator[dict[str, Any]]:
+        """Lend what a run into a folder is told; say how to go on where the user interrupts."""
+        from tvclin.base.files import called
+
+        try:
+            with self._executor() as executor, bar("cases") as progress:
+                yield {"executor": executor, "shard": self.shard, "progress": progress}
+        except KeyboardInterrupt:
+            name = called(folder)
+            said = f"Stopped; finished chunks are kept. Go on with: tvclin campaign resume {name}"
+            say(said, err=True)
+            raise typer.Exit(130) from None
+
+    def _executor(self) -> "AbstractContextManager[Executor | None]":
+        from tvclin.answers.campaign.executors import cluster, processes
+        from tvclin.base.errors import InputError
+
+        if self.workers is not None and self.scheduler is not None:
+            raise InputError("give --workers or --scheduler, not both")
+        if self.scheduler is not None:
+            return cluster(self.scheduler)
+        return nullcontext() if self.workers is None else processes(self.workers)
 
 
 @campaign.command()
@@ -52,12 +84,11 @@ def init(
 
 
 @campaign.command()
+@grouped
 def run(
     file: Annotated[Path, typer.Argument(help="The campaign file (see: tvclin campaign init).")],
     folder: Annotated[Path, typer.Option("-o", "--folder", help="Folder for the results.")],
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    shard: Shard = None,
+    work: WorkOptions = WorkOptions(),
     until_converged: Annotated[
         float | None,
         typer.Option(help="Stop when both bounds lie within this percentage of the answer."),
@@ -67,8 +98,6 @@ def run(
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
-    from dataclasses import replace
-
     from tvclin.answers.campaign.engine import run_campaign
     from tvclin.answers.campaign.file import load_campaign
 
@@ -76,15 +105,14 @@ def run(
     note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
-    with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
-        found = run_campaign(plan, folder, executor=executor, shard=shard, progress=progress)
+    with work.told(folder) as told:
+        found = run_campaign(plan, folder, **told)
     _print_done(found)
 
 
 @campaign.command()
-def resume(
-    folder: Folder, workers: Workers = None, scheduler: Scheduler = None, shard: Shard = None
-) -> None:
+@grouped
+def resume(folder: Folder, work: WorkOptions = WorkOptions()) -> None:
     """Continue a campaign; chunks that are damaged or of another one are named and computed again.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
@@ -94,8 +122,8 @@ def resume(
 
     for said in damaged(folder, read_manifest(folder)).values():
         say(f"Warning: {said}", err=True)
-    with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
-        found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
+    with work.told(folder) as told:
+        found = resume_campaign(folder, **told)
     _print_done(found)
 
 
@@ -157,37 +185,6 @@ def replay(
         print_json(one)
     else:
         print_tables(*one.tables())
-
-
-@contextmanager
-def _resumable(folder: Path) -> Iterator[None]:
-    """Say how to go on where the user interrupts."""
-    from tvclin.base.files import called
-
-    try:
-        yield
-    except KeyboardInterrupt:
-        name = called(folder)
-        said = f"Stopped; finished chunks are kept. Go on with: tvclin campaign resume {name}"
-        say(said, err=True)
-        raise typer.Exit(130) from None
-
-
-@contextmanager
-def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor | None"]:
-    from tvclin.answers.campaign.executors import cluster, processes
-    from tvclin.base.errors import InputError
-
-    if workers is not None and scheduler is not None:
-        raise InputError("give --workers or --scheduler, not both")
-    if scheduler is not None:
-        with cluster(scheduler) as lent:
-            yield lent
-    elif workers is not None:
-        with processes(workers) as lent:
-            yield lent
-    else:
-        yield None
 
 
 def _print_done(found: "CampaignResults") -> None:

@@ -1,12 +1,15 @@
 """What `tvclin fly` flies, as its options name it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.cli.fly_shown import Compared
     from tvclin.control.laws.law import Law
+    from tvclin.flights.beside import FlightBeside
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
     from tvclin.linear.plant import Plant
@@ -84,15 +87,21 @@ class FlightCase(Flying):
         return wind_line(self) + ("" if band is None else f", K = {band:g}")
 
     @property
-    def assumed(self) -> str:
-        """What the flight takes for granted."""
-        if self.condition is None:
-            return "assumed: parameters frozen, flat planet at rest, rigid, no actuator"
-        return (
-            "assumed: gravity turn, standard atmosphere, constant thrust, mass falling"
-            f"\nwith a specific impulse of {self.condition.specific_impulse:g} s, wind about the"
-            " vehicle's own\ntime, flat planet at rest, rigid, no actuator"
-        )
+    def heads(self) -> list[str]:
+        """What is flown, and what it takes for granted."""
+        from tvclin.flights.engines import ENGINES
+        from tvclin.linear.models import USUAL_MODEL
+
+        assumed = "parameters frozen, flat planet at rest, rigid, no actuator"
+        if self.condition is not None:
+            assumed = (
+                "gravity turn, standard atmosphere, constant thrust, mass falling"
+                f"\nwith a specific impulse of {self.condition.specific_impulse:g} s, wind about"
+                " the vehicle's own\ntime, flat planet at rest, rigid, no actuator"
+            )
+        flown = f"flown: {ENGINES[self.engine].words}"
+        linear = f"linear: model {USUAL_MODEL}, parameters frozen"
+        return [self.title, flown, f"assumed: {assumed}", linear]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -104,14 +113,13 @@ def flight_case(
     asked: Flying, engine: str, condition: "FlightCondition | None", length: float
 ) -> FlightCase:
     """Return what is flown for a length [s], with a tenth of limit to spare if none is given."""
-    from dataclasses import replace
-
     import numpy as np
 
     from tvclin.base.errors import InputError
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
     from tvclin.flights.beside import linear_boundary
 
+    asked = replace(asked, case=replace(asked.case, model=""))
     plant, wind = asked.case.plant.rigid, asked.wind
     _check_flight(plant, wind, length)
     control = asked.designed(plant)
@@ -167,43 +175,23 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
     from tvclin.cli.fly_shown import Compared
     from tvclin.flights.beside import fly_beside
-    from tvclin.flights.engines import ENGINES
     from tvclin.linear.models import USUAL_MODEL
 
-    start = float(case.wind.onset)
-    flight = fly_beside(
-        case.vehicle,
-        case.control,
-        case.wind,
-        np.linspace(start, start + length, points),
-        deflection_limit=case.limit,
-        boundary=case.boundary,
-        **case.options,
-    )
-    words = {True: "SURVIVED", False: "NOT SURVIVED"}
-    ends = [f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."]
-    if case.limit < case.minimum and (flight.survived or flight.predicted):
-        ends.append(
-            f"Note: {np.degrees(case.minimum):.3f} deg is the least of all by linear theory; with"
-            "\nless a mode goes on growing, more slowly than this flight shows."
-        )
-    if np.isfinite(flight.let_go[0]):
-        ends.append(
-            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
-            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
-        )
-    linear = f"linear: model {USUAL_MODEL}, parameters frozen"
+    start, limit = float(case.wind.onset), case.limit
+    times = np.linspace(start, start + length, points)
+    told = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
+    flight = fly_beside(case.vehicle, case.control, case.wind, times, **told)
+    over = f"{limit / case.boundary:.4g} times the linear boundary"
     return Compared(
         case=case,
         flight=flight,
-        limit=case.limit,
+        limit=limit,
         beside="linear",
         columns=("flown", "linear"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
-        heads=[case.title, f"flown: {ENGINES[case.engine].words}", case.assumed, linear],
-        ends=ends,
-        title=f"Limit {np.degrees(case.limit):.3f} deg, {case.limit / case.boundary:.4g} times the"
-        " linear boundary",
+        heads=case.heads,
+        ends=list(_ends(case, flight)),
+        title=f"Limit {np.degrees(limit):.3f} deg, {over}",
         facts={
             "along_trajectory": case.condition is not None,
             "linear_model": USUAL_MODEL,
@@ -212,6 +200,24 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
             "minimum_deg": np.degrees(case.minimum),
         },
     )
+
+
+def _ends(case: FlightCase, flight: "FlightBeside") -> "Iterator[str]":
+    """Whether the flight survives, and what is odd about it."""
+    import numpy as np
+
+    words = {True: "SURVIVED", False: "NOT SURVIVED"}
+    yield f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."
+    if case.limit < case.minimum and (flight.survived or flight.predicted):
+        yield (
+            f"Note: {np.degrees(case.minimum):.3f} deg is the least of all by linear theory; with"
+            "\nless a mode goes on growing, more slowly than this flight shows."
+        )
+    if np.isfinite(flight.let_go[0]):
+        yield (
+            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
+            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
+        )
 
 
 def _flown_boundary(case: FlightCase) -> float:

@@ -1,23 +1,21 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
-from tvclin.cli.fly_shown import Shown
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
+from tvclin.cli.inputs import CaseOptions, case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
-    AsJson,
-    Csv,
     Plane,
-    Plot,
     Points,
     RateLimitDeg,
     Rigid,
     SampleRate,
+    ShownCurves,
     Source,
     Until,
     grouped,
@@ -25,13 +23,16 @@ from tvclin.cli.options import (
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 
+if TYPE_CHECKING:
+    from tvclin.answers.study_file.plan import StudyPlan
+
 _LONGEST = 20.0
 
 
-@grouped
-def fly(
-    vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
+@dataclass(frozen=True)
+class WhatFlies:
+    """The engine, the law and its dead band; `grouped` gives the options to a command."""
+
     engine: Annotated[
         str | None,
         typer.Option(
@@ -39,7 +40,7 @@ def fly(
             " linear: linear equations with bending and slosh, a sampled law and an actuator.",
             show_default="linear for a flexible vehicle, else planar",
         ),
-    ] = None,
+    ] = None
     law: Annotated[
         str | None,
         typer.Option(
@@ -47,14 +48,44 @@ def fly(
             " recoverable-attitude.",
             show_default="autopilot for --engine linear, else report",
         ),
-    ] = None,
+    ] = None
     dead_band: Annotated[
         float | None,
         typer.Option(
             help="Dead band K of the laws report and dead-band.",
             show_default="1 for report, 0.5 for dead-band",
         ),
-    ] = None,
+    ] = None
+
+    def __post_init__(self) -> None:
+        from tvclin.base.errors import one_of
+        from tvclin.control.laws.registry import LAWS
+        from tvclin.flights.engines import ENGINES
+
+        if self.engine is not None:
+            one_of("--engine", self.engine, (*ENGINES, "linear"))
+        one_of("--law", self.law or REPORT, [REPORT, *LAWS])
+
+    def on(self, case: "StudyPlan", along: bool, gains: GainOptions) -> tuple[str, str, Any]:
+        """Return engine, law and dead band for a case, and say what they leave out of it."""
+        from tvclin.control.laws.registry import AUTOPILOT
+        from tvclin.vehicle.linear_vehicle import whole_vehicle
+
+        bends = whole_vehicle(case.vehicle, "a flight").structure is not None
+        engine = self.engine or ("linear" if bends and not along else "planar")
+        law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
+        if law != AUTOPILOT:
+            only_with(f"--law {AUTOPILOT}", **vars(gains))
+        aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
+        note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != "linear"))
+        return engine, law, chosen(self.dead_band, case.dead_band if law == REPORT else None)
+
+
+@grouped
+def fly(
+    vehicle: Source = "configuration-i",
+    blows: WindOptions = WindOptions(),
+    flies: WhatFlies = WhatFlies(),
     limit_deg: Annotated[
         float | None,
         typer.Option(
@@ -79,9 +110,7 @@ def fly(
     plane: Plane = None,
     until: Until = 2.0,
     points: Points = 401,
-    csv: Csv = None,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    shown: ShownCurves = ShownCurves(),
 ) -> None:
     """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
 
@@ -90,65 +119,31 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    from dataclasses import replace
-
     import numpy as np
 
     from tvclin.answers.study_file.read import vehicle_source
-    from tvclin.base.errors import one_of, within
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
+    from tvclin.base.errors import within
     from tvclin.flights.condition import load_flight_condition
-    from tvclin.flights.engines import ENGINES
-    from tvclin.vehicle.linear_vehicle import whole_vehicle
 
-    if engine is not None:
-        one_of("--engine", engine, (*ENGINES, "linear"))
-    one_of("--law", law or REPORT, [REPORT, *LAWS])
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    case = case_of(
-        vehicle,
-        *(gains.over, loop.over),
-        rigid=rigid,
-        plane=plane,
-        limit_deg=limit_deg,
-        rate_limit_deg=rate_limit_deg,
-        sample_rate=sample_rate,
-    )
-    loaded = whole_vehicle(case.vehicle, "a flight")
-    linear = engine == "linear" or (
-        engine is None and loaded.structure is not None and not along_trajectory
-    )
-    law = law or (AUTOPILOT if linear else REPORT)
-    if law != AUTOPILOT:
-        only_with(f"--law {AUTOPILOT}", **vars(gains))
-    if law == REPORT:
-        dead_band = chosen(dead_band, case.dead_band)
-    aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
-    note_left_out(case, "fly", *aside, *["fly --engine planar"] * (not linear))
+    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid, plane=plane).over
+    case = case_of(vehicle, own, gains.over, loop.over)
+    engine, *law = flies.on(case, along_trajectory, gains)
     name = blows.name(case)
     case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
-    wind = case.history
-    span, shown = (until * float(wind.end - wind.onset), points), Shown(csv, plot, as_json)
-    flying = name, law, dead_band
-    if linear:
+    start, length = float(case.history.onset), until * float(case.history.end - case.history.onset)
+    if engine == "linear":
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         with waiting("flying"):
-            times = float(wind.onset) + np.linspace(0.0, *span)
-            found = fly_linear(LinearCase(case, *flying), boundary, times)
+            flying = LinearCase(case, name, *law)
+            found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        only_with(
-            "--engine linear",
-            **vars(loop),
-            rigid=rigid and engine is not None,
-            sample_rate=sample_rate,
-            rate_limit_deg=rate_limit_deg,
-        )
+        others = {"rigid": rigid and flies.engine is not None, "sample_rate": sample_rate}
+        only_with("--engine linear", **vars(loop), **others, rate_limit_deg=rate_limit_deg)
         condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
-        one = flight_case(
-            Flying(replace(case, model=""), *flying), engine or "planar", condition, span[0]
-        )
+        one = flight_case(Flying(case, name, *law), engine, condition, length)
         with waiting("flying"):
-            found = fly_nonlinear(one, boundary, *span)
+            found = fly_nonlinear(one, boundary, length, points)
     if not found.show(shown):
         raise typer.Exit(1)

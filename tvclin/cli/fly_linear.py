@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from tvclin.cli.flight_cases import REPORT, Flying
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from tvclin.cli.fly_shown import Compared
     from tvclin.control.laws.law import Law
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
@@ -109,33 +111,39 @@ def _compared(
 
     from tvclin.cli.fly_shown import Compared
 
-    bends, (flown, rigid) = case.bends, flight.status
-    rates = [float(np.degrees(one)) for one in flight.peak_rates]
-    ends = [f"Flown: {_word(flown)}." + (f" Rigid: {_word(rigid)}." if bends else "")]
-    if "rings" in (flown, rigid):
-        ends.append(RINGS_MEANS)
-    for name, one in zip(("flexible", "rigid")[not bends :], least or (), strict=False):
-        if one.status != "ok":
-            ends.append(f"Note: boundary, {name}: {one.status}")
+    both, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     return Compared(
         case=case,
         flight=flight,
         limit=limit,
         beside="rigid",
-        columns=("flexible", "rigid") if bends else ("flown",),
+        columns=("flexible", "rigid") if case.bends else ("flown",),
         boundary=(abs(least[0].deflection), abs(least[-1].deflection)) if least else None,
         heads=[case.title],
-        ends=ends,
+        ends=list(_ends(case, flight, least or ())),
         title=f"Limit {np.degrees(limit):.3f} deg",
         facts={
-            "flexible": bends,
+            "flexible": case.bends,
             "linear_model": case.plant.model,
             "sample_rate_Hz": case.case.hardware["sample_rate"],
             "delay_s": case.case.asked.delay,
-            "status": dict(zip(("flown", "rigid"), flight.status, strict=True)),
-            "peak_deflection_rate_deg_s": dict(zip(("flown", "rigid"), rates, strict=True)),
+            "status": dict(zip(both, flight.status, strict=True)),
+            "peak_deflection_rate_deg_s": dict(zip(both, rates, strict=True)),
         },
     )
+
+
+def _ends(
+    case: LinearCase, flight: "SampledFlight", least: "Iterable[ClosedLoopBoundary]"
+) -> "Iterator[str]":
+    """Whether the flights survive, and what is odd about their boundaries."""
+    flown, rigid = map(_word, flight.status)
+    yield f"Flown: {flown}." + (f" Rigid: {rigid}." if case.bends else "")
+    if "rings" in flight.status:
+        yield RINGS_MEANS
+    for name, one in zip(("flexible", "rigid")[not case.bends :], least, strict=False):
+        if one.status != "ok":
+            yield f"Note: boundary, {name}: {one.status}"
 
 
 RINGS_MEANS = (

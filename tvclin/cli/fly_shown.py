@@ -1,48 +1,21 @@
 """What `tvclin fly` shows of a flight, whatever flew: a table, JSON, a CSV file and a figure."""
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tvclin.cli.output import print_tables, say
+from tvclin.cli.output import print_json, print_tables, say
 
 if TYPE_CHECKING:
+    from tvclin.cli.options import ShownCurves
     from tvclin.flights.beside import FlightBeside
-
-
-@dataclass(frozen=True)
-class Shown:
-    """Where a flight goes: files, and whether JSON is printed."""
-
-    csv: Path | None
-    plot: Path | None
-    as_json: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A flight, and beside it the linear theory or the rigid vehicle.
+    """A flight, and beside it the linear theory or the rigid vehicle; deflections in rad.
 
-    Attributes
-    ----------
-    case : FlightCase or LinearCase
-        What was flown.
-    flight : FlightBeside
-        The flight.
-    limit : float
-        Of its deflection [rad].
-    beside : str
-        What stands beside it: linear or rigid.
-    columns : tuple of str
-        Headings of the table: of the flight, and of what stands beside it where anything does.
-    boundary : tuple of float or None
-        Both boundaries [rad], the first None where it was not sought; None where neither was.
-    heads, ends : list of str
-        What is said above the table and below it.
-    title : str
-        Of the table.
-    facts : dict
-        What JSON says besides.
+    Both boundaries are None where neither was sought, and the first where that was not. `heads` and
+    `ends` stand above and below the table, `title` and `columns` in it; `facts` are for JSON alone.
     """
 
     case: Any
@@ -60,15 +33,24 @@ class Compared:
         """Return two values by what they are of."""
         return dict(zip(("flown", self.beside), values, strict=True))
 
-    def show(self, shown: Shown) -> bool:
+    def show(self, shown: "ShownCurves") -> bool:
         """Write and print the flight, and return whether it survived."""
-        from tvclin.cli.output import print_json
+        import numpy as np
 
-        self._write(shown)
+        from tvclin.plots import flight_chart, flight_curves
+
+        said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
+        end = float(self.flight.wind.end)
+        shown.write(
+            lambda: flight_curves(self.flight, "fly", said.replace("\n", ", "), self.beside),
+            lambda numbers: flight_chart(numbers, said, end),
+        )
         if shown.as_json:
             print_json(self._document())
         else:
-            self._print()
+            say("\n".join(self.heads))
+            print_tables(self.flight.table(self.title, self.columns, self.boundary))
+            say("\n".join(self.ends))
         return self.flight.survived
 
     def _peaks(self) -> dict[str, list[float]]:
@@ -87,11 +69,6 @@ class Compared:
             return None
         return [None if one is None else float(np.degrees(one)) for one in self.boundary]
 
-    def _print(self) -> None:
-        say("\n".join(self.heads))
-        print_tables(self.flight.table(self.title, self.columns, self.boundary))
-        say("\n".join(self.ends))
-
     def _document(self) -> dict[str, Any]:
         from tvclin.base.documents import picked
 
@@ -104,21 +81,6 @@ class Compared:
             "boundary_deg": None if ends is None else self.both(ends),
             **self.facts,
         }
-
-    def _write(self, shown: Shown) -> None:
-        import numpy as np
-
-        from tvclin.base.files import write_text
-        from tvclin.plots import flight_chart, flight_curves, save_figure
-
-        if shown.csv is None and shown.plot is None:
-            return
-        said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
-        numbers = flight_curves(self.flight, "fly", said.replace("\n", ", "), self.beside)
-        if shown.csv is not None:
-            write_text(shown.csv, numbers.csv())
-        if shown.plot is not None:
-            save_figure(flight_chart(numbers, said, float(self.flight.wind.end)), shown.plot)
 
 
 def wind_line(case: Any) -> str:

@@ -1,11 +1,15 @@
 """The deflection of `tvclin respond`: trim up to the dead band, and then a limit held."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
+    from tvclin.linear.extremes import Extremes, Shown
+    from tvclin.linear.loads import Loads
     from tvclin.linear.plant import Plant
+    from tvclin.linear.verdict import Verdict
     from tvclin.winds.histories import History
 
 _LARGEST = 700.0
@@ -29,6 +33,41 @@ class Held:
     def plant(self) -> "Plant":
         """The rigid plant."""
         return self.case.plant.rigid
+
+    @cached_property
+    def verdict(self) -> "Verdict":
+        """What becomes of the attitude where this deflection is held for ever."""
+        from tvclin.linear.verdict import judge
+
+        return judge(self.plant, self.deflection, self.wind)
+
+    @property
+    def loads(self) -> "Loads":
+        """The loads of the wind."""
+        from tvclin.linear.loads import wind_loads
+
+        return wind_loads(self.plant, self.deflection, self.wind)
+
+    @property
+    def words(self) -> str:
+        """Wind, model, dead band and limit."""
+        import numpy as np
+
+        from tvclin.cli.wind import wind_words
+
+        limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg"
+        return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
+
+    def followed(self, length: float) -> "tuple[Extremes, Shown]":
+        """Return the extremes of the attitude in a length [s], and how much of it is shown."""
+        from tvclin.linear.extremes import extremes, shown_until
+
+        motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
+        shown = shown_until(*motion, length, lets_go=self.sufficient and lets_go)
+        found = extremes(*motion, shown.time)
+        if shown.back_at_zero is not None:
+            found = replace(found, back_at_zero=shown.back_at_zero)
+        return found, shown
 
     @property
     def sufficient(self) -> bool:

@@ -1,16 +1,20 @@
 """What several commands make of their options."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from tvclin.answers.case import Case
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 T = TypeVar("T")
+R = TypeVar("R", bound="DataclassInstance")
 
 
 def only_with(needed: str, **options: Any) -> None:
@@ -31,56 +35,57 @@ def only_with(needed: str, **options: Any) -> None:
         raise InputError(f"{named} {needed}")
 
 
+@dataclass(frozen=True)
+class CaseOptions:
+    """Options of several commands that change a case each by one value; None leaves its own."""
+
+    limit_deg: float | None = None
+    rate_limit_deg: float | None = None
+    sample_rate: float | None = None
+    rigid: bool = False
+    model: str | None = None
+    plane: str | None = None
+    stop: str | None = None
+
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with these options in place of what it says."""
+        from math import radians
+
+        from tvclin.base.errors import number, positive
+
+        if self.rigid:
+            plan = without_structure(plan)
+        rate, samples, design = self.rate_limit_deg, self.sample_rate, None
+        if rate is not None:
+            rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
+        if samples is not None:
+            samples = number("--sample-rate", samples, positive, "Hz")
+            design = changed(plan.asked, sample_rate=samples)
+        limit = radians_of("--limit-deg", self.limit_deg)
+        nozzle = changed(plan.nozzle, limit=limit, rate_limit=rate, stop=self.stop)
+        return changed(plan, model=self.model, plane=self.plane, nozzle=nozzle, design=design)
+
+
 def case_of(
     source: str,
     *changes: "Callable[[StudyPlan], StudyPlan]",
     blows: "Callable[[StudyPlan, str], StudyPlan] | None" = None,
     told: tuple[str, ...] = (),
-    rigid: bool = False,
-    model: str | None = None,
-    plane: str | None = None,
-    limit_deg: float | None = None,
-    rate_limit_deg: float | None = None,
-    sample_rate: float | None = None,
-    stop: str | None = None,
+    **options: Any,
 ) -> "StudyPlan":
     """Return the case that a study file or a vehicle asks for, with options in its place.
 
-    Groups of options are changes, as `GainOptions.over`; `PulseOptions.over` has the wind. What
-    questions leave out of the case is told on stderr, and so is what is odd in the vehicle; a
-    question that is wholly of the rigid vehicle is given that.
+    Groups of options are changes, as `GainOptions.over`, and `options` are those of `CaseOptions`;
+    `PulseOptions.over` has the wind. What questions leave out of the case is told on stderr, and so
+    is what is odd in the vehicle; a question that is wholly of the rigid vehicle is given that.
     """
-    from dataclasses import replace
-    from math import radians
-
     from tvclin.answers.parts import wholly_rigid
     from tvclin.answers.study_file.read import load_study
-    from tvclin.base.errors import number, positive
 
     plan = load_study(source)
     if "study" not in told:  # which has them among its own notes
         note_doubts(plan.vehicle)
-    if rigid:
-        plan = without_structure(plan)
-    rate = rate_limit_deg
-    if rate is not None:
-        rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
-    if sample_rate is not None:
-        sample_rate = number("--sample-rate", sample_rate, positive, "Hz")
-        plan = replace(plan, design=replace(plan.asked, sample_rate=sample_rate))
-    nozzle = plan.nozzle
-    plan = replace(
-        plan,
-        model=chosen(model, plan.model),
-        plane=chosen(plane, plan.plane),
-        nozzle=replace(
-            nozzle,
-            limit=chosen(radians_of("--limit-deg", limit_deg), nozzle.limit),
-            rate_limit=chosen(rate, nozzle.rate_limit),
-            stop=chosen(stop, nozzle.stop),
-        ),
-    )
-    for change in changes:
+    for change in (CaseOptions(**options).over, *changes):
         plan = change(plan)
     if blows is not None:
         plan = blows(plan, source)
@@ -91,8 +96,6 @@ def case_of(
 
 def without_structure(plan: "StudyPlan") -> "StudyPlan":
     """Return a case of the rigid vehicle, of which nothing is asked of modes."""
-    from dataclasses import replace
-
     asked = plan.criteria and plan.criteria.without_modes
     return replace(plan, vehicle=plan.vehicle.rigid, criteria=asked)
 
@@ -137,3 +140,8 @@ def radians_of(name: str, degrees: float | None, lowest: float = 1e-6) -> float 
 def chosen(option: "T | None", otherwise: "T") -> "T":
     """Return an option, or what holds where it is not given."""
     return otherwise if option is None else option
+
+
+def changed(record: "R", **options: Any) -> "R":
+    """Return a record with the options that are given in place of its own values."""
+    return replace(record, **{name: one for name, one in options.items() if one is not None})

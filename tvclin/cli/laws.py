@@ -1,33 +1,36 @@
 """`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
 from tvclin.cli.options import (
     MODEL_DEFAULT,
     MODELS_HELP,
-    AsJson,
     Plane,
-    Plot,
     RateLimitDeg,
     Rigid,
     SampleRate,
+    Shown,
     Source,
     grouped,
 )
-from tvclin.cli.output import print_tables, say, say_notes
-from tvclin.cli.progress import bar, share
+from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
+from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.answers.trials import LawTrial
+    from tvclin.answers.trial_tables import Bounds
+    from tvclin.answers.trials import LawTrials
+    from tvclin.control.laws.law import Law
+    from tvclin.linear.flexible import AnyPlant
+    from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
@@ -58,8 +61,7 @@ def laws(
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    shown: Shown = Shown(),
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 
@@ -72,83 +74,82 @@ def laws(
 
     Exit code 0: answered; 2: bad input.
     """
-    import numpy as np
-
-    from tvclin.answers.flexible import with_filters
-    from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.answers.trial_tables import LEGEND, bounds, doubts, loads, needed, tried
-    from tvclin.answers.trials import law_trials, standard_laws
-    from tvclin.base.errors import one_of, within
-    from tvclin.cli.output import print_json
+    from tvclin import plots
+    from tvclin.answers.trial_tables import bounds
+    from tvclin.answers.trials import law_trials
+    from tvclin.base.errors import within
     from tvclin.linear.flexible import plant_of
 
-    if plot is not None:
+    if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     within("--cuts", cuts, 0, 1000)
-    case = case_of(
-        vehicle,
-        *(_beside_boundaries, partial(_with_gains, gains), loop.over),
-        blows=blows.over,
-        told=("laws",),
-        rigid=rigid,
-        model=model,
-        plane=plane,
-        rate_limit_deg=rate_limit_deg,
-        sample_rate=sample_rate,
-    )
-    asked, hardware = case.laws, case.hardware
-    if asked is not None and sample_rate is None:
-        hardware["sample_rate"] = asked.sample_rate
+    own = CaseOptions(None, rate_limit_deg, sample_rate, rigid, model, plane).over
+    changes = own, _beside_boundaries, partial(_with_gains, gains), loop.over
+    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",))
+    plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
+    if case.laws is not None and sample_rate is None:
+        hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
-    loaded, flying = case.vehicle, plant_of(case.vehicle, case.law_model, case.plane)
-    plant, rate = flying.rigid, hardware["sample_rate"]
-    peak, duration, every = _winds(blows, wind, case)
-    autopilot = autopilot_asked(case, case.history, case.held_to)
-    chosen = {
-        name: with_filters(law, case.asked)
-        for name, law in standard_laws(plant, peak, autopilot).items()
-        if asked is None or name in asked.names
-    }
-    named = wind or (asked.winds if asked is not None and blows.winds is None else every)
-    winds = {name: every[one_of("--wind", name, every)] for name in named}
-    found: list[LawTrial] = []
+    peak, duration, winds = _winds(blows, wind, case)
+    chosen = _laws(case, plant.rigid, peak)
     with bar("flights") as progress:
-        for k, (name, law) in enumerate(chosen.items()):
-            told = share(progress, k, len(chosen))
-            found += law_trials(flying, {name: law}, winds, cuts=cuts, progress=told, **hardware)
-    if plot is not None:
-        from tvclin.plots import laws_chart, save_figure
-
-        save_figure(laws_chart(flying, chosen, peak, **hardware), plot)
-    beside = bounds(plant, winds)
-    if as_json:
-        head = {
-            "vehicle": loaded.name,
-            "model": plant.model,
-            "plane": case.plane,
-            "peak_deg": np.degrees(peak),
-            "duration_s": duration,
-            "flexible": flying.structure is not None,
-            "cuts": cuts,
-            "sample_rate_Hz": rate,
-            "trim_deflection_deg": max(one.trim_deg for one in beside.values()),
-        }
-        trims = {name: one.trim_deg for name, one in beside.items()}
-        trials = [{**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in found]
-        limits = {name: one.no_forecast for name, one in beside.items()}
-        print_json({**head, "trials": trials, "no_forecast": limits})
+        trials = law_trials(plant, chosen, winds, cuts=cuts, progress=progress, **hardware)
+    draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
+    beside = bounds(plant.rigid, winds)
+    found = _Found(case, plant, peak, duration, hardware["sample_rate"], trials, beside)
+    if shown.as_json:
+        print_json(found.document(cuts))
     else:
-        if flying.structure is not None:
-            say(parts_line(flying.structure))
-            say(f"law at {rate:g} Hz, delay {1000.0 * case.asked.delay:g} ms")
-        wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
-        servo = case.nozzle.actuator
+        found.print(vehicle)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What flew in winds of a peak [rad] and a duration [s], and what stands beside it."""
+
+    case: "StudyPlan"
+    plant: "AnyPlant"
+    peak: float
+    duration: float
+    rate: float
+    trials: "LawTrials"
+    beside: "dict[str, Bounds]"
+
+    def document(self, cuts: int) -> dict[str, Any]:
+        """Return it for JSON."""
+        from tvclin.base.documents import picked
+
+        trims = {name: one.trim_deg for name, one in self.beside.items()}
+        return {
+            **picked(self, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
+            **picked(self, "peak_deg duration_s"),
+            "flexible": self.plant.structure is not None,
+            "cuts": cuts,
+            "sample_rate_Hz": self.rate,
+            "trim_deflection_deg": max(trims.values()),
+            "trials": [
+                {**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in self.trials
+            ],
+            "no_forecast": {name: one.no_forecast for name, one in self.beside.items()},
+        }
+
+    def print(self, source: str) -> None:
+        """Print what flew, what each law needs, and what is odd about it."""
+        from math import degrees
+
+        from tvclin.answers.trial_tables import LEGEND, doubts, loads, needed, tried
+
+        if self.plant.structure is not None:
+            say(parts_line(self.plant.structure))
+            say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.asked.delay:g} ms")
+        winds = f"winds of {abs(degrees(self.peak)):.4g} deg and {self.duration:g} s"
+        servo = self.case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
-        say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
-        print_tables(*needed(found, beside), loads(found))
+        say(f"{self.case.vehicle.name or source}, {self.plant.model}, {winds}, {engine}")
+        print_tables(*needed(self.trials, self.beside), loads(self.trials))
         say(LEGEND)
-        say(tried(found))
-        say_notes(doubts(found))
+        say(tried(self.trials))
+        say_notes(doubts(self.trials))
 
 
 def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
@@ -169,11 +170,26 @@ def _with_gains(gains: GainOptions, plan: "StudyPlan") -> "StudyPlan":
     return gains.over(plan)
 
 
+def _laws(case: "StudyPlan", plant: "Plant", peak: float) -> "dict[str, Law]":
+    """The laws that are asked for, designed for a peak [rad], with the filters of the case."""
+    from tvclin.answers.flexible import with_filters
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.answers.trials import standard_laws
+
+    every = standard_laws(plant, peak, autopilot_asked(case, case.history, case.held_to))
+    return {
+        name: with_filters(law, case.asked)
+        for name, law in every.items()
+        if case.laws is None or name in case.laws.names
+    }
+
+
 def _winds(
     blows: BlowingOptions, names: list[str] | None, case: "StudyPlan"
 ) -> "tuple[float, float, dict[str, History]]":
     """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
     from tvclin.answers.trials import standard_winds
+    from tvclin.base.errors import one_of
     from tvclin.winds.shaped import ShapedWind
 
     pulse = case.blows
@@ -184,4 +200,6 @@ def _winds(
     every = standard_winds(pulse.peak, pulse.duration)
     if (gust := pulse.placed_gust) is not None:
         every = {name: one + gust for name, one in every.items()}
-    return pulse.peak, pulse.duration, every
+    named = names or (every if case.laws is None else case.laws.winds)
+    winds = {name: every[one_of("--wind", name, every)] for name in named}
+    return pulse.peak, pulse.duration, winds

@@ -1,7 +1,6 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -91,15 +90,6 @@ class LeastOptions:
             limits=self.limits,
             stops=self.stops or 0,
         )
-
-
-def draw_front(found: "LeastGains | None", plot: Path) -> None:
-    """Draw what the same gains need when more disk margin is asked for."""
-    from tvclin.answers.least_gains.front import least_gains_front
-    from tvclin.plots import least_gains_chart, save_figure
-
-    assert found is not None
-    save_figure(least_gains_chart([least_gains_front(found)]), plot)
 
 
 def print_least(found: "LeastGains") -> None:

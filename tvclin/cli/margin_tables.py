@@ -8,6 +8,7 @@ from tvclin.cli.output import print_tables, say, say_notes
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.bounds import MarginBounds
+    from tvclin.control.autopilot.detuning import Detuned
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria, Judgement
     from tvclin.control.margins.record import Margins
@@ -19,19 +20,7 @@ _BESIDE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class MarginsFound:
-    """The margins of an autopilot around a plant, and what is asked of them.
-
-    Attributes
-    ----------
-    autopilot, plant
-        The loop.
-    whole : Margins
-        Of the whole loop.
-    bands : BandMargins, optional
-        Of a flexible plant.
-    asked : Criteria
-        What is asked.
-    """
+    """The margins of a loop, by band too of a flexible plant, and what is asked of them."""
 
     autopilot: "Autopilot"
     plant: "AnyPlant"
@@ -51,6 +40,15 @@ class MarginsFound:
     def judged(self) -> "tuple[Judgement, ...]":
         """What is asked, of the whole loop and of each mode, and whether it is met."""
         return self.asked.judge(self.bands or self.whole)
+
+    @property
+    def detuned(self) -> "Detuned":
+        """The margins of a flexible vehicle's loop with detuned modes."""
+        from tvclin.control.autopilot.detuning import detuned
+        from tvclin.linear.flexible import FlexiblePlant
+
+        assert isinstance(self.plant, FlexiblePlant)  # margins refuses --detuned of all else
+        return detuned(self.autopilot, self.plant, criteria=self.asked)
 
     @property
     def met(self) -> bool:

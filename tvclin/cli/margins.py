@@ -1,33 +1,26 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
-import math
-from pathlib import Path
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
+from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
-from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
-from tvclin.cli.flown import Flown, FlownLimitDeg, flown_of, print_flown
+from tvclin.cli.flown import FlownOptions, print_flown
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import case_of, note_left_out, only_with
-from tvclin.cli.options import (
-    AsJson,
-    Model,
-    Plane,
-    Plot,
-    RateLimitDeg,
-    Rigid,
-    SampleRate,
-    Source,
-    grouped,
-)
+from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
+from tvclin.cli.options import MotionOptions, Rigid, SampleRate, Shown, Source, grouped
+from tvclin.cli.output import draw, print_json, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
-    from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.margins.criteria import Criteria
+    from control import ControlPlot
+
+    from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.control.autopilot.detuning import Detuned
+    from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -39,20 +32,23 @@ def margins(
     loop: LoopOptions = LoopOptions(),
     criteria: CriteriaOptions = CriteriaOptions(),
     rigid: Rigid = False,
-    detuned: IsDetuned = False,
+    detuned: Annotated[
+        bool,
+        typer.Option(
+            "--detuned",
+            help="Also print the margins with the frequency of each mode off by up to 20 percent,"
+            " with half its damping, and with the signs of its slopes at the sensors reversed.",
+        ),
+    ] = False,
     box: Box = None,
-    model: Model = None,
-    plane: Plane = None,
+    motion: MotionOptions = MotionOptions(),
     chart: Annotated[
         str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
     ] = "nichols",
-    flown: Flown = False,
-    limit_deg: FlownLimitDeg = None,
-    rate_limit_deg: RateLimitDeg = None,
+    flown: FlownOptions = FlownOptions(),
     blows: WindOptions = WindOptions(),
     sample_rate: SampleRate = None,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    shown: Shown = Shown(),
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
@@ -70,68 +66,85 @@ def margins(
     """
     from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.base.errors import one_of
-    from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
-    from tvclin.cli.output import print_json, say
     from tvclin.control.autopilot.rules import LEAST_NOZZLE
 
     one_of("--chart", chart, _CHARTS)
-    case = case_of(
-        vehicle,
-        *(criteria.over, gains.over, loop.over),
-        blows=blows.over,
-        rigid=rigid,
-        model=model,
-        plane=plane,
-        limit_deg=limit_deg,
-        rate_limit_deg=rate_limit_deg,
-        sample_rate=sample_rate,
-    )
-    loaded, plant, asked, name = case.vehicle, case.plant, case.held_to, blows.name(case)
-    sought = case.asked.design == LEAST_NOZZLE
-    only_with(MODES, detuned=detuned and loaded.structure is None)
-    if not flown:
-        only_with("--flown", limit_deg=limit_deg, rate_limit_deg=rate_limit_deg)
-    if not (flown or box or sought):
+    own = CaseOptions(flown.limit_deg, flown.rate_limit_deg, sample_rate, rigid).over
+    changes = own, motion.over, criteria.over, gains.over, loop.over
+    case = case_of(vehicle, *changes, blows=blows.over)
+    only_with(MODES, detuned=detuned and case.vehicle.structure is None)
+    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown.flown)
+    if not (flown.flown or box or case.asked.design == LEAST_NOZZLE):
         only_with("--flown or --box", **vars(blows))
-    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
-    aside += ["margins without --flown and --box"] * (not (flown or box or sought))
+        aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
-    autopilot = autopilot_asked(case, case.history, asked)
-    found = MarginsFound.of(autopilot, plant, asked)
-    moved = detuned_of(found) if detuned else None
-    in_wind = flown_of(case, autopilot) if flown and found.whole.stable else None
+    autopilot = autopilot_asked(case, case.history, case.held_to)
+    found = MarginsFound.of(autopilot, case.plant, case.held_to)
+    moved = found.detuned if detuned else None
+    in_wind = flown.found(case, autopilot) if flown.flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
-    in_all = asked.without_modes or asked  # the box is of the rigid vehicle
-    if in_box is not None and autopilot.sample_rate is not None:
-        say("Note: the margins in the box are of the continuous autopilot.", err=True)
-    if plot is not None:
-        _draw(chart, autopilot, plant, asked, plot)
-    if as_json:
-        head = {"vehicle": loaded.name, "model": plant.model, "plane": case.plane}
-        wind = {"name": name, "peak_deg": math.degrees(case.history.peak)}
-        met = None if in_box is None else in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
-        beside = {"wind": in_wind and wind, "detuned": moved, "flown": in_wind, "box": met}
-        more = {name: one for name, one in beside.items() if one is not None}
-        print_json(head | margins_document(found) | more)
+    draw(shown.plot, lambda: _chart(chart, found))
+    answer = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
+    if shown.as_json:
+        print_json(answer.document())
     else:
-        print_margins(f"{loaded.name or vehicle}, {plant.model}, {case.plane}", found)
-        if moved is not None:
-            print_detuned(moved)
-        if in_wind is not None:
-            print_flown(in_wind, case, name)
-        if in_box is not None:
-            print_worst(in_box, in_all)
-    if not (found.met and (in_box is None or met_in_box(in_box, in_all))):
+        answer.print(vehicle)
+    if not answer.met:
         raise typer.Exit(1)
 
 
-def _draw(chart: str, autopilot: "Autopilot", plant: Any, asked: "Criteria", plot: Path) -> None:
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """Margins, and what was asked for besides: of detuned modes, flown in a wind, and in a box."""
+
+    case: "StudyPlan"
+    found: MarginsFound
+    wind: str
+    moved: "Detuned | None"
+    in_wind: "FlownMargins | None"
+    in_box: BoxFound | None
+
+    @property
+    def met(self) -> bool:
+        """Whether the criteria are met, in the box too."""
+        return self.found.met and (self.in_box is None or self.in_box.met)
+
+    def document(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        from tvclin.base.documents import picked
+
+        wind = {"name": self.wind, **picked(self.case, "peak_deg=history.peak")}
+        beside = {
+            "wind": self.in_wind and wind,
+            **picked(self, "detuned=moved flown=in_wind box=in_box"),
+        }
+        head = picked(self.case, "vehicle=vehicle.name model=plant.model plane")
+        more = {name: one for name, one in beside.items() if one is not None}
+        return head | margins_document(self.found) | more
+
+    def print(self, source: str) -> None:
+        """Print all of it."""
+        case = self.case
+        head = f"{case.vehicle.name or source}, {case.plant.model}, {case.plane}"
+        print_margins(head, self.found)
+        if self.moved is not None:
+            print_tables(self.moved.table())
+            say_lines(self.moved.said)
+        if self.in_wind is not None:
+            print_flown(self.in_wind, case, self.wind)
+        if self.in_box is not None:
+            self.in_box.print()
+
+
+def _chart(name: str, found: MarginsFound) -> "ControlPlot":
+    """The figure with a name, one of `_CHARTS`."""
     from tvclin import plots
 
-    draw = {
-        "nichols": lambda: plots.nichols_chart(autopilot, plant, asked),
-        "bode": lambda: plots.bode_chart(autopilot, plant),
-        "nyquist": lambda: plots.nyquist_chart(autopilot, plant),
-        "root-locus": lambda: plots.root_locus_chart(autopilot, plant),
+    if name == "nichols":
+        return plots.nichols_chart(found.autopilot, found.plant, found.asked)
+    charts = {
+        "bode": plots.bode_chart,
+        "nyquist": plots.nyquist_chart,
+        "root-locus": plots.root_locus_chart,
     }
-    plots.save_figure(draw[chart](), plot)
+    return charts[name](found.autopilot, found.plant)

@@ -1,31 +1,29 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    AsJson,
-    Csv,
     LimitDeg,
-    Model,
-    Plane,
-    Plot,
+    MotionOptions,
     RateLimitDeg,
     Rigid,
     SampleRate,
+    ShownCurves,
     Source,
     grouped,
 )
-from tvclin.cli.output import print_tables, say, say_notes
+from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
-from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
+    from tvclin.answers.nozzle_motion import FlownCard
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.boundary.rates import RateFront
 
 
@@ -47,11 +45,8 @@ def nozzle(
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
-    model: Model = None,
-    plane: Plane = None,
-    csv: Csv = None,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    motion: MotionOptions = MotionOptions(),
+    shown: ShownCurves = ShownCurves(),
 ) -> None:
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
 
@@ -59,64 +54,55 @@ def nozzle(
 
     Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
     """
-    from tvclin.answers.nozzle_motion import FlownCard
-    from tvclin.base.documents import picked
-    from tvclin.base.errors import InputError, one_of
+    from tvclin import plots
+    from tvclin.base.errors import one_of
     from tvclin.boundary.rates import rate_front
-    from tvclin.cli.output import print_json
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None:
         only_with("--law", **vars(gains), **vars(loop), sample_rate=sample_rate)
     elif one_of("--law", law, LAWS) != AUTOPILOT:
         only_with(f"--law {AUTOPILOT}", **vars(gains))
+    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid).over
     case = case_of(
-        vehicle,
-        *(gains.over, loop.over),
-        blows=blows.over,
-        told=("nozzle",),
-        rigid=rigid,
-        model=model,
-        plane=plane,
-        limit_deg=limit_deg,
-        rate_limit_deg=rate_limit_deg,
-        sample_rate=sample_rate,
+        vehicle, own, motion.over, gains.over, loop.over, blows=blows.over, told=("nozzle",)
     )
-    if law is None:
-        note_left_out(case, "nozzle without --law")
-    elif case.nozzle.limit is None:
-        raise InputError("--law needs --limit-deg, the stop of the nozzle")
-    history, plant, given = case.history, case.plant.rigid, case.nozzle
+    flown, given = _flown(case, law, blows.name(case)), case.nozzle
     with waiting("angle over rate"):
-        front = rate_front(plant, history, limit=given.limit, rate_limit=given.rate_limit)
-    name = blows.name(case)
-    flown = None
-    if law is not None:
-        with waiting("flying"):
-            flown = FlownCard.of(case, law, LinearCase(case, name, law, None).control)
-    title = f"{case.vehicle.name or vehicle}, {plant.model}: {wind_words(name, case)}"
-    if csv is not None or plot is not None:
-        _write(front, title, csv, plot)
-    if as_json:
-        wind = {"name": name, **picked(history, "peak_deg onset_s end_s")}
-        head = {"vehicle": case.vehicle.name, "model": plant.model, "wind": wind}
-        print_json(head | {"plane": case.plane, "front": front, "flown": flown})
+        front = rate_front(
+            case.plant.rigid, case.history, limit=given.limit, rate_limit=given.rate_limit
+        )
+    title = blows.title(case, vehicle)
+    shown.write(
+        lambda: plots.rate_curves(front),
+        lambda _: plots.rate_chart(front, title.replace(": ", "\n")),
+    )
+    if shown.as_json:
+        print_json(blows.document(case) | {"front": front, "flown": flown})
     else:
-        say(title)
-        print_tables(*front.tables(), *(flown.tables() if flown is not None else ()))
-        say_notes([*front.notes, *(flown.notes if flown is not None else ())])
-        say(f"Verdict: {front.verdict}.")
-        if flown is not None:
-            say(f"Flown: {flown.words}.")
+        _print(title, front, flown)
     if front.enough is False or (flown is not None and not flown.survived):
         raise typer.Exit(1)
 
 
-def _write(front: "RateFront", title: str, csv: Path | None, plot: Path | None) -> None:
-    from tvclin.base.files import write_text
-    from tvclin.plots import rate_chart, rate_curves, save_figure
+def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
+    """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
+    from tvclin.answers.nozzle_motion import FlownCard
+    from tvclin.base.errors import InputError
 
-    if csv is not None:
-        write_text(csv, rate_curves(front).csv())
-    if plot is not None:
-        save_figure(rate_chart(front, title.replace(": ", "\n")), plot)
+    if law is None:
+        note_left_out(case, "nozzle without --law")
+        return None
+    if case.nozzle.limit is None:
+        raise InputError("--law needs --limit-deg, the stop of the nozzle")
+    with waiting("flying"):
+        return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
+
+
+def _print(title: str, front: "RateFront", flown: "FlownCard | None") -> None:
+    say(title)
+    print_tables(*front.tables(), *(flown.tables() if flown is not None else ()))
+    say_notes([*front.notes, *(flown.notes if flown is not None else ())])
+    say(f"Verdict: {front.verdict}.")
+    if flown is not None:
+        say(f"Flown: {flown.words}.")

@@ -1,26 +1,17 @@
 """`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import case_of
-from tvclin.cli.options import (
-    AsJson,
-    Csv,
-    Model,
-    Plane,
-    Plot,
-    RateLimitDeg,
-    Source,
-    grouped,
-)
-from tvclin.cli.output import print_tables, say
-from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.cli.inputs import CaseOptions, case_of
+from tvclin.cli.options import MotionOptions, RateLimitDeg, ShownCurves, Source, grouped
+from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
+    from tvclin.plots.curves import Curves
     from tvclin.winds.histories import History
 
 
@@ -39,40 +30,28 @@ def optimum(
         float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
     ] = None,
     rate_limit_deg: RateLimitDeg = None,
-    model: Model = None,
-    plane: Plane = None,
-    csv: Csv = None,
-    as_json: AsJson = False,
-    plot: Plot = None,
+    motion: MotionOptions = MotionOptions(),
+    shown: ShownCurves = ShownCurves(),
 ) -> None:
     """Print the least peak deflection that survives a wind known beforehand.
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
+    from tvclin import plots
     from tvclin.answers.optimum import KnownWind
-    from tvclin.base.documents import picked
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
-    from tvclin.cli.output import print_json
 
-    case = case_of(
-        vehicle,
-        blows=blows.over,
-        told=("optimum",),
-        model=model,
-        plane=plane,
-        rate_limit_deg=rate_limit_deg,
+    own = CaseOptions(rate_limit_deg=rate_limit_deg).over
+    case = case_of(vehicle, own, motion.over, blows=blows.over, told=("optimum",))
+    plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
+    start = float(wind.onset) if start is None else start
+    found = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
+    shown.write(
+        lambda: _curves(plant, found.deflection, wind, title),
+        lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
-    history, plant = case.history, case.plant.rigid
-    start = float(history.onset) if start is None else start
-    found = KnownWind.of(plant, history, start, horizon, case.nozzle.rate_limit)
-    name = blows.name(case)
-    title = f"{case.vehicle.name or vehicle}, {plant.model}: {wind_words(name, case)}"
-    if csv is not None or plot is not None:
-        _write(plant, found.deflection, history, title, csv, plot)
-    if as_json:
-        wind = {"name": name, **picked(history, "peak_deg onset_s end_s")}
-        head = {"vehicle": case.vehicle.name, "model": plant.model, "wind": wind}
-        print_json(head | {"plane": case.plane} | found.as_dict())
+    if shown.as_json:
+        print_json(blows.document(case) | found.as_dict())
     else:
         print_tables(found.table(title))
     if found.best.status == NOT_CONVERGED:
@@ -80,25 +59,14 @@ def optimum(
         raise typer.Exit(1)
 
 
-def _write(
-    plant: "Plant",
-    deflection: "History",
-    wind: "History",
-    title: str,
-    csv: Path | None,
-    plot: Path | None,
-) -> None:
+def _curves(plant: "Plant", deflection: "History", wind: "History", title: str) -> "Curves":
+    """The response, until the wind is over for twice as long as it blew."""
     import numpy as np
 
-    from tvclin.base.files import write_text
     from tvclin.linear.response import attitude_responses
-    from tvclin.plots import response_chart, response_curves, save_figure
+    from tvclin.plots import response_curves
 
-    end = 3.0 * float(wind.end)
-    times = np.linspace(min(0.0, float(deflection.onset), float(wind.onset)), end, 601)
+    first = min(0.0, float(deflection.onset), float(wind.onset))
+    times = np.linspace(first, 3.0 * float(wind.end), 601)
     response = attitude_responses(plant, deflection, wind, times)
-    curves = response_curves(response, deflection, wind, "optimum", title)
-    if csv is not None:
-        write_text(csv, curves.csv())
-    if plot is not None:
-        save_figure(response_chart(curves, f"Minimum-peak control\n{title}"), plot)
+    return response_curves(response, deflection, wind, "optimum", title)

@@ -1,13 +1,22 @@
 """The options that several commands share, with their meaning said once."""
 
 from collections.abc import Callable
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from tvclin.cli.inputs import changed
+from tvclin.cli.output import draw
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+    from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.plots.curves import Curves
 
 MODELS_HELP = "fixed-path, drift, drift-exact or drift-and-speed."
 MODEL_DEFAULT = "drift-exact; fixed-path where no more than mu_alpha and mu_delta is known"
@@ -84,6 +93,49 @@ GustAt = Annotated[
         show_default="when it asks for most; tvclin size: the middle of the wind",
     ),
 ]
+
+
+@dataclass(frozen=True)
+class MotionOptions:
+    """Model and plane; `grouped` gives them to a command."""
+
+    model: Model = None
+    plane: Plane = None
+
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with this model, in this plane."""
+        return changed(plan, model=self.model, plane=self.plane)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How an answer is shown; `grouped` gives the options to a command."""
+
+    as_json: AsJson = False
+    plot: Plot = None
+
+
+@dataclass(frozen=True)
+class _Csv:
+    csv: Csv = None
+
+
+@dataclass(frozen=True)
+class ShownCurves(Shown, _Csv):
+    """The same of an answer with curves, first their CSV file."""
+
+    def write(
+        self, curves: "Callable[[], Curves]", chart: "Callable[[Curves], ControlPlot]"
+    ) -> None:
+        """Write the CSV file and the figure that are asked for."""
+        if self.csv is None and self.plot is None:
+            return
+        from tvclin.base.files import write_text
+
+        numbers = curves()
+        if self.csv is not None:
+            write_text(self.csv, numbers.csv())
+        draw(self.plot, lambda: chart(numbers))
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:

@@ -1,15 +1,18 @@
-"""Tables and JSON."""
+"""Tables, JSON, and what is written into files."""
 
 import json
 import os
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from control import ControlPlot
+
     from tvclin.base.lines import Line, Table
 
 
@@ -120,3 +123,11 @@ def print_json(document: Any) -> None:
     from tvclin.base.documents import plain
 
     typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))
+
+
+def draw(plot: Path | None, chart: "Callable[[], ControlPlot]") -> None:
+    """Write the figure into the file of --plot, where there is one."""
+    if plot is not None:
+        from tvclin.plots import save_figure
+
+        save_figure(chart(), plot)

@@ -6,6 +6,7 @@ import typer
 
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import AsJson, Plane, Plot, Source
+from tvclin.cli.output import draw, print_json, print_tables
 
 if TYPE_CHECKING:
     from tvclin.linear.modes import Modes
@@ -22,8 +23,8 @@ def poles(
     plot: Plot = None,
 ) -> None:
     """Print the poles of the models, and the residues at the unstable ones."""
+    from tvclin import plots
     from tvclin.base.errors import one_of
-    from tvclin.cli.output import print_json, print_tables
     from tvclin.linear.models import MODELS, models_of
     from tvclin.linear.modes import all_modes, mode_table
     from tvclin.linear.plant import Plant
@@ -34,10 +35,7 @@ def poles(
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}
     found = {name: all_modes(plant) for name, plant in plants.items()}
-    if plot is not None:
-        from tvclin.plots import pole_map, save_figure
-
-        save_figure(pole_map(plants[names[0]].coefficients, names), plot)
+    draw(plot, lambda: plots.pole_map(plants[names[0]].coefficients, names))
     if as_json:
         models = {name: _document(one) for name, one in found.items()}
         print_json({"vehicle": loaded.name, "plane": plane, "models": models})

@@ -67,13 +67,6 @@ def lines(what: str) -> Progress:
     return tell
 
 
-def share(progress: Progress | None, part: int, parts: int) -> Progress | None:
-    """Return what one of several equal parts of the work is to tell; parts count from zero."""
-    if progress is None:
-        return None
-    return lambda done, total: progress(part * total + done, parts * total)
-
-
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
     """Show what is done and for how long, where nothing can be counted; only on a terminal."""

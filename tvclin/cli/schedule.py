@@ -25,20 +25,37 @@ schedule.add_typer(source, name="from")
 File = Annotated[Path, typer.Argument(help="The file that the tool exported.")]
 Output = Annotated[Path, typer.Option("-o", "--output", help="The schedule to write, a CSV file.")]
 Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from the nose tip aft.")]
-SlopeNumber = Annotated[
-    float | None, typer.Option(help="Slope of the normal force coefficient, per rad.")
-]
-SlopeTable = Annotated[
-    Path | None,
-    typer.Option(
-        "--cn-alpha",
-        help="The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
-    ),
-]
-Ground = Annotated[
-    float | None,
-    typer.Option(help="Elevation of the launch site above the sea, in m, from -450 to 9000."),
-]
+
+
+@dataclass(frozen=True)
+class Site:
+    """The slope of the normal force, and the launch site; `grouped` gives the options."""
+
+    cn_alpha_per_rad: Annotated[
+        float | None, typer.Option(help="Slope of the normal force coefficient, per rad.")
+    ] = None
+    cn_alpha: Annotated[
+        Path | None,
+        typer.Option(
+            "--cn-alpha",
+            help="The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
+        ),
+    ] = None
+    ground_m: Annotated[
+        float | None,
+        typer.Option(help="Elevation of the launch site above the sea, in m, from -450 to 9000."),
+    ] = None
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What a reader is told of it."""
+        from tvclin.base.errors import InputError
+
+        number, table = self.cn_alpha_per_rad, self.cn_alpha
+        if number is not None and table is not None:
+            raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
+        slope = number if table is None else table
+        return {"normal_force_coefficient_slope": slope, "ground": self.ground_m}
 
 
 @dataclass(frozen=True)
@@ -59,9 +76,7 @@ def openrocket(
     file: File,
     gimbal_station_m: Gimbal,
     output: Output,
-    cn_alpha_per_rad: SlopeNumber = None,
-    cn_alpha: SlopeTable = None,
-    ground_m: Ground = None,
+    site: Site = Site(),
     reference_area_m2: Annotated[
         float | None,
         typer.Option(
@@ -79,9 +94,8 @@ def openrocket(
     found = read_openrocket(
         file,
         gimbal_station=gimbal_station_m,
-        normal_force_coefficient_slope=_slope(cn_alpha_per_rad, cn_alpha),
-        ground=ground_m,
         reference_area=reference_area_m2,
+        **site.told,
         **vars(rows),
     )
     _write(found, file, output)
@@ -100,9 +114,7 @@ def rasaero(
             help="A time, in s, and the moment of inertia at it; give two or more.",
         ),
     ],
-    cn_alpha_per_rad: SlopeNumber = None,
-    cn_alpha: SlopeTable = None,
-    ground_m: Ground = None,
+    site: Site = Site(),
     rows: Rows = Rows(),
 ) -> None:
     """Read the flight that RASAero II exports, of a simulation without wind.
@@ -112,15 +124,14 @@ def rasaero(
     from tvclin.answers.schedules.rasaero import read_rasaero
     from tvclin.base.errors import InputError
 
-    slope = _slope(cn_alpha_per_rad, cn_alpha)
-    if slope is None:
+    told = site.told
+    if told["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
     found = read_rasaero(
         file,
         gimbal_station=gimbal_station_m,
         moment_of_inertia=_inertias(inertia),
-        normal_force_coefficient_slope=slope,
-        ground=ground_m,
+        **told,
         **vars(rows),
     )
     _write(found, file, output)
@@ -151,14 +162,6 @@ def table(
         raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")
     made = read_table(file, found, **vars(rows))
     _write(made, file, output)
-
-
-def _slope(per_rad: float | None, given: Path | None) -> Any:
-    from tvclin.base.errors import InputError
-
-    if per_rad is not None and given is not None:
-        raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
-    return per_rad if given is None else given
 
 
 def _inertias(given: list[str]) -> tuple[list[float], list[float]]:

@@ -1,12 +1,14 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import chosen, note_source, only_with, radians_of
+from tvclin.cli.inputs import CaseOptions, changed, chosen, note_source, only_with, radians_of
 from tvclin.cli.options import (
     STOPS_HELP,
     TIME_HELP,
@@ -17,15 +19,19 @@ from tvclin.cli.options import (
     Plot,
     grouped,
 )
+from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import ShapedOptions
+from tvclin.cli.wind import ShapedOptions, azimuth_of
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
     from tvclin.answers.sizing.record import Sizing
+    from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.boundary.stops import Stop
 
+_COLUMNS = 6
+"""Winds that have a column each, as many as a terminal has room for."""
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
@@ -33,49 +39,173 @@ _SOURCE = (
 )
 
 
-@grouped
-def size(
-    source: Annotated[
-        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
-    ] = "configuration-i",
-    blows: ShapedOptions = ShapedOptions(),
+@dataclass(frozen=True)
+class FlightOptions(ShapedOptions):
+    """A pulse whose peak meets each flight time, soundings, these times, and the dead bands.
+
+    `grouped` gives the options to a command.
+    """
+
     winds: Annotated[
         list[Path] | None,
         typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
-    ] = None,
+    ] = None
     winds_time: Annotated[
         list[str] | None,
         typer.Option(
             metavar="TIME",
             help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
         ),
-    ] = None,
+    ] = None
     window: Annotated[
         float | None,
         typer.Option(
             help="Length of the part of a sounding that counts, about each flight time, in s.",
             show_default="all of it",
         ),
-    ] = None,
+    ] = None
     begin: Annotated[
         float | None,
         typer.Option(
             "--from", help="First flight time, in s.", show_default="the earliest possible"
         ),
-    ] = None,
+    ] = None
     end: Annotated[
         float | None,
         typer.Option("--to", help="Last flight time, in s.", show_default="the latest possible"),
-    ] = None,
+    ] = None
     every: Annotated[
         float | None, typer.Option(help="Time between flight times, in s.", show_default="5")
-    ] = None,
+    ] = None
     dead_band: Annotated[
         list[float] | None,
         typer.Option(
             help="Dead band K, from 0 to 1; may be given several times.", show_default="1 and 0.5"
         ),
-    ] = None,
+    ] = None
+
+    def soundings(self) -> "dict[str, SoundingAsked]":
+        """Return the soundings of the files by name, and by the time that was asked for."""
+        from tvclin.answers.sizing.asked import SoundingAsked
+        from tvclin.base.errors import InputError
+        from tvclin.winds.soundings.read import read_sounding
+
+        files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
+        if degrees is not None and not files and self.wind_direction_deg is None:
+            raise InputError(
+                "--azimuth-deg is for soundings and for a wind with a direction; name one with"
+                " --winds, or give --wind-direction-deg"
+            )
+        azimuth = azimuth_of(degrees) if files else 0.0
+        if len(times) not in (0, len(files)):
+            raise InputError(
+                "--winds-time must be given once for each --winds; got"
+                f" {len(times)} for {len(files)}"
+            )
+        names = [file.name for file in files]
+        found: dict[str, SoundingAsked] = {}
+        for file, time in zip_longest(files, times):
+            name = " at ".join(filter(None, (file.name, time)))
+            if time is None and names.count(file.name) > 1:
+                name = str(file)
+            if name in found:
+                raise InputError(f"--winds gives {name} twice")
+            found[name] = SoundingAsked(read_sounding(file, time=time), azimuth)
+        return found
+
+    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+        """Return a plan with the pulse, the times and the dead bands of these options."""
+        straight = None if self.wind_direction_deg is None else self.azimuth_deg
+        plan = ShapedOptions.over(replace(self, peak_speed=None, azimuth_deg=straight), plan)
+        asked, speed = plan.sizing, self.peak_speed
+        assert asked is not None
+        named = (self.wind, self.duration, self.peak_deg, speed, self.wind_direction_deg)
+        asked = replace(
+            asked,
+            pulse=asked.pulse or any(one is not None for one in named),
+            peak_speed=None if self.peak_deg is not None else chosen(speed, asked.peak_speed),
+        )
+        asked = changed(
+            asked,
+            window=self.window,
+            start=self.begin,
+            stop=self.end,
+            every=self.every,
+            dead_bands=tuple(self.dead_band or ()) or None,
+        )
+        if not asked.soundings:
+            only_with("a sounding, --winds or [[wind]] with one", window=self.window)
+        if not asked.pulse:
+            only_with("a pulse: in a sounding a gust meets each flight time", gust_at=self.gust_at)
+        return replace(plan, sizing=asked)
+
+
+@dataclass(frozen=True)
+class TotalOptions:
+    """What the nozzle has to do beside the wind; `grouped` gives the options."""
+
+    count: Annotated[
+        str | None,
+        typer.Option(
+            help="Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...",
+            show_default="the largest dead band; varying, with --varying and soundings alone",
+        ),
+    ] = None
+    dispersion: Annotated[
+        float | None,
+        typer.Option(
+            help="What dispersions add, as a fraction of what the wind needs.", show_default="0"
+        ),
+    ] = None
+    disperse: Annotated[
+        bool,
+        typer.Option(
+            "--disperse",
+            help="Find that fraction from 2000 cases at the worst time, as tvclin study"
+            " --disperse.",
+        ),
+    ] = False
+    thrust_offset_deg: Annotated[
+        float | None,
+        typer.Option(
+            help="Angle between the thrust and the nozzle's axis, in deg.", show_default="0"
+        ),
+    ] = None
+    gravity_offset_m: Annotated[
+        float | None,
+        typer.Option(
+            help="Distance of the centre of gravity from the axis, in m.", show_default="0"
+        ),
+    ] = None
+    reserve: Annotated[
+        float | None,
+        typer.Option(help="Fraction of the limit to keep unused, from 0 to 1.", show_default="0"),
+    ] = None
+
+    def over(self, asked: "SizingAsked") -> "SizingAsked":
+        """Return what is asked of a flight, with these lines of its total."""
+        return changed(
+            asked,
+            count=self.count,
+            dispersion=self.dispersion,
+            thrust_offset=radians_of("--thrust-offset-deg", self.thrust_offset_deg, -90.0),
+            gravity_offset=self.gravity_offset_m,
+            reserve=self.reserve,
+        )
+
+    def total(self, case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> "DeflectionTotal":
+        """Return the total of a sizing, with dispersions of the worst flight time if asked for."""
+        if self.disperse:
+            asked = replace(asked, dispersion=_dispersed(case, asked, found))
+        return asked.total(case, found)
+
+
+@grouped
+def size(
+    source: Annotated[
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
+    ] = "configuration-i",
+    blows: FlightOptions = FlightOptions(),
     model: Model = None,
     plane: Planes = None,
     stop: Annotated[
@@ -99,43 +229,7 @@ def size(
         typer.Option("--varying", help="Also size with parameters that vary while the wind blows."),
     ] = False,
     limit_deg: LimitDeg = None,
-    count: Annotated[
-        str | None,
-        typer.Option(
-            help="Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...",
-            show_default="the largest dead band; varying, with --varying and soundings alone",
-        ),
-    ] = None,
-    dispersion: Annotated[
-        float | None,
-        typer.Option(
-            help="What dispersions add, as a fraction of what the wind needs.", show_default="0"
-        ),
-    ] = None,
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Find that fraction from 2000 cases at the worst time, as tvclin study"
-            " --disperse.",
-        ),
-    ] = False,
-    thrust_offset_deg: Annotated[
-        float | None,
-        typer.Option(
-            help="Angle between the thrust and the nozzle's axis, in deg.", show_default="0"
-        ),
-    ] = None,
-    gravity_offset_m: Annotated[
-        float | None,
-        typer.Option(
-            help="Distance of the centre of gravity from the axis, in m.", show_default="0"
-        ),
-    ] = None,
-    reserve: Annotated[
-        float | None,
-        typer.Option(help="Fraction of the limit to keep unused, from 0 to 1.", show_default="0"),
-    ] = None,
+    total: TotalOptions = TotalOptions(),
     as_json: AsJson = False,
     csv: Annotated[
         Path | None, typer.Option(help="Also write every flight time and wind into this file.")
@@ -151,82 +245,57 @@ def size(
     Exit code 0: the limit is enough, or none was given; 1: it is not, or that is not known, as
     where a sounding ends below the flight; 2: bad input.
     """
-    from dataclasses import replace
-
+    from tvclin import plots
     from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.documents import picked
-    from tvclin.base.errors import InputError
-    from tvclin.cli.output import print_json
-    from tvclin.cli.size_tables import print_sizing
     from tvclin.vehicle.coefficients import BOTH
 
-    if blows.azimuth_deg is not None and not winds and blows.wind_direction_deg is None:
-        raise InputError(
-            "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
-            " or give --wind-direction-deg"
-        )
-    soundings = _soundings(winds or [], winds_time or [], blows.azimuth_deg)
+    soundings = blows.soundings()
     note_source(source, "size")
     case = load_sizing(source, soundings)
-    asked = case.sizing
-    assert asked is not None
-    speed, slanting = blows.peak_speed, blows.wind_direction_deg is not None
-    blows = replace(blows, peak_speed=None, azimuth_deg=blows.azimuth_deg if slanting else None)
-    named = (blows.wind, blows.duration, blows.peak_deg, speed, blows.wind_direction_deg)
-    case = blows.over(
-        replace(
-            case,
-            model=chosen(model, case.model),
-            plane=case.plane if plane in (None, BOTH) else plane,
-            nozzle=replace(
-                case.nozzle,
-                limit=chosen(radians_of("--limit-deg", limit_deg), case.nozzle.limit),
-                stop=_stop(plane, stop, case.nozzle.stop),
-            ),
-        )
-    )
-    offset = radians_of("--thrust-offset-deg", thrust_offset_deg, -90.0)
-    asked = replace(
-        asked,
-        pulse=asked.pulse or any(one is not None for one in named),
-        peak_speed=None if blows.peak_deg is not None else chosen(speed, asked.peak_speed),
-        window=chosen(window, asked.window),
-        start=chosen(begin, asked.start),
-        stop=chosen(end, asked.stop),
-        every=chosen(every, asked.every),
-        dead_bands=tuple(dead_band) if dead_band else asked.dead_bands,
-        law=chosen(law, asked.law),
-        varying=varying or asked.varying,
-        count=chosen(count, asked.count),
-        dispersion=chosen(dispersion, asked.dispersion),
-        thrust_offset=chosen(offset, asked.thrust_offset),
-        gravity_offset=chosen(gravity_offset_m, asked.gravity_offset),
-        reserve=chosen(reserve, asked.reserve),
-    )
-    if not asked.soundings:
-        only_with("a sounding, --winds or [[wind]] with one", window=window)
-    if not asked.pulse:
-        only_with("a pulse: in a sounding a gust meets each flight time", gust_at=blows.gust_at)
+    case = CaseOptions(limit_deg, model=model, plane=None if plane == BOTH else plane).over(case)
+    nozzle = replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop))
+    case = blows.over(replace(case, nozzle=nozzle))
+    assert case.sizing is not None
+    asked = changed(total.over(case.sizing), law=law, varying=varying or None)
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
-    if disperse:
-        asked = replace(asked, dispersion=_dispersed(case, asked, found))
-    total = asked.total(case, found)
+    whole = total.total(case, asked, found)
     said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
     if csv is not None:
         found.to_csv(csv)
-    if plot is not None:
-        from tvclin.plots import save_figure, sizing_chart
-
-        save_figure(sizing_chart(found, total.limit), plot)
+    draw(plot, lambda: plots.sizing_chart(found, whole.limit))
     if as_json:
-        verdict = picked(total, "limit_deg sufficient left_deg not_sized")
-        beside = {"total": total, "notes": [*found.notes, *said], "verdict": verdict}
+        verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
+        beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}
         print_json(found.as_dict() | beside)
     else:
-        print_sizing(found, total, source, asked.counted, said)
-    if total.limit is not None and not total.sufficient:
+        _print(found, whole, source, asked.counted, said)
+    if whole.limit is not None and not whole.sufficient:
         raise typer.Exit(1)
+
+
+def _print(
+    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+) -> None:
+    """Print the required deflections, the total and all notes; some come from elsewhere."""
+    from tvclin.answers.sizing import tables
+    from tvclin.answers.sizing.total import total_table
+
+    name = found.schedule.vehicle.name or source
+    planes = "both planes, one stop" if found.alone else found.plane
+    say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
+    print_tables(*tables.over_time(found, counted))
+    if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
+        say(tables.MARKS)
+    if len(found.winds) > 1:
+        print_tables(tables.by_wind(found, counted))
+    if 1 < len(found.winds) <= _COLUMNS:
+        print_tables(tables.each_wind(found, counted))
+    say(f"{tables.legend(found)}\n")
+    print_tables(total_table(total, counted))
+    say_lines(total.verdict)
+    say_notes((*found.notes, *said))
 
 
 def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
@@ -258,36 +327,6 @@ def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "S
         only_with(f"--plane {BOTH}", stop=given)
         return None
     return chosen(given, stop or "round")
-
-
-def _soundings(
-    files: list[Path], times: list[str], azimuth_deg: float | None
-) -> dict[str, "SoundingAsked"]:
-    """The soundings of the files by name, and by the time that was asked for."""
-    import numpy as np
-
-    from tvclin.answers.sizing.asked import SoundingAsked
-    from tvclin.base.errors import InputError, between, number
-    from tvclin.winds.soundings.read import read_sounding
-
-    if files and azimuth_deg is None:
-        raise InputError("--winds needs --azimuth-deg, the direction of flight")
-    if len(times) not in (0, len(files)):
-        raise InputError(
-            f"--winds-time must be given once for each --winds; got {len(times)} for {len(files)}"
-        )
-    azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0, between(-360.0, 360.0), "deg"))
-    names = [file.name for file in files]
-    found: dict[str, SoundingAsked] = {}
-    for k, file in enumerate(files):
-        time = times[k] if times else None
-        name = " at ".join(filter(None, (file.name, time)))
-        if time is None and names.count(file.name) > 1:
-            name = str(file)
-        if name in found:
-            raise InputError(f"--winds gives {name} twice")
-        found[name] = SoundingAsked(read_sounding(file, time=time), float(azimuth))
-    return found
 
 
 def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:

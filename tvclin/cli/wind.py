@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,8 +21,12 @@ from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
+    from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.winds.histories import History
+    from tvclin.winds.soundings.profile import WindProfile
+
+    Met = MeasuredWind | MeasuredPlanes
 
 _WINDOW = 20.0
 
@@ -157,72 +161,95 @@ class BlowingOptions(PulseOptions):
             return self.winds.name
         return chosen(getattr(self, "wind", None), case.shape)
 
+    def title(self, case: "Case", source: str) -> str:
+        """Return the vehicle of a case, its model and its wind in words."""
+        name = case.vehicle.name or source
+        return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}"
+
+    def document(self, case: "Case") -> dict[str, Any]:
+        """Return the same for JSON, and the plane."""
+        from tvclin.base.documents import picked
+
+        wind = {"name": self.name(case), **picked(case.history, "peak_deg onset_s end_s")}
+        head = picked(case, "vehicle=vehicle.name model=plant.model")
+        return {**head, "wind": wind, "plane": case.plane}
+
     def sounding(self, plan: "StudyPlan", source: str) -> "History":
         """Return what the flight of a plan meets of the sounding, in flight time.
 
         As in `tvclin size`, what blows to the side on which the wind is largest counts.
         """
-        import numpy as np
-
-        from tvclin.answers.sizing.measured import fly_through
         from tvclin.answers.sizing.placing import place
-        from tvclin.answers.sizing.schedule_file import load_schedule
-        from tvclin.answers.study import pulse_of
-        from tvclin.answers.study_file.read import vehicle_source
-        from tvclin.base.errors import InputError, between, number, positive
+        from tvclin.base.errors import InputError, number, positive
         from tvclin.vehicle.linear_vehicle import whole_vehicle
-        from tvclin.winds.soundings.read import read_sounding
 
-        file, degrees = self.winds, self.azimuth_deg
-        assert file is not None
-        only_with(
-            "a pulse in place of --winds: a sounding has its own wind",
-            wind=getattr(self, "wind", None),
-            duration=self.duration,
-            peak_deg=self.peak_deg,
-            peak_speed=self.peak_speed,
-            gust_at=self.gust_at,
-            wind_direction_deg=self.wind_direction_deg,
-        )
-        whole = whole_vehicle(plan.vehicle, "--winds")
-        if degrees is None:
-            raise InputError("--winds needs --azimuth-deg, the direction of flight")
+        assert self.winds is not None
+        own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
+        pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
+        only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
+        whole, azimuth = whole_vehicle(plan.vehicle, "--winds"), azimuth_of(self.azimuth_deg)
         if whole.time is None:
             raise InputError("--winds needs a vehicle with its time of flight, time_s")
-        asked = plan.sizing
-        flight = load_schedule(vehicle_source(source)) if asked is None else asked.schedule
-        window = _WINDOW if self.window is None else self.window
-        length = number("--window", window, positive, "s")
-        azimuth = float(np.radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg")))
-        time = float(whole.time)
-        profile = read_sounding(file, time=self.winds_time)
-        for note in profile.notes:
-            say(f"Note: {file.name}: {note}.", err=True)
-        met = fly_through(
-            profile,
-            flight,
-            azimuth=azimuth,
-            plane=plan.plane,
-            window=length,
-            gust=chosen(gust_of(self.gust), pulse_of(plan).gust),
-        )
+        length = number("--window", chosen(self.window, _WINDOW), positive, "s")
+        met, time = self._met(plan, source, azimuth, length), float(whole.time)
         placed = place(met, whole, time, "peak", length)
         if not placed.known or placed.calm:
             word = "calm" if placed.known else "not known"
-            raise InputError(f"the wind of {file.name} is {word} at {time:g} s, the vehicle's time")
+            raise InputError(
+                f"the wind of {self.winds.name} is {word} at {time:g} s, the vehicle's time"
+            )
         first, last = met.known
         if time - length / 2 < first or last < time + length / 2:
             say(
-                f"Note: {file.name} is known from {first:.6g} to {last:.6g} s of flight only; what"
-                " blows beyond is not counted.",
+                f"Note: {self.winds.name} is known from {first:.6g} to {last:.6g} s of flight only;"
+                " what blows beyond is not counted.",
                 err=True,
             )
         return placed.in_flight
+
+    def _met(self, plan: "StudyPlan", source: str, azimuth: float, length: float) -> "Met":
+        """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
+        from tvclin.answers.sizing.measured import fly_through
+        from tvclin.answers.sizing.schedule_file import load_schedule
+        from tvclin.answers.study import pulse_of
+        from tvclin.answers.study_file.read import vehicle_source
+
+        assert self.winds is not None
+        asked, gust = plan.sizing, chosen(gust_of(self.gust), pulse_of(plan).gust)
+        return fly_through(
+            noted_sounding(self.winds, self.winds_time),
+            load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
+            azimuth=azimuth,
+            plane=plan.plane,
+            window=length,
+            gust=gust,
+        )
 
 
 @dataclass(frozen=True)
 class WindOptions(BlowingOptions, ShapedOptions):
     """A pulse or a sounding; `grouped` gives the options to a command."""
+
+
+def azimuth_of(degrees: float | None) -> float:
+    """Return the direction of flight [rad] of --azimuth-deg, which soundings need."""
+    from math import radians
+
+    from tvclin.base.errors import InputError, between, number
+
+    if degrees is None:
+        raise InputError("--winds needs --azimuth-deg, the direction of flight")
+    return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
+
+
+def noted_sounding(file: Path, time: str | None) -> "WindProfile":
+    """Return the sounding of a file, and say on stderr what is odd in it."""
+    from tvclin.winds.soundings.read import read_sounding
+
+    profile = read_sounding(file, time=time)
+    for note in profile.notes:
+        say(f"Note: {file.name}: {note}.", err=True)
+    return profile
 
 
 def gust_of(given: tuple[float, float] | None) -> "History | None":
