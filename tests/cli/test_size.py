@@ -396,7 +396,7 @@ def test_it_says_which_options_would_tell_more() -> None:
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
     both = run("size", "configuration-i", "--plane", "both", "--stop", "square", *given)
-    assert "pitch alone is too little by" in " ".join(both.output.split())
+    assert "pitch is too little by" in " ".join(both.output.split())
     document = json.loads(
         run(
             "size", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"

@@ -52,7 +52,7 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
         tables.append(Table(caption, tuple(head), tuple(_required(s, varying, wind))))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
-        head = ["time [s]", "both", *alone, "pitch alone is too little by [%]"]
+        head = ["time [s]", "both planes", *alone, "pitch is too little by [%]"]
         rows = [_by_planes(s, counted, i, wind) for i in range(s.times.size)]
         tables.append(Table(f"{counted} by planes [deg]{of}", tuple(head), tuple(rows)))
     return tables
