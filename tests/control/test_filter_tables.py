@@ -116,6 +116,21 @@ def margins(*more):
 FILTERS = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
 
 
+MADE = tv.vehicle.Filter
+LOOP_FILTERS = [
+    MADE.lead_lag(2.0, 5.0),
+    MADE.lead_lag(-2.0, 5.0),
+    MADE.low_pass(3.0),
+    MADE.low_pass(13.0, 0.95),
+    MADE.notch(32.0, 0.06, 0.6),
+    MADE.notch(3.0, 0.0, 0.5),
+    MADE.notch(3.0, -0.1, 2.0),
+    MADE.from_coefficients([2.0, 0.0], [1.0, 3.0, 7.0]),
+    MADE.from_coefficients([2.0], [1.0, 0.0]),
+    MADE.from_coefficients([0.5], [2.0]),
+]
+
+
 @pytest.mark.parametrize("rate", [None, 25.0])
 def test_the_command_line_has_filters_and_a_sample_rate(rate):
     sampled = () if rate is None else ("--sample-rate", str(rate))
@@ -144,8 +159,33 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
     values = [complex(p["real"], p["imag"]) for p in poles]
     assert max(abs(z) for z in values) < 1 if rate else max(s.real for s in values) < 0
     shown = margins(*FILTERS, *sampled).output
-    assert "2 behind the sum (order 4)" in shown
+    for number, damping in ((1, "0.06; "), (2, "0.95; ")):
+        assert f"filter {number} behind the sum" in shown
+        assert f"rad/s with damping {damping}" in shown
     assert ("25 Hz" in shown) == (rate is not None)
+
+
+@pytest.mark.parametrize("filter", LOOP_FILTERS, ids=str)
+def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
+    line = filter.line("f")
+    numbers = {part.name: part.value for part in line if not isinstance(part, str)}
+
+    def powers(kind):
+        found = np.ones(1)
+        for key, value in numbers.items():
+            if not key.startswith(f"f.{kind}"):
+                continue
+            if key.endswith(".frequency"):
+                damping = numbers[key.replace("frequency", "damping")]
+                found = np.polymul(found, [1.0, 2.0 * damping * value, value**2])
+            elif not key.endswith(".damping"):
+                found = np.polymul(found, [1.0, -value])
+        return found
+
+    above, below = powers("zeros"), powers("poles")
+    gain = numbers.get("f.lead", numbers.get("f.rest", 0.0) * below[-1] / (above[-1] or 1.0))
+    np.testing.assert_allclose(below, filter.denominator, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(gain * above, np.trim_zeros(filter.numerator, "f"), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

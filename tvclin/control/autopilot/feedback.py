@@ -102,14 +102,9 @@ class Feedback(Carded):
             engine = (*engine, *significant("gains.actuator_damping", damping, 3))
         delay = significant("gains.delay_ms", 1000.0 * np.asarray(self.delay), 4, "ms")
         rows += [("actuator", engine), ("delay", delay)]
-        orders = {name: [one.order for one in getattr(self, name)] for name in CHAINS}
-        chains = [
-            f"{len(held)} {_PLACES[name]} (order {sum(held)})"
-            for name, held in orders.items()
-            if held
-        ]
-        if chains:
-            rows.append(("filters", (", ".join(chains),)))
+        for name, place in _PLACES.items():
+            for k, one in enumerate(getattr(self, name), start=1):
+                rows.append((f"filter {k} {place}", one.line(f"gains.{name}.{k}")))
         if self.sample_rate is not None:
             rows.append(("samples", significant("gains.sample_rate", self.sample_rate, 5, "Hz")))
         return rows
