@@ -26,7 +26,7 @@ TOUCH = 1.0
 VEHICLES = ("configuration-i", "configuration-ii", "made-up-booster", "made-up-launcher")
 FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
 PAGE, WHOLE = "on the page", "alone"
-ON_THE_PAGE = ("study", "response", "comparison", "nichols", "bode", "sizing")
+ON_THE_PAGE = ("study", "response on the boundary", "comparison", "nichols", "bode", "sizing")
 WIDE, HIGH = 1024.0, 10.0
 """A figure so many pixels wide has letters of so many at least."""
 
@@ -91,7 +91,7 @@ def attitude_and_rate(vehicle):
 
 def flown_margins(vehicle):
     law, flown = attitude_and_rate(vehicle), []
-    for limit in (0.02, 0.03):
+    for limit in (0.03, 0.045):
         rate = {"sample_rate": 50.0, "actuator": tv.Actuator()}
         flown.append(tv.flights.flown_margins(rigid(vehicle), law, WIND, limit=limit, **rate))
     return plots.flown_margins_chart(flown)
