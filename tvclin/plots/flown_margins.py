@@ -120,7 +120,11 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)
     _by_ratio(axes)
-    axes.clabel(lines, fmt="%.3g", fontsize=9, zorder=2)
+    axes.figure.canvas.draw()
+    frame = axes.get_window_extent()
+    for label in axes.clabel(lines, fmt="%.3g", fontsize=9, zorder=2):
+        box = label.get_window_extent()
+        label.set_visible(frame.contains(*box.min) and frame.contains(*box.max))
     axes.figure.legend(handles=handles, loc="outside right center")
     return control_plot([], axes, _numbers(found))
 

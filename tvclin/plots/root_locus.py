@@ -71,7 +71,7 @@ def root_locus_chart(
     factors = _default_factors(locus, samples, radii) if gains is None else _given(gains)
     branches = locus.branches(factors)
     count = len(radii) + bool(samples.modes)
-    rows = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
+    rows: Any = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
     size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))
     figure, placed = plt.subplot_mosaic(rows, figsize=size, layout="constrained")
     panels = np.array([[placed[k] for k in range(count)]])

@@ -19,7 +19,7 @@ _ORDINATES = {
     "angles": "angles [deg]",
     "rate": "attitude rate [deg/s]",
     "deflection": "deflection [deg]",
-    "wind": "wind angle of attack [deg]",
+    "wind": "wind angle [deg]",
 }
 _ROOM = 0.05
 """Above and below the curves, of the height of a panel."""

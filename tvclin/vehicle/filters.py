@@ -167,20 +167,20 @@ class Filter(Carded):
         """How many poles the filter has."""
         return self.denominator.shape[-1] - 1
 
-    def line(self, name: str) -> Line:
+    def cells(self, name: str) -> tuple[Line, Line, Line]:
         """Return zeros, poles and gain of one filter as tables show them, its numbers by name.
 
         A pair that is not real has a frequency and a damping. The gain is that at rest; where that
         is zero or infinite, the first coefficient of the numerator over that of the denominator.
         """
         above = np.trim_zeros(self.numerator, "f")
-        sides = {"zeros": np.roots(above), "poles": np.roots(self.denominator)}
-        parts = [_roots(f"{name}.{kind}", kind, roots) for kind, roots in sides.items()]
+        zeros = _roots(f"{name}.zeros", np.roots(above))
+        poles = _roots(f"{name}.poles", np.roots(self.denominator))
         if self.numerator[-1] and self.denominator[-1]:
             rest = self.numerator[-1] / self.denominator[-1]
-            return (*parts[0], *parts[1], "gain at rest ", *significant(f"{name}.rest", rest, 5))
+            return zeros, poles, significant(f"{name}.rest", rest, 5, "at rest")
         lead = above[0] if above.size else 0.0
-        return (*parts[0], *parts[1], "leading gain ", *significant(f"{name}.lead", lead, 5))
+        return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
 
     def __call__(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
@@ -222,21 +222,18 @@ class Filter(Carded):
         return A * frequency, B * frequency, C, above[..., np.newaxis, :1]
 
 
-def _roots(name: str, kind: str, roots: NDArray[np.complex128]) -> Line:
+def _roots(name: str, roots: NDArray[Any]) -> Line:
     """What zeros or poles [1/s] are: a frequency with a damping of each pair, and the real ones."""
-    cells: list[Line] = []
+    found: Line = ()
     for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
-        size = float(np.abs(root))
+        found += (", ",) if k else ()
         if np.imag(root):
-            frequency = significant(f"{name}.{k}.frequency", size, 5, "rad/s with damping ")
-            damping = significant(f"{name}.{k}.damping", -float(np.real(root)) / size)
-            cells.append((*frequency, *damping))
+            size = float(np.abs(root))
+            found += significant(f"{name}.{k}.frequency", size, 5, "rad/s, damping ")
+            found += significant(f"{name}.{k}.damping", -float(np.real(root)) / size)
         else:
-            cells.append(significant(f"{name}.{k}", np.real(root), 5, "1/s"))
-    if not cells:
-        return ()
-    between = [part for cell in cells for part in (", ", *cell)][1:]
-    return (f"{kind[:-1] if roots.size == 1 else kind} ", *between, "; ")
+            found += significant(f"{name}.{k}", np.real(root), 5, "1/s")
+    return found or ("none",)
 
 
 def _rows(*coefficients: Any) -> FloatArray:
