@@ -41,9 +41,8 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    columns = [
-        Column(name, np.degrees(sizing.at_times(name))[order], "deg") for name in sizing.required
-    ]
+    rows = {name: np.degrees(sizing.at_times(name))[order] for name in sizing.required}
+    columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
         most = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
