@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.plots.marks import place_numbers
+
 if TYPE_CHECKING:
     from control import ControlPlot
 
@@ -56,7 +58,6 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
 
 def narrow(plot: "ControlPlot") -> None:
     """Give a figure the width of a page's column, and put one legend below it."""
-    from tvclin.plots.marks import place_numbers
 
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
