@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -44,6 +45,12 @@ def test_a_key_in_degrees_is_converted_once():
     assert found["lag_deg"] == pytest.approx(45.0 / np.pi, rel=1e-15)
     assert (found["wait_s"], found["phase_deg"]) == (2.0, 30.0)
     assert found["peak_deg"] is found["size"] is None
+
+
+def test_a_factor_by_a_key_in_decibels_is_converted_once():
+    factors = SimpleNamespace(gain=10.0, none=0.0, peak_dB=3.0)
+    found = picked(factors, "gain_dB none_dB peak_dB low_dB=gain")
+    assert found == {"gain_dB": 20.0, "none_dB": -np.inf, "peak_dB": 3.0, "low_dB": 20.0}
 
 
 def test_every_value_of_a_mapping_is_converted():

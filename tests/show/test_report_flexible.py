@@ -114,6 +114,23 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     assert margin["margin.gain_increase_dB"] == pytest.approx(bands.whole.gain_increase_dB)
 
 
+def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):
+    shown, autopilot = numbers(control.autopilot(found)), plan.autopilot
+    assert shown["gains.attitude"] == autopilot.attitude_gain
+    assert shown["gains.rate"] == autopilot.rate_gain
+    assert shown["gains.actuator_frequency"] == autopilot.actuator.natural_frequency
+    assert shown["gains.delay_ms"] == pytest.approx(1000.0 * autopilot.delay)
+    assert autopilot.filters
+    for k, one in enumerate(autopilot.filters, start=1):
+        for side, powers in (("zeros", one.numerator), ("poles", one.denominator)):
+            for j, root in enumerate(r for r in np.roots(powers) if r.imag > 0.0):
+                size = shown[f"gains.filters.{k}.{side}.{j}.frequency"]
+                assert size == pytest.approx(abs(root), rel=1e-12)
+                damping = shown[f"gains.filters.{k}.{side}.{j}.damping"]
+                assert damping == pytest.approx(-root.real / size, rel=1e-12)
+        assert shown[f"gains.filters.{k}.rest"] == pytest.approx(one(0.0).real, rel=1e-12)
+
+
 def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     gains = replace(plan.autopilot, actuator=None, delay=0.0)

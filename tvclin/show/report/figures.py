@@ -58,7 +58,6 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
 
 def narrow(plot: "ControlPlot") -> None:
     """Give a figure the width of a page's column, and put one legend below it."""
-
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
     entries: dict[str, Any] = {}
