@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages release clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.45
@@ -58,6 +58,9 @@ docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build
 
 packages:  ## install wheel and sdist with each extra alone and with the lowest versions, and try them
 	$(PYTHON) .ci/packages.py
+
+release:  ## build and check the files of a release; a dry run without TVCLIN_HOME=address of the repository
+	$(PYTHON) .ci/release.py
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated
