@@ -18,7 +18,7 @@ from tvclin.base.doors import CHAPTERS
 from tvclin.linear.models import USUAL_MODEL
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
 def test_the_map_shows_the_layers_that_the_contract_enforces() -> None:
