@@ -22,7 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.answers.sizing.collocation import solved
+from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.trim_flown import path_counts
 from tvclin.boundary.limit import leading_pole
 
@@ -132,8 +133,7 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
     ahead = _from_the_end(growth * driven, step)
     Psi = _path_under_trim(mode, times)
     to_path = (-A[:, 1, 2:] / inputs[:, 1, :1])[:, np.newaxis, :] @ Psi
-    drift = inputs[:, 2:, 1] + inputs[:, 2:, 0] * trim[:, np.newaxis]
-    kernel = np.asarray(np.linalg.solve(Psi, drift[..., np.newaxis])[..., 0], dtype=float)
+    kernel = np.asarray(np.linalg.solve(Psi, mode.under_trim(times)[1])[..., 0], dtype=float)
     first = _from_the_start(kernel, step)
     columns = [
         np.stack([-ahead, _from_the_end(ahead, step), -side / (growth * reach), side * trim], -1),
@@ -150,23 +150,14 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
 
 
 def _path_under_trim(mode: GrowingMode, times: FloatArray) -> FloatArray:
-    """Psi at times [s], ``(n, order, order)``: F = A_22 - b_2 A_12/b_1, of the rows of theta''."""
-    from scipy.integrate import solve_ivp
-
+    """Psi at times [s], ``(n, order, order)``."""
     order = mode.matrices(times[0])[0].shape[-1] - 2
-    if not order:
-        return np.empty((times.size, 0, 0))
 
-    def rates(t: float, y: FloatArray) -> FloatArray:
-        A, inputs = mode.matrices(t)
-        F = A[2:, 2:] - np.outer(inputs[2:, 0], A[1, 2:]) / inputs[1, 0]
-        return np.asarray(F @ y.reshape(order, order)).ravel()
+    def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        F, _ = mode.under_trim(t)
+        return F, np.zeros_like(F)
 
-    span = (times[0], times[-1])
-    found = solve_ivp(
-        rates, span, np.eye(order).ravel(), "DOP853", rtol=RTOL, atol=ATOL, dense_output=True
-    )
-    return np.asarray(found.sol(times).T.reshape(times.size, order, order))
+    return np.asarray(solved(rates, mode.steps, np.eye(order))(times))
 
 
 def _from_the_start(values: FloatArray, step: float) -> FloatArray:

@@ -26,15 +26,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.sizing.collocation import mesh, solved
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
+from tvclin.kernels.searches import roots_between
 
 FloatArray = NDArray[np.float64]
 
-RTOL, ATOL = 1e-9, 1e-12
 _LONGEST = 500.0
-"""Of the span, over the time of the fastest mode; the solver takes at least twice as many steps."""
+"""Of the span, over the time of the fastest mode; the mesh has four times as many steps."""
 _MOST_ROWS = 100_000
 _STEP = 0.5
 """Between rows of the schedule coefficients are tabulated at least every half second."""
@@ -70,26 +71,37 @@ class GrowingMode:
         _, inputs = self.matrices(t)
         return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
 
+    def under_trim(self, t: Any) -> tuple[FloatArray, FloatArray]:
+        """Return F and c of x' = F x + c alpha_w at times [s], of what is not attitude or rate.
+
+        With delta = -(A_12 x + w_1 alpha_w)/b_1, of the row of theta'',
+
+            F = A_22 - b_2 A_12/b_1,    c = w_2 - b_2 w_1/b_1.
+        """
+        A, inputs = self.matrices(t)
+        turned = inputs[..., 2:, :1] / inputs[..., 1:2, :1]
+        F = A[..., 2:, 2:] - turned @ A[..., 1:2, 2:]
+        return F, inputs[..., 2:, 1:] - turned @ inputs[..., 1:2, 1:]
+
     def rate(self, t: Any) -> FloatArray:
         """Return the growth rate mu [1/s] at times [s]."""
-        row, _ = self.at(t)
-        A, _ = self.matrices(t)
-        return np.asarray(np.einsum("i...,...ij,j...->...", row, A, row))
+        row = self._direction(t)
+        return np.asarray(np.einsum("...i,...ij,...j->...", row, self.matrices(t)[0], row))
 
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return l = p/m, ``(n,) + t.shape``, and the reach of a unit deflection held from t on.
 
         That is the integral from t on of m(r)/m(t) l(r).b(r) dr.
         """
-        found = self._solution(np.clip(t, *self.span))
-        return found[:-2], found[-2]
+        row = self._direction(t)
+        return np.moveaxis(row, -1, 0), self._reaches(np.clip(t, *self.span))[..., 0, 0]
 
     def farthest(self, t: Any) -> FloatArray:
         """Return the most that a deflection of size one can reach from times [s] on.
 
         That is the integral of m(r)/m(t) |l(r).b(r)| dr: where l.b turns, the deflection turns.
         """
-        return np.asarray(self._solution(np.clip(t, *self.span))[-1])
+        return np.asarray(self._reaches(np.clip(t, *self.span))[..., 1, 0])
 
     @property
     def grows(self) -> bool:
@@ -103,6 +115,16 @@ class GrowingMode:
         Beyond it the vehicle is stable, or oscillates; that it grows for ever asks for no less.
         """
         return float(self._rows[0][-1])
+
+    @property
+    def bends(self) -> FloatArray:
+        """Times [s] between which coefficients are smooth."""
+        return self._rows[0]
+
+    @cached_property
+    def quickest(self) -> float:
+        """The fastest rate [1/s] of the attitude alone, the largest sqrt(|mu_alpha|)."""
+        return math.sqrt(float(np.abs(self._rows[1][:, 1, 0]).max(initial=0.0)))
 
     @cached_property
     def _rows(self) -> tuple[FloatArray, FloatArray]:
@@ -138,13 +160,23 @@ class GrowingMode:
         table = PchipInterpolator(times, rows, axis=0)
         return lambda t: table(np.clip(t, times[0], times[-1]))
 
-    @cached_property
-    def _solution(self) -> Any:
-        """(l, reach, farthest) over the span, integrated backwards from a constant end."""
-        from scipy.integrate import solve_ivp
+    def _direction(self, t: Any) -> FloatArray:
+        """The row l at times [s], ``t.shape + (n,)``."""
+        row = self._adjoint(np.clip(t, *self.span))[..., 0]
+        return np.asarray(row / np.linalg.norm(row, axis=-1, keepdims=True))
 
+    @cached_property
+    def steps(self) -> FloatArray:
+        """A mesh of the span [s], as `collocation.solved` takes it."""
         start, stop = self.span
-        A, inputs = self.matrices(stop)
+        bends = self.bends[(self.bends > start) & (self.bends < stop)]
+        return mesh(np.concatenate([[start], bends, [stop]]), self.quickest)
+
+    @cached_property
+    def _adjoint(self) -> Any:
+        """A multiple of p over the span, integrated backwards from a constant end."""
+        start, stop = self.span
+        A, _ = self.matrices(stop)
         pole = float(_fastest(A))
         if pole * (stop - start) > _LONGEST:
             raise InputError(
@@ -154,27 +186,34 @@ class GrowingMode:
             )
         row = left_vector(A, pole)
         row = row * np.sign(row[1])
-        held = row @ inputs[:, 0] / pole
-        quickest = math.sqrt(float(np.abs(self._rows[1][:, 1, 0]).max()))
 
-        def rates(t: float, y: FloatArray) -> FloatArray:
-            A, inputs = self.matrices(t)
-            row, reaches = y[:-2], y[-2:]
-            back = row @ A
-            mu = back @ row / (row @ row)
-            pushed = row @ inputs[:, 0]
-            return np.append(mu * row - back, mu * reaches - [pushed, abs(pushed)])
+        def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+            A, _ = self.matrices(t)
+            return -np.swapaxes(A, -1, -2), np.zeros((*A.shape[:-1], 1))
 
-        return solve_ivp(
-            rates,
-            (stop, start),
-            [*row, held, abs(held)],
-            method="DOP853",
-            rtol=RTOL,
-            atol=ATOL,
-            max_step=0.5 / quickest,
-            dense_output=True,
-        ).sol
+        end = (row / np.linalg.norm(row))[:, np.newaxis]
+        return solved(rates, self.steps, end, backwards=True, direction=True)
+
+    @cached_property
+    def _reaches(self) -> Any:
+        """The reach of a deflection that is held, and of one that turns with l.b."""
+
+        def pushed(t: Any) -> FloatArray:
+            return np.vecdot(self._direction(t), self.matrices(t)[1][..., 0])
+
+        def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+            both = np.stack([pushed(t), np.abs(pushed(t))], axis=-1)
+            grows = self.rate(t)[:, np.newaxis, np.newaxis] * np.eye(2)
+            return grows, -both[..., np.newaxis]
+
+        stop = self.span[1]
+        held = pushed(stop) / self.rate(stop)
+        times = self.steps
+        sides = np.sign(pushed(times))
+        k = np.flatnonzero(sides[:-1] * sides[1:] < 0.0)
+        turns = roots_between(times[k], times[k + 1], lambda t, i: sides[k[i] + 1] * pushed(t))
+        times = np.unique(np.concatenate([times, turns]))
+        return solved(rates, times, np.array([[held], [np.abs(held)]]), backwards=True)
 
 
 def _fastest(A: FloatArray) -> FloatArray:

@@ -30,11 +30,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.sizing.collocation import mesh, solved
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
-from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.trim_flown import path_counts
 from tvclin.boundary.limit import leading_pole
-from tvclin.flights.closed_loop.continuous import smooth_piece
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -93,7 +93,7 @@ def varying_need(
     course = _Course.of(mode, wind)
     moment = mode.trim_per_wind(times) * wind(times)
     trim = np.abs(moment)
-    minimum = abs(float(course.future(wind.onset)[0] / mode.farthest(wind.onset)))
+    minimum = abs(float(course.future(wind.onset) / mode.farthest(wind.onset)))
     side = -float(np.sign(moment[np.argmax(trim)]))
     blows = -side * moment
     if np.any(blows < -_LEAST * trim.max()):
@@ -216,31 +216,32 @@ class _Course:
 
     @classmethod
     def of(cls, mode: GrowingMode, wind: History) -> _Course:
-        knots = np.unique(wind.knots)
-        knots = knots[(knots >= wind.onset) & (knots <= wind.end)]
-        size = mode.matrices(float(knots[0]))[0].shape[-1] - 2
+        begin, end = float(wind.onset), float(wind.end)
+        bends = np.concatenate([wind.knots, mode.bends, [begin, end]])
+        bends = np.unique(bends[(bends >= begin) & (bends <= end)])
+        times = mesh(bends, max(mode.quickest, float(np.abs(wind.pieces.rates).max())))
+        size = mode.matrices(begin)[0].shape[-1] - 2
 
-        def drift(t: float, x: FloatArray, blows: Callable[[float], float]) -> FloatArray:
-            A, inputs = mode.matrices(t)
-            return np.asarray(A[2:, 2:] @ x + inputs[2:] @ [_trim(A, inputs, x, a := blows(t)), a])
+        def drift(t: FloatArray) -> tuple[FloatArray, FloatArray]:
+            F, c = mode.under_trim(t)
+            return F, c * wind(t)[:, np.newaxis, np.newaxis]
 
-        def ahead(t: float, x: FloatArray, blows: Callable[[float], float]) -> FloatArray:
+        def ahead(t: FloatArray) -> tuple[FloatArray, FloatArray]:
             row, _ = mode.at(t)
-            return np.asarray(mode.rate(t) * x - row @ mode.matrices(t)[1][:, 1] * blows(t))
+            driven = np.einsum("nt,tn->t", row, mode.matrices(t)[1][..., 1]) * wind(t)
+            return mode.rate(t)[:, np.newaxis, np.newaxis], -driven[:, np.newaxis, np.newaxis]
 
-        pieces = list(pairwise(knots))
+        path = solved(drift, times, np.zeros((size, 1)))
+        rest = solved(ahead, times, np.zeros((1, 1)), backwards=True)
         return cls(
-            mode,
-            wind,
-            _swept(drift, wind, pieces, np.zeros(size)),
-            _swept(ahead, wind, [(b, a) for a, b in reversed(pieces)], np.zeros(1)),
+            mode, wind, lambda t: np.moveaxis(path(t)[..., 0], -1, 0), lambda t: rest(t)[..., 0, 0]
         )
 
     def demand(self, t: ArrayLike) -> FloatArray:
         """The limit [rad], with its sign, that is enough when it is held from t on."""
         row, reach = self.mode.at(t)
         kept = np.sum(row[2:] * self.drifted(t), axis=0)
-        return np.asarray(-(kept + self.future(t)[0]) / reach)
+        return np.asarray(-(kept + self.future(t)) / reach)
 
     def trim(self, t: ArrayLike) -> FloatArray:
         """The deflection of ideal trim [rad]."""
@@ -251,39 +252,3 @@ def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: Any) -> FloatA
     """The deflection [rad] that leaves the attitude nominal while the path drifts."""
     kept = np.vecdot(A[..., 1, 2:], x)
     return np.asarray(-(kept + inputs[..., 1, 1] * wind) / inputs[..., 1, 0])
-
-
-def _swept(
-    rates: Any, wind: History, pieces: list[tuple[float, float]], state: FloatArray
-) -> Callable[[ArrayLike], FloatArray]:
-    """The solution of a linear equation driven by a wind, piece by piece, forwards or backwards."""
-    from scipy.integrate import solve_ivp
-
-    starts, solutions = [], []
-    for begin, stop in pieces:
-        low = min(begin, stop)
-        found = solve_ivp(
-            rates,
-            (begin, stop),
-            state,
-            method="DOP853",
-            rtol=RTOL,
-            atol=ATOL,
-            dense_output=True,
-            args=(smooth_piece(wind, low),),
-        )
-        starts.append(low)
-        solutions.append(found.sol)
-        state = found.y[:, -1]
-    order = np.argsort(starts)
-    edges = np.array(starts)[order]
-
-    def at(t: ArrayLike) -> FloatArray:
-        times = np.asarray(t, dtype=float)
-        which = order[np.maximum(np.searchsorted(edges, times, side="right") - 1, 0)]
-        found = np.empty((state.size, *times.shape))
-        for k in np.unique(which).tolist():
-            found[:, which == k] = solutions[k](times[which == k])
-        return found
-
-    return at
