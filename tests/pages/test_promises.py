@@ -168,6 +168,20 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
     assert imported - set(sys.stdlib_module_names) <= known | own | {"tvclin"}
 
 
+def test_packages_are_tried_on_the_lowest_and_the_newest_python_that_is_promised() -> None:
+    workflow = ROOT / ".github" / "workflows" / "check.yml"
+    if not workflow.exists():
+        pytest.skip("an sdist has no workflow")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    named = re.findall(r"Python :: (3\.\d+)", " ".join(project["classifiers"]))
+    job = workflow.read_text().partition("\n  packages:")[2]
+    tried = re.findall(r"3\.\d+", job[: job.index("]")])
+
+    assert tried == [named[0], named[-1]]
+    assert project["requires-python"] == f">={named[0]}"
+    assert "- run: make packages" in job
+
+
 def test_no_public_function_takes_another_model_by_itself() -> None:
     made = [one for one in public().values() if callable(one)]
     made += [one.from_vehicle for one in made if hasattr(one, "from_vehicle")]
