@@ -64,7 +64,7 @@ def test_a_sounding_along_the_flight_asks_for_the_same_to_the_last_bit(flight) -
         pitch = tv.size(flight, met[0], **options)
         both = tv.size(flight, met[1], plane="both", **options)
         for name, values in pitch.required.items():
-            assert both.required[name].tolist() == values.tolist(), name
+            np.testing.assert_array_equal(both.required[name], values, name)
 
 
 def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight) -> None:
@@ -79,6 +79,9 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
             )
             pitch, yaw = (found.alone[plane].required for plane in ("pitch", "yaw"))
             for name, values in found.required.items():
+                if np.isnan(values).all():
+                    assert name == "minimum, varying"  # beyond one pole in a plane
+                    continue
                 assert np.all(values >= np.maximum(pitch[name], yaw[name]) * (1 - 1e-12)), name
                 assert np.all(values <= pitch[name] + yaw[name]), name
             for name in ("K = 1", "K = 0.5"):

@@ -1,5 +1,7 @@
 """What a head and a tail wind need, beside integration and flights of the nonlinear equations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -149,14 +151,43 @@ def test_dispersed_cases_have_the_factor_of_their_wind() -> None:
     np.testing.assert_allclose(nominal.factors_at(sizes), alone, rtol=1e-3)
 
 
-def test_the_total_of_a_flight_has_what_a_head_wind_adds() -> None:
-    """The worst of all flight times, of which those that cannot be it are passed over."""
+def test_a_flight_has_what_both_signs_need_at_each_time_and_its_total_the_larger() -> None:
     plan = tv.answers.load_sizing("configuration-i")
     asked = plan.sizing
     found = asked.sizing(plan)
-    total = asked.total(plan, found)
     (pulse,) = asked.pulses(plan)
-    all_times = [tv.Study.of(asked.at(plan, t, pulse)).required_deflection for t in found.times]
-    lines = {one.name: one.deflection for one in total.lines}
-    assert lines["wind"] + lines["head wind"] == pytest.approx(max(all_times), rel=1e-9)
-    assert total.time == found.times[int(np.argmax(all_times))]
+    calm = found.required["K = 1, varying"][:, 0]
+    for sign in ("head", "tail"):
+        factors = [
+            tv.Study.of(asked.at(plan, t, pulse)).sign_factors[sign] for t in found.times.tolist()
+        ]
+        signed = found.required[f"K = 1, varying, {sign} wind"][:, 0]
+        np.testing.assert_allclose(signed, calm * factors, rtol=1e-9)
+    name = "K = 1, varying, head wind"
+    total = asked.total(plan, found)
+    assert asked.counted(found) == name
+    assert {one.name: one.deflection for one in total.lines}["wind"] == found.worst[name].deflection
+
+
+@pytest.mark.parametrize(
+    ("sign", "column"),
+    [("head", ", head wind"), ("tail", ", tail wind"), ("frozen", "")],
+)
+def test_one_sign_of_a_flight_is_counted_where_it_is_asked_for(sign, column) -> None:
+    plan = replace(tv.answers.load_sizing("configuration-i"), sign=sign)
+    asked = replace(plan.sizing, every=40.0)
+    found = asked.sizing(plan)
+    assert asked.counted(found) == f"K = 1, varying{column}"
+    assert sum("wind" in name for name in found.required) == bool(column)
+
+
+@pytest.mark.parametrize(("blows_from", "own"), [(270.0, "tail"), (90.0, "head")])
+def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
+    plan = tv.answers.load_sizing("configuration-i")
+    east = replace(plan.wind, heading=np.radians(blows_from - 90.0))
+    plan = replace(plan, wind=east)
+    asked = replace(plan.sizing, every=40.0)
+    found = asked.sizing(plan)
+    assert asked.counted(found) == f"K = 1, varying, {own} wind"
+    with pytest.raises(tv.InputError, match="leave sign"):
+        asked.sizing(replace(plan, sign=own))

@@ -87,3 +87,73 @@ def test_files_hold_the_front_and_the_nozzle(tmp_path: Path) -> None:
     known = [float(row[1]) for row in rows]
     assert known == pytest.approx(np.degrees(expected.limits), rel=1e-6)
     assert [float(row[3]) for row in rows if row[3] not in ("", "nan")] == pytest.approx([0.35])
+
+
+HINGE = """
+mass_kg = 1200
+arm_m = 1.35
+inertia_kg_m2 = 400
+stiffness_N_m_per_deg = 15200
+damping_N_m_s_per_deg = 174
+friction_kN_m = 2
+offset_m = 0.01
+thrust_offset_m = 0.002
+"""
+
+
+def study_file(folder: Path, hinge: str = HINGE) -> str:
+    file = folder / "my.toml"
+    file.write_text(
+        '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+        f"[nozzle]\nlimit_deg = 0.6\nrate_limit_deg_per_s = 10{hinge}"
+    )
+    return str(file)
+
+
+def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(tmp_path) -> None:
+    result = run(study_file(tmp_path), "--law", "trim", "--json")
+    work = json.loads(result.stdout)["flown"]["card"]["work"]
+    plan = tv.load_study(tmp_path / "my.toml")
+    engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
+    hinge = {"stiffness": np.degrees(15200.0), "damping": np.degrees(174.0), "friction": 2000.0}
+    nozzle = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **hinge)
+    assert vars(plan.nozzle.data) == pytest.approx(vars(nozzle))
+
+    plant, wind = plan.plant, plan.history
+    times = np.linspace(0.0, 7.5 + 15.0 / float(plant.coefficients.pole), 20_001)
+    told = {"deflection_limit": plan.nozzle.limit, **plan.hardware}
+    law = tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path"))
+    flown = tv.fly(plant, law, wind, times, **told).outputs
+    card = tv.answers.nozzle_card(
+        times,
+        flown["deflection"],
+        nozzle=nozzle,
+        vehicle=plan.vehicle,
+        angle_of_attack=flown["angle_of_attack"],
+        attitude=flown["attitude"],
+    )
+    # the largest torque is at a kink of the command, and differs with the times by a twentieth
+    assert work["torque_N_m"] == pytest.approx(card.work.torque.value, rel=0.1)
+    assert work["energy_J"] == pytest.approx(card.work.energy, rel=5e-2)
+
+
+def test_a_hinge_without_what_turns_about_it_is_refused(tmp_path) -> None:
+    result = run(study_file(tmp_path, "\nstiffness_N_m_per_deg = 15200\n"), "--law", "trim")
+    assert result.exit_code == 2
+    words = " ".join(result.stderr.split())
+    assert "missing in [nozzle]: mass_kg" in words
+    assert "arm_m" in words
+
+
+@pytest.mark.parametrize(("limit", "rate", "yes"), [(0.6, 10.0, True), (0.25, 0.2, False)])
+def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit, rate, yes):
+    file = Path(study_file(tmp_path, ""))
+    text = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
+    file.write_text(text)
+    result = CliRunner().invoke(app, ["study", str(file), "--json"])
+    (asked,) = (
+        one for one in json.loads(result.stdout)["questions"] if one["name"] == "nozzle rate"
+    )
+    needed = np.degrees(front(limit=limit, rate_limit=rate).needed_rate)
+    assert asked["yes"] is yes
+    assert asked["why"].startswith(f"any control needs at least {needed:.3f} deg/s")

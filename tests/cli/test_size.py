@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,14 +53,16 @@ def test_json_equals_the_library() -> None:
         ).counts[1]
         for time in times
     ]
+    counted = "K = 1, varying, head wind"
+    needs = found.required["K = 1, varying"] * np.array(in_head_winds)[:, np.newaxis]
+    found = replace(found, required=found.required | {counted: needs})
     total = tv.worst_total(
         found,
-        "K = 1",
+        counted,
         dispersion=0.3,
         thrust_offset=np.radians(0.1),
         gravity_offset=0.05,
         limit=np.radians(0.4),
-        sign=np.array(in_head_winds) - 1.0,
     )
     for name, values in found.required.items():
         assert document["required_deg"][name] == np.degrees(values).tolist()
@@ -87,12 +90,21 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
 
 def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     result = run(
-        "size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66", "--varying"
+        "size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66", "--frozen"
     )
     assert result.exit_code == 0
     assert "is beyond the single-pole theory" in " ".join(result.output.split())
     assert any(line.split()[-1:] == ["1~"] for line in result.output.splitlines())
-    assert "parameters varying" in result.output
+
+
+def test_the_frozen_vehicle_stands_beside_the_one_that_changes_with_how_far_it_is_off() -> None:
+    along = ("size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66")
+    result = run(*along)
+    assert any(line.split()[-1:] == ["1"] for line in result.output.splitlines())
+    found = json.loads(run(*along, "--json").stdout)["required_deg"]
+    off = 100.0 * (found["K = 1"][0][0] / found["K = 1, varying"][0][0] - 1.0)
+    table = result.output.split("frozen at each flight time")[1]
+    assert f"{off:.1f}" in table.split()
 
 
 def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() -> None:
@@ -108,7 +120,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
     given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
-    pulse = ("--duration", "7.5")
+    pulse = ("--duration", "7.5", "--gust-at", "3.75")
     document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
@@ -152,7 +164,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert "by wind" in other.output
     assert "by wind" not in enough.output
     rows = [line.split() for line in other.output.splitlines() if line.startswith("  wyoming.txt")]
-    worst = below["worst_by_wind"]["wyoming.txt"]["K = 1"]
+    worst = below["worst_by_wind"]["wyoming.txt"]["K = 1, varying"]
     assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
 
 
@@ -214,10 +226,8 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     )
     found = tv.answers.disperse_study(nominal)
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
-
-    assert lines["dispersions"] == pytest.approx(
-        np.degrees(found.required.upper - nominal.required_deflection), rel=1e-12
-    )
+    part = found.required.upper / nominal.required_deflection - 1.0
+    assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -237,13 +247,11 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
         duration=7.5,
         peak=np.radians(5),
         model="fixed-path",
-        **({"gust": gust, "gust_at": 3.75} if more[0] == "--gust" else heading),
+        **({"gust": gust} if more[0] == "--gust" else heading),
     )
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
-    total = np.degrees(tv.answers.disperse_study(nominal).required.upper)
-
-    counted = [lines.get(name, 0.0) for name in ("wind", "head wind", "dispersions")]
-    assert sum(counted) == pytest.approx(total, rel=1e-9), lines
+    part = tv.answers.disperse_study(nominal).required.upper / nominal.required_deflection - 1.0
+    assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -381,16 +389,44 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
 
 
 def test_it_says_which_options_would_tell_more() -> None:
-    two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42")
-    pulse = run("size", "--every", "60", "--varying")
+    two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42", "--frozen")
+    pulse = run("size", "--every", "60")
 
     assert "--window 20 counts of a sounding only" in two.output
     assert "K = 1 in each wind [deg]" in two.output
     assert "--from 41 --to 116 takes them in" in pulse.output
-    assert '--count "K = 1, varying"' in pulse.output
-    total = run("size", "--every", "60", "--varying", "--count", "K = 1, varying").output
-    assert "--count" not in total
-    assert "K = 1 in each wind" not in total
+    assert "in each wind" not in pulse.output
+
+
+def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
+    schedule, given = tv.load_schedule("configuration-i"), (*FAST, "--gust-plateau", "0.5")
+    by_speed = json.loads(run("size", *given, "--gust-speed", "9", "2", "--json").stdout)
+    for i, time in enumerate(by_speed["times_s"]):
+        vehicle = schedule.at(time)
+        peak = np.degrees(tv.angle_from_speed(9.0, vehicle.velocity, vehicle.attitude))
+        alone = ("--from", str(time), "--to", str(time), "--dead-band", "1")
+        given = ("--gust", repr(float(peak)), "2", "--gust-plateau", "0.5")
+        by_angle = json.loads(run("size", *alone, *given, "--json").stdout)
+        for name, values in by_angle["required_deg"].items():
+            assert by_speed["required_deg"][name][i] == pytest.approx(values[0], rel=1e-6), name
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (("--gust", "1", "2", "--gust-speed", "9", "2"), "not both"),
+        (("--gust-plateau", "1"), "--gust-plateau needs --gust"),
+        (("--gust", "1", "2", "--gust-plateau", "2"), "must be shorter than the gust"),
+        (("--gust-speed", "9", "2", *FLOWN), "has an angle: give it in degrees"),
+        (("--sign", "up"), "sign"),
+        (("--sign", "head", *FLOWN), "--sign needs a pulse"),
+        (("--sign", "head", "--wind-direction-deg", "270", "--azimuth-deg", "90"), "leave sign"),
+    ],
+)
+def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
+    result = run("size", *given)
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
 
 
 def test_both_planes_stand_beside_each_plane_alone() -> None:

@@ -23,8 +23,8 @@ from .least_gains.record import LeastGains as LeastGains
 from .least_gains.schedule import LeastSchedule as LeastSchedule
 from .least_gains.schedule import least_gain_schedule as least_gain_schedule
 from .nozzle import Nozzle as Nozzle
+from .nozzle import NozzleData as NozzleData
 from .nozzle_motion import NozzleCard as NozzleCard
-from .nozzle_motion import NozzleData as NozzleData
 from .nozzle_motion import nozzle_card as nozzle_card
 from .requirement import RequiredDeflection as RequiredDeflection
 from .requirement import is_sufficient as is_sufficient

@@ -140,8 +140,13 @@ class Case:
 
     @property
     def history(self) -> History:
-        """The same as a history; of an ensemble the first."""
-        return self.blows if isinstance(self.blows, History) else self.blows.history({})
+        """The wind as a history; of an ensemble the first."""
+        return self.history_at(1.0)
+
+    def history_at(self, dead_band: float) -> History:
+        """Return the same with the gust at the worst time for another dead band."""
+        blows = self.blows if dead_band == 1.0 else self.blows_at(dead_band)
+        return blows if isinstance(blows, History) else blows.history({})
 
     @property
     def hardware(self) -> dict[str, Any]:

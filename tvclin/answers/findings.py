@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.boundary.rates import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -39,7 +40,7 @@ Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
-_LATER = ("availability", "gust_at", "sign")
+_LATER = ("availability", "gust_at", "sign", "gust_speed", "data")
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -72,6 +73,8 @@ class Findings:
         The whole flight, and the worst of all that its nozzle has to do.
     availability : Availability or None
         On how many days of an archive it flies.
+    rates : RateFront or None
+        What limit and rate limit leave in the wind; None unless both are given.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -88,6 +91,7 @@ class Findings:
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     availability: Availability | None
+    rates: RateFront | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -151,6 +155,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
             "availability": plan.availability,
+            "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
         }
         asked = [name for name, one in wanted.items() if one is not None]
 
@@ -186,6 +191,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
             availability=part("availability", _availability),
+            rates=part("rates", _rates),
             reasons=reasons,
             warnings=tuple(said),
         )
@@ -276,6 +282,16 @@ def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
     del study
     assert plan.availability is not None
     return plan.availability.availability(plan, told)
+
+
+def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
+    from tvclin.boundary.rates import rate_front
+
+    assert plan.nozzle.limit is not None
+    limit = plan.nozzle.limit / study.of_both  # the stop leaves this plane its part
+    return rate_front(
+        plan.plant.rigid, study.history, limit=limit, rate_limit=plan.nozzle.rate_limit
+    )
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

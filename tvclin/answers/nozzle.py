@@ -6,16 +6,86 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from tvclin.base.errors import instance, number, positive, small_angle
+from tvclin.base.errors import (
+    finite,
+    instance,
+    nonnegative,
+    number,
+    positive,
+    single,
+    small_angle,
+)
 from tvclin.base.tables import FileTable
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.vehicle.structure import Engine
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
+_ENGINE = {"mass": "mass", "arm": "arm", "inertia": "moment_of_inertia"}
+"""Of what turns, and what `Engine` calls it."""
+_HINGE = {
+    "stiffness": "moment slope",
+    "damping": "damping moment",
+    "friction": "moment",
+    "offset": "length",
+    "thrust_offset": "length",
+}
 USUAL_ACTUATOR = Actuator()
 NOZZLE_TABLE = FileTable(
-    "[nozzle]", {"limit": "angle", "rate_limit": "angular rate", **_ACTUATOR}, words=("stop",)
+    "[nozzle]",
+    {
+        "limit": "angle",
+        "rate_limit": "angular rate",
+        **_ACTUATOR,
+        **{"mass": "mass", "arm": "length", "inertia": "inertia"},
+        **_HINGE,
+    },
+    words=("stop",),
 )
+
+
+@dataclass(frozen=True, kw_only=True)
+class NozzleData:
+    """What a nozzle resists its actuators with.
+
+    Attributes
+    ----------
+    engine : Engine
+        What turns: mass m_E, arm l_E aft of the hinge, moment of inertia.
+    stiffness : float
+        Of the hinge, k [N m/rad].
+    damping : float
+        Of the hinge, c [N m s/rad].
+    friction : float
+        M_f [N m], whatever the rate.
+    offset, thrust_offset : float
+        Lateral offset e of the centre of mass, and e_T of the line of thrust from the hinge [m]; a
+        positive one resists a positive deflection.
+
+    Raises
+    ------
+    InputError
+        For a batch, and a negative stiffness, damping or friction.
+    """
+
+    engine: Engine
+    stiffness: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+    offset: float = 0.0
+    thrust_offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
+        single("engine", self.engine.batch)
+        for name, check, unit in (
+            ("stiffness", nonnegative, "N m/rad"),
+            ("damping", nonnegative, "N m s/rad"),
+            ("friction", nonnegative, "N m"),
+            ("offset", finite, "m"),
+            ("thrust_offset", finite, "m"),
+        ):
+            object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +104,8 @@ class Nozzle:
         Largest deflection rate [rad/s], which counts in flights; none unless given.
     actuator : Actuator or None
         Between command and deflection.
+    data : NozzleData, optional
+        What resists the actuators, for torque and power.
 
     Raises
     ------
@@ -45,6 +117,7 @@ class Nozzle:
     stop: Stop | str | None = None
     rate_limit: float | None = None
     actuator: Actuator | None = USUAL_ACTUATOR
+    data: NozzleData | None = None
 
     def __post_init__(self) -> None:
         angle = small_angle("a deflection", positive)
@@ -55,6 +128,8 @@ class Nozzle:
             stop_of(self.stop)
         if self.actuator is not None:
             instance("actuator", self.actuator, Actuator, "or None")
+        if self.data is not None:
+            instance("data", self.data, NozzleData, "of an engine and its hinge")
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
@@ -67,7 +142,17 @@ class Nozzle:
         """
         found = NOZZLE_TABLE.read(table)
         given = {name: found.pop(name) for name in _ACTUATOR if name in found}
-        return cls(**found, actuator=actuator_of(**given))
+        return cls(data=_data(found), actuator=actuator_of(**given), **found)
+
+
+def _data(found: dict[str, Any]) -> NozzleData | None:
+    """What turns and resists, taken out of what is found in a table; None where nothing is."""
+    given = {name: found.pop(name) for name in (*_ENGINE, *_HINGE) if name in found}
+    if not given:
+        return None
+    NOZZLE_TABLE.need(given, ("mass", "arm"))
+    engine = {_ENGINE[name]: given.pop(name) for name in tuple(given) if name in _ENGINE}
+    return NozzleData(engine=Engine(**engine), **given)
 
 
 def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7) -> Actuator | None:

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.case import Case
+from tvclin.answers.nozzle import NozzleData
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     directions,
-    finite,
     instance,
-    nonnegative,
     number,
     positive,
     single,
@@ -30,7 +29,7 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import LOST, SURVIVED, fly_many
 from tvclin.flights.flexible import FATES
 from tvclin.linear.extremes import Point
-from tvclin.vehicle.structure import Engine
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -44,50 +43,6 @@ _AFTER = 15.0
 """A flight is shown so many times of its fast mode after the wind: what moves then is rounding."""
 _IN_A_SAMPLE, _MOST = 8, 400_001
 """Times of a card in a sample of the law, and in all."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class NozzleData:
-    """What a nozzle resists its actuators with.
-
-    Attributes
-    ----------
-    engine : Engine
-        What turns: mass m_E, arm l_E aft of the hinge, moment of inertia.
-    stiffness : float
-        Of the hinge, k [N m/rad].
-    damping : float
-        Of the hinge, c [N m s/rad].
-    friction : float
-        M_f [N m], whatever the rate.
-    offset, thrust_offset : float
-        Lateral offset e of the centre of mass, and e_T of the line of thrust from the hinge [m]; a
-        positive one resists a positive deflection.
-
-    Raises
-    ------
-    InputError
-        For a batch, and a negative stiffness, damping or friction.
-    """
-
-    engine: Engine
-    stiffness: float = 0.0
-    damping: float = 0.0
-    friction: float = 0.0
-    offset: float = 0.0
-    thrust_offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
-        single("engine", self.engine.batch)
-        for name, check, unit in (
-            ("stiffness", nonnegative, "N m/rad"),
-            ("damping", nonnegative, "N m s/rad"),
-            ("friction", nonnegative, "N m"),
-            ("offset", finite, "m"),
-            ("thrust_offset", finite, "m"),
-        ):
-            object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
 
 
 @dataclass(frozen=True)
@@ -293,7 +248,8 @@ def nozzle_card(
     work = None
     if nozzle is None:
         notes.append(
-            "torque, power and energy need the engine and its hinge (nozzle_card in Python)"
+            "torque, power and energy need the engine and its hinge: mass_kg, arm_m and more in"
+            " [nozzle]"
         )
     else:
         instance("nozzle", nozzle, NozzleData, "of an engine and its hinge")
@@ -347,7 +303,18 @@ class FlownCard(Shown):
         count = int(np.ceil((end - onset) * flown["sample_rate"])) * _IN_A_SAMPLE + 1
         times = np.linspace(onset, end, min(count, _MOST))
         outputs = fly(plant, law, wind, times, **flown).outputs
-        return cls(name, status, nozzle_card(times, outputs["deflection"], limit=limit))
+        if (data := case.nozzle.data) is None:
+            return cls(name, status, nozzle_card(times, outputs["deflection"], limit=limit))
+        card = nozzle_card(
+            times,
+            outputs["deflection"],
+            limit=limit,
+            nozzle=data,
+            vehicle=whole_vehicle(case.vehicle, "the torque of a nozzle").rigid,
+            angle_of_attack=outputs["angle_of_attack"],
+            attitude=outputs["attitude"],
+        )
+        return cls(name, status, card)
 
     @property
     def survived(self) -> bool:

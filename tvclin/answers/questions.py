@@ -19,8 +19,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "whole flight", "availability", "probability", "autopilot", "margins" or "flexible
-        flight".
+        "wind", "nozzle rate", "whole flight", "availability", "probability", "autopilot",
+        "margins" or "flexible flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -86,6 +86,8 @@ def _asked(found: Findings) -> Iterator[Question]:
     limit = found.study.limit
     if limit is not None:
         yield _wind(found)
+        if found.plan.nozzle.rate_limit is not None:
+            yield _rate(found)
         if found.plan.sizing is not None:
             yield _flight(found)
         asked = found.plan.availability
@@ -111,6 +113,20 @@ def _wind(found: Findings) -> Question:
     elif np.isinf(need):
         line = ("with this dead band no limit is enough",)
     return Question("wind", found.study.sufficient, line, need, whose)
+
+
+def _rate(found: Findings) -> Question:
+    """Whether any control gets by with the limit at the rate that the nozzle has."""
+    name, front = "nozzle rate", found.rates
+    if front is None:
+        return Question(name, None, (_reason(found, "rates"),))
+    there = degrees("asked.rate_there", front.rate_limit, unit="deg/s")
+    needed = degrees("asked.rate", front.needed_rate, unit="deg/s")
+    line: Line = ("any control needs at least ", *needed, " of ", *there)
+    if np.isinf(front.needed_rate):
+        line = ("with this limit no rate is enough",)
+    need = front.needed * found.study.of_both
+    return Question(name, front.enough, line, need, "at this rate any control needs")
 
 
 def _flight(found: Findings) -> Question:

@@ -43,6 +43,14 @@ Planes = Annotated[
         help="Plane of the motion: pitch, yaw, or both with one stop.", show_default="pitch"
     ),
 ]
+Sign = Annotated[
+    str | None,
+    typer.Option(
+        help="Which sign of a wind along the path counts, with the dynamic pressure met in it:"
+        " head, tail, or frozen, that of calm air.",
+        show_default="the worst of these",
+    ),
+]
 STOPS_HELP = "round, round-each-plane, square or square-45."
 WindDirectionDeg = Annotated[
     float | None,
@@ -86,12 +94,19 @@ Gust = Annotated[
         metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
     ),
 ]
-GustAt = Annotated[
+GustSpeed = Annotated[
+    tuple[float, float] | None,
+    typer.Option(metavar="M/S S", help="The same by its peak wind speed, in m/s, by eq (B1e)."),
+]
+GustPlateau = Annotated[
     float | None,
     typer.Option(
-        help="When the gust peaks, in s.",
-        show_default="when it asks for most; tvclin size: the middle of the wind",
+        help="Part of its duration that a gust stays at its peak, in s.", show_default="0"
     ),
+]
+GustAt = Annotated[
+    float | None,
+    typer.Option(help="When the gust peaks, in s.", show_default="when it asks for most"),
 ]
 
 

@@ -17,6 +17,7 @@ from tvclin.cli.options import (
     Model,
     Planes,
     Plot,
+    Sign,
     grouped,
 )
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
@@ -116,7 +117,10 @@ class FlightOptions(ShapedOptions):
     def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
         """Return a plan with the pulse, the times and the dead bands of these options."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
-        plan = ShapedOptions.over(replace(self, peak_speed=None, azimuth_deg=straight), plan)
+        own = replace(self, peak_speed=None, azimuth_deg=straight)
+        if self.gust_speed is not None:  # each flight time meets it at its own angle
+            own = replace(own, gust=(1.0, self.gust_speed[1]), gust_speed=None)
+        plan = ShapedOptions.over(own, plan)
         asked, speed = plan.sizing, self.peak_speed
         assert asked is not None
         named = (self.wind, self.duration, self.peak_deg, speed, self.wind_direction_deg)
@@ -124,7 +128,10 @@ class FlightOptions(ShapedOptions):
             asked,
             pulse=asked.pulse or any(one is not None for one in named),
             peak_speed=None if self.peak_deg is not None else chosen(speed, asked.peak_speed),
+            gust_speed=asked.gust_speed if self.gust is None else None,
         )
+        if self.gust_speed is not None:
+            asked = replace(asked, gust_speed=self.gust_speed[0])
         asked = changed(
             asked,
             window=self.window,
@@ -148,7 +155,7 @@ class TotalOptions:
         str | None,
         typer.Option(
             help="Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...",
-            show_default="the largest dead band; varying, with --varying and soundings alone",
+            show_default="the largest dead band, varying, in the wind that needs more",
         ),
     ] = None
     dispersion: Annotated[
@@ -225,9 +232,15 @@ def size(
         ),
     ] = None,
     varying: Annotated[
-        bool,
-        typer.Option("--varying", help="Also size with parameters that vary while the wind blows."),
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--varying/--frozen",
+            help="Let parameters vary while the wind blows, or take those of each flight time"
+            " alone.",
+            show_default="varying where they can be followed",
+        ),
+    ] = None,
+    sign: Sign = None,
     limit_deg: LimitDeg = None,
     total: TotalOptions = TotalOptions(),
     as_json: AsJson = False,
@@ -255,9 +268,11 @@ def size(
     case = load_sizing(source, soundings)
     case = CaseOptions(limit_deg, model=model, plane=None if plane == BOTH else plane).over(case)
     nozzle = replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop))
-    case = blows.over(replace(case, nozzle=nozzle))
+    case = blows.over(replace(case, nozzle=nozzle, sign=chosen(sign, case.sign)))
     assert case.sizing is not None
-    asked = changed(total.over(case.sizing), law=law, varying=varying or None)
+    if not (case.sizing.pulse or case.sizing.others):
+        only_with("a pulse: a sounding has its own sign", sign=sign)
+    asked = changed(total.over(case.sizing), law=law, varying=varying)
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     whole = total.total(case, asked, found)
@@ -270,7 +285,7 @@ def size(
         beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}
         print_json(found.as_dict() | beside)
     else:
-        _print(found, whole, source, asked.counted, said)
+        _print(found, whole, source, asked.counted(found), said)
     if whole.limit is not None and not whole.sufficient:
         raise typer.Exit(1)
 
@@ -286,8 +301,8 @@ def _print(
     planes = "both planes, one stop" if found.alone else found.plane
     say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
     print_tables(*tables.over_time(found, counted))
-    if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
-        say(tables.MARKS)
+    if marks := tables.marks_line(found):
+        say(marks)
     if len(found.winds) > 1:
         print_tables(tables.by_wind(found, counted))
     if 1 < len(found.winds) <= _COLUMNS:
@@ -300,7 +315,7 @@ def _print(
 
 def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
     """Which options would tell more than what was found."""
-    from tvclin.answers.sizing.record import STEADY, VARYING
+    from tvclin.answers.sizing.record import STEADY
 
     first, last = found.schedule.span
     begin, end = (float(time) for time in (found.times.min(), found.times.max()))
@@ -309,14 +324,12 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
-    if asked.soundings and asked.window is None and (found.change > STEADY).any():
+    doubtful = not found.freezing_error and (found.change > STEADY).any()
+    if asked.soundings and asked.window is None and doubtful:
         yield (
             "--window 20 counts of a sounding only what blows within 10 s of each flight time,"
             " while parameters change less"
         )
-    varying = f"{asked.counted}{VARYING}"
-    if varying in found.required:
-        yield f'--count "{varying}" lets the varying parameters enter the total'
 
 
 def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
@@ -336,8 +349,9 @@ def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> floa
     from tvclin.base.errors import InputError
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
-    counted = asked.counted
-    if counted not in bands or counted not in found.worst:
+    counted = asked.counted(found)
+    band = counted.split(",")[0]
+    if band not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
     worst, pulses = found.worst[counted], asked.pulses(case)
     at = found.winds.index(worst.wind)
@@ -346,5 +360,5 @@ def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> floa
             f"--disperse knows pulses, and the worst wind is {worst.wind}; give --dispersion in its"
             " place"
         )
-    nominal = Study.of(asked.at(case, worst.time, pulses[at]), bands[counted])
+    nominal = Study.of(asked.at(case, worst.time, pulses[at]), bands[band])
     return disperse_study(nominal).part

@@ -12,6 +12,7 @@ from tvclin.cli.options import (
     Model,
     Plane,
     Plot,
+    Sign,
     Source,
     grouped,
 )
@@ -54,14 +55,7 @@ def study(
             show_default="literal",
         ),
     ] = None,
-    sign: Annotated[
-        str | None,
-        typer.Option(
-            help="Which sign of a wind along the path counts, with the dynamic pressure met in it:"
-            " head, tail, or frozen, that of calm air.",
-            show_default="the worst of these",
-        ),
-    ] = None,
+    sign: Sign = None,
     disperse: Annotated[
         bool,
         typer.Option(

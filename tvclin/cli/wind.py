@@ -12,6 +12,8 @@ from tvclin.cli.options import (
     AzimuthDeg,
     Gust,
     GustAt,
+    GustPlateau,
+    GustSpeed,
     PeakDeg,
     PeakSpeed,
     Shape,
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.winds.histories import History
+    from tvclin.winds.shaped import ShapedWind
     from tvclin.winds.soundings.profile import WindProfile
 
     Met = MeasuredWind | MeasuredPlanes
@@ -41,6 +44,8 @@ class PulseOptions:
     peak_deg: PeakDeg = None
     peak_speed: PeakSpeed = None
     gust: Gust = None
+    gust_speed: GustSpeed = None
+    gust_plateau: GustPlateau = None
     gust_at: GustAt = None
     wind_direction_deg: WindDirectionDeg = None
     azimuth_deg: AzimuthDeg = None
@@ -50,8 +55,10 @@ class PulseOptions:
 
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
-        if self.gust is None:
-            only_with("--gust", gust_at=self.gust_at)
+        if self.gust is not None and self.gust_speed is not None:
+            raise InputError("give --gust or --gust-speed, not both")
+        if self.gust is None and self.gust_speed is None:
+            only_with("--gust", gust_at=self.gust_at, gust_plateau=self.gust_plateau)
 
     def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
         """Return a plan with the pulse of these options, as far as they give one."""
@@ -70,20 +77,29 @@ class PulseOptions:
             duration=lasts,
             peak=wind.peak if self.peak_deg is None else float(np.radians(self.peak_deg)),
             heading=chosen(self._heading, wind.heading),
-            gust=chosen(gust_of(self.gust), wind.gust),
-            gust_at=wind.gust_at if self.gust is None else self._gust_at,
         )
+        wind = self._gusty(wind, plan)
         if self.peak_speed is not None:
             whole = whole_vehicle(plan.vehicle, "--peak-speed")
             wind = wind.of_speed(self.peak_speed, whole, plan.plane)
         return replace(plan, wind=wind)
 
-    @property
-    def _gust_at(self) -> float | None:
-        """When the gust comes [s]; None without --gust-at."""
-        from tvclin.base.errors import number
+    def _gusty(self, wind: "ShapedWind", plan: "StudyPlan") -> "ShapedWind":
+        """A wind with the gust of these options, as the vehicle of a plan meets it."""
+        from tvclin.base.errors import nonzero, number
+        from tvclin.vehicle.linear_vehicle import whole_vehicle
 
-        return None if self.gust_at is None else number("--gust-at", self.gust_at, unit="s")
+        if self.gust is None and self.gust_speed is None:
+            return wind
+        plateau = chosen(self.gust_plateau, 0.0)
+        at = None if self.gust_at is None else number("--gust-at", self.gust_at, unit="s")
+        if self.gust is not None:
+            return replace(wind, gust=gust_of(self.gust, plateau), gust_at=at)
+        assert self.gust_speed is not None
+        speed, duration = self.gust_speed
+        made = replace(wind, gust=gust_of((1.0, duration), plateau, "--gust-speed"), gust_at=at)
+        speed = number("--gust-speed", speed, nonzero)
+        return made.gust_of_speed(speed, whole_vehicle(plan.vehicle, "--gust-speed"), plan.plane)
 
     @property
     def _heading(self) -> float | None:
@@ -215,7 +231,7 @@ class BlowingOptions(PulseOptions):
         from tvclin.answers.study_file.read import vehicle_source
 
         assert self.winds is not None
-        asked, gust = plan.sizing, chosen(gust_of(self.gust), pulse_of(plan).gust)
+        asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
             noted_sounding(self.winds, self.winds_time),
             load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
@@ -252,17 +268,20 @@ def noted_sounding(file: Path, time: str | None) -> "WindProfile":
     return profile
 
 
-def gust_of(given: tuple[float, float] | None) -> "History | None":
-    """Return the 1 - cosine gust of a peak [deg] and a duration [s]."""
+def gust_of(
+    given: tuple[float, float] | None, plateau: float = 0.0, option: str = "--gust"
+) -> "History | None":
+    """Return the gust of a peak [deg] and a duration [s], some of which it stays at its peak."""
     import numpy as np
 
-    from tvclin.base.errors import nonzero, number, positive
-    from tvclin.winds.gusts import OneMinusCosineGust
+    from tvclin.base.errors import nonnegative, nonzero, number, positive
+    from tvclin.winds import file
 
     if given is None:
         return None
-    peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
-    return OneMinusCosineGust(peak=np.radians(peak), duration=duration)
+    peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
+    level = number("--gust-plateau", plateau, nonnegative, "s")
+    return file.gust_of(float(np.radians(peak)), duration, level)
 
 
 def wind_words(name: str, case: "Case") -> str:

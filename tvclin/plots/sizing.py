@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.answers.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
+from tvclin.answers.sizing.record import IN_A, MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
 from tvclin.base.errors import InputError, number, positive, small_angle
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 _LIMIT = "available limit"
+_MARKS = {IN_A["head"]: "^", IN_A["tail"]: "v"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 
@@ -20,7 +21,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
     """Draw the required deflections over the flight, and the available one.
 
     Lines are for parameters that are frozen at each flight time; rings, where the sizing has them,
-    for parameters that vary while the wind blows.
+    for parameters that vary while the wind blows; triangles for head and tail winds.
 
     Parameters
     ----------
@@ -61,6 +62,10 @@ def _styles(sizing: Sizing) -> dict[str, Style]:
     lines = dict(zip([TRIM, *bands, NO_FORECAST, MINIMUM], cycle(LINES), strict=False))
     styles: dict[str, Style] = {}
     for name in sizing.required:
+        if ending := next((one for one in _MARKS if name.endswith(one)), ""):
+            marker, colour = _MARKS[ending], colours[bands[0]]
+            styles[name] = {"ls": "", "marker": marker, "ms": 4.5, "color": colour}
+            continue
         kind = name.removesuffix(VARYING)
         styles[name] = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
         if name != kind:

@@ -3,16 +3,19 @@
 import csv
 import io
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, one_of
+from tvclin.base.errors import InputError, number, one_of, positive
 from tvclin.base.files import called, read_text
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
-from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
+from tvclin.winds.gusts import LayeredGust, OneMinusCosineGust
+from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _PULSE = {"peak": "angle", "duration": "time"}
@@ -28,7 +31,13 @@ WIND_TABLE = FileTable(
 SOUNDING_TABLE = FileTable(
     "[[wind]]", {"azimuth": "angle"}, (SOUNDING, "name", "format", "time"), required=("azimuth",)
 )
-GUST_TABLE = FileTable("[gust]", {**_PULSE, "peak_time": "time"}, required=("peak", "duration"))
+GUST_TABLE = FileTable(
+    "[gust]",
+    {**_PULSE, "peak_speed": "speed", "plateau": "time", "peak_time": "time"},
+    required=("duration",),
+)
+_ANY_PEAK = 0.01
+"""Of a gust whose speed says its peak [rad]."""
 _FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
 _SAMPLES_TABLE = FileTable("[wind]", words=("time_s", "angle_rad"))
 
@@ -106,21 +115,49 @@ def heading_of(
     return direction - azimuth
 
 
-def gust_of(document: Mapping[str, Any], wind: ShapedWind | WindEnsemble) -> dict[str, Any]:
-    """Return the gust of [gust] on top of a wind, by fields of `ShapedWind`; empty without it.
+def with_gust(
+    document: Mapping[str, Any], wind: ShapedWind | WindEnsemble, vehicle: AnyVehicle, plane: str
+) -> ShapedWind | WindEnsemble:
+    """Return a wind with the gust of [gust] on top, by its speed as a vehicle meets it in a plane.
 
     Raises
     ------
     InputError
-        For a gust on top of a file of winds.
+        For a gust on top of a file of winds, and as `gust_of` and `ShapedWind.gust_of_speed`.
     """
     if "gust" not in document:
-        return {}
+        return wind
     if isinstance(wind, WindEnsemble):
         raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
     given = GUST_TABLE.read(GUST_TABLE.one(document))
-    at = given.pop("peak_time", None)
-    return {"gust": OneMinusCosineGust(**given), "gust_at": at}
+    speed, at = given.get("peak_speed"), given.get("peak_time")
+    if (speed is None) == ("peak" not in given):
+        raise InputError("[gust] needs its peak: peak_deg, or peak_speed_m_per_s; keep one")
+    gust = gust_of(given.get("peak", _ANY_PEAK), given["duration"], given.get("plateau", 0.0))
+    wind = replace(wind, gust=gust, gust_at=at)
+    if speed is None:
+        return wind
+    return wind.gust_of_speed(speed, whole_vehicle(vehicle, "the speed of a gust"), plane)
+
+
+def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
+    """Return a gust that rises and falls as a cosine, and stays at its peak [rad] between.
+
+    Raises
+    ------
+    InputError
+        For a plateau [s] that leaves of the duration [s] nothing to rise and fall in, and as
+        `OneMinusCosineGust`.
+    """
+    if not plateau:
+        return OneMinusCosineGust(peak=peak, duration=duration)
+    rest = number("duration", duration, positive, "s") - number("plateau", plateau, positive, "s")
+    if rest <= 0.0:
+        raise InputError(
+            "the plateau of a gust must be shorter than the gust; got"
+            f" {plateau:g} of {duration:g} s"
+        )
+    return LayeredGust(peak=peak, blend=0.5 * rest, plateau=plateau)
 
 
 def _read_winds(path: Path) -> tuple[Any, Any]:

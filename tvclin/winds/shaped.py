@@ -117,6 +117,19 @@ class ShapedWind:
             return replace(self, peak=float(angle_in_plane(*at, plane)))
         return replace(self, peak=math.hypot(*angles_from_speed(*at, self.heading)))
 
+    def gust_of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
+        """Return it with the peak of its gust by a wind speed [m/s], along the wind, as `of_speed`.
+
+        Raises
+        ------
+        InputError
+            As `of_speed`, and without a gust.
+        """
+        if self.gust is None:
+            raise InputError("the speed of a gust needs the gust that it is of")
+        peak = self.of_speed(speed, vehicle, plane).peak
+        return replace(self, gust=self.gust * (peak / float(self.gust.peak)))
+
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
 

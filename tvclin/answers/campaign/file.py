@@ -23,7 +23,7 @@ from tvclin.answers.campaign.tables import (
 from tvclin.base.errors import InputError, naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
-from tvclin.winds.file import gust_of, winds_of
+from tvclin.winds.file import winds_of, with_gust
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _DRAWN = ("cases", "seed", "method", "chunk")
@@ -69,10 +69,13 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
-    wind = replace(wind, **(recorded_gust(document) or gust_of(document, wind)))
+    vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
+    if kept := recorded_gust(document):
+        wind = replace(wind, **kept)
+    else:
+        wind = with_gust(document, wind, vehicle, plane)
     if isinstance(wind, ShapedWind):
-        vehicle = subject["vehicle"]
-        wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
+        wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))
     return Campaign(
         nozzle=replace(nozzle_of(document), stop=None),
         design=design_of(document),

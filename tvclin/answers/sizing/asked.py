@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
-from tvclin.answers.sizing.record import VARYING, Sizing
+from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.sizing.wind_sign import pressure_ratio, sign_factors
+from tvclin.answers.sizing.wind_sign import SIGNS, sign_factors
 from tvclin.base.errors import (
     InputError,
     bearing,
@@ -103,7 +103,9 @@ class SizingAsked:
         the angle of its flight time, by eq (B1e).
     soundings : dict of str to SoundingAsked
         Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
-        time, of a sounding about each flight time.
+        time, or when the dead band that counts needs most, of a sounding about each flight time.
+    gust_speed : float, optional
+        Wind speed [m/s] at the peak of the gust of pulses, in place of its angle.
     window : float, optional
         As of `MeasuredWind` [s].
     start, stop : float, optional
@@ -115,8 +117,7 @@ class SizingAsked:
     law, varying
         As of `size`.
     count : str, optional
-        The requirement that counts as the wind's; where it is not given the largest dead band, with
-        varying parameters if these are asked for and all winds are soundings.
+        The requirement that counts as the wind's; see `counted`.
     dispersion, thrust_offset, gravity_offset, reserve
         As of `worst_total`.
 
@@ -132,6 +133,7 @@ class SizingAsked:
     pulse: bool = True
     others: tuple[ShapedWind, ...] = ()
     peak_speed: float | None = None
+    gust_speed: float | None = None
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
     window: float | None = None
     start: float | None = None
@@ -139,7 +141,7 @@ class SizingAsked:
     every: float = 5.0
     dead_bands: tuple[float, ...] = (1.0, 0.5)
     law: str = "bound"
-    varying: bool = False
+    varying: bool | None = None
     count: str | None = None
     dispersion: float = 0.0
     thrust_offset: float = 0.0
@@ -164,10 +166,14 @@ class SizingAsked:
             number("window", self.window, positive, "s")
         for name in ("dispersion", "reserve"):
             number(name, getattr(self, name), nonnegative)
-        for name in ("peak_speed", "start", "stop", "thrust_offset", "gravity_offset"):
-            check = small_angle("an angle") if name == "thrust_offset" else finite
+        if self.gust_speed is not None and self.soundings:
+            raise InputError(
+                "a gust on top of a sounding has an angle: give it in degrees, not by its speed"
+            )
+        number("thrust_offset", self.thrust_offset, small_angle("an angle"))
+        for name in ("peak_speed", "gust_speed", "start", "stop", "gravity_offset"):
             if getattr(self, name) is not None:
-                number(name, getattr(self, name), check)
+                number(name, getattr(self, name), finite)
 
     def _check_words(self) -> None:
         for name in ("source", "another"):
@@ -175,31 +181,30 @@ class SizingAsked:
         if self.count is not None:
             text("count", self.count)
         one_of("law", self.law, WORDS["law"])
-        flag("varying", self.varying)
+        if self.varying is not None:
+            flag("varying", self.varying)
 
-    @property
-    def counted(self) -> str:
-        """The requirement that counts as the wind's.
+    def counted(self, found: Sizing) -> str:
+        """Return the requirement that counts as the wind's, where none is named.
 
-        In soundings alone, with varying parameters, that of the vehicle that met them.
+        That of the largest dead band; with varying parameters if these are known wherever frozen
+        ones are, and in the wind, from ahead or behind, that needs more.
         """
-        met = self.varying and self.soundings and not (self.pulse or self.others)
-        return self.count or f"K = {max(self.dead_bands):g}{VARYING if met else ''}"
+        if self.count is not None:
+            return one_of("count", self.count, found.required)
+        instance("found", found, Sizing, "see sizing()")
+        name = _base(found)
+        signed = [one for one in IN_A.values() if name + one in found.worst]
+        return name + max(signed, key=lambda one: found.worst[name + one].deflection, default="")
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
-        """Return the winds whose peak meets each flight time, with the gust of the case.
-
-        It comes at its time, and without one in the middle of each.
-        """
+        """Return the winds whose peak meets each flight time, with the gust of the case."""
         instance("case", case, Case, "of a wind and a nozzle")
         own = case.wind
         instance("wind of the case", own, ShapedWind, "of one shape")
         assert isinstance(own, ShapedWind)
-        gust, at = own.gust, own.gust_at
         return tuple(
-            one
-            if gust is None
-            else replace(one, gust=gust, gust_at=0.5 * one.duration if at is None else at)
+            replace(one, gust=own.gust, gust_at=own.gust_at)
             for one in (*((own,) if self.pulse else ()), *self.others)
         )
 
@@ -252,19 +257,14 @@ class SizingAsked:
         """
         instance("case", case, Case, "of a wind and a nozzle")
         instance("pulse", pulse, ShapedWind, "one of pulses")
-        vehicle = self.schedule.at(number("time", time, unit="s"))
-        return Case(
-            vehicle=vehicle,
-            model=case.model,
-            plane=case.plane,
-            wind=self._meets(case, vehicle, pulse),
-            nozzle=case.nozzle,
-            design=case.design,
-        )
+        return self._case(case, self.schedule.at(number("time", time, unit="s")), pulse)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
-        """Return the sizing, and tell how it goes on; raise `InputError` as `size`."""
-        return size(
+        """Return the sizing, and tell how it goes on; raise `InputError` as `size`.
+
+        Of pulses the largest dead band has its need in a head wind and a tail wind beside it.
+        """
+        found = size(
             self.schedule,
             self.winds(case),
             times=self.times(case),
@@ -276,16 +276,14 @@ class SizingAsked:
             stop=case.nozzle.stop or "round",
             progress=progress,
         )
+        return replace(found, required=found.required | self._by_sign(case, found))
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
         instance("case", case, Case, "of a wind and a nozzle")
-        instance("found", found, Sizing, "see sizing()")
-        name = one_of("count", self.counted, found.required)
         return worst_total(
             found,
-            name,
-            sign=self._met_in_head_winds(case, found, name),
+            self.counted(found),
             dispersion=self.dispersion,
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
@@ -293,31 +291,29 @@ class SizingAsked:
             limit=case.nozzle.limit,
         )
 
-    def _met_in_head_winds(self, case: Case, found: Sizing, name: str) -> NDArray[np.float64]:
-        """What the dynamic pressure of a head wind adds to pulses in pitch, as a part of them.
+    def _by_sign(self, case: Case, found: Sizing) -> dict[str, NDArray[np.float64]]:
+        """What the largest dead band needs in a head wind and in a tail wind, by its name.
 
-        Zero where it is no dead band that counts or a sounding, where another sign is asked for or
-        it is not known, and at times that cannot be the worst: it grows by less than the square of
-        that pressure.
+        What has no sign, as a wind across the path and a sounding, needs the same in both; nothing
+        where all winds are of that kind.
         """
-        adds, pulses = np.zeros(found.times.shape), self.pulses(case)
-        bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
-        head = getattr(case, "sign", None) in (None, "head")
-        if found.plane != "pitch" or name not in bands or not head:
-            return adds
-        needs, most = found.at_times(name), 0.0
-        for i in np.argsort(-np.nan_to_num(needs)).tolist():
-            j = int(np.argmax(np.nan_to_num(found.required[name][i])))
-            if not needs[i] > 0.0 or j >= len(pulses):
-                continue
-            with suppress(InputError):  # no sign at this path, no real pole: frozen as it stands
-                at = self.at(case, time := float(found.times[i]), pulses[j])
-                ratio = pressure_ratio(self.schedule.at(time), -np.abs(at.history.peak))
-                if needs[i] * ratio**2 > most:
-                    factors = sign_factors(at, at.history, bands[name], "head")
-                    adds[i] = max(0.0, factors["head"] - 1.0)
-            most = max(most, needs[i] * (1.0 + adds[i]))
-        return adds
+        sign, pulses = getattr(case, "sign", None), self.pulses(case)
+        signs = [one for one in SIGNS if sign in (None, one)]
+        if sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        factors = {one: np.full((found.times.size, len(found.winds)), np.nan) for one in signs}
+        for i, j in np.ndindex(found.times.size, len(pulses)):
+            with suppress(InputError):  # no sign at this path, no real pole: as it stands
+                at, K = self.at(case, float(found.times[i]), pulses[j]), float(found.dead_bands[0])
+                along = sign_factors(at, at.history_at(K), K, sign)
+                for one, factor in along.items():
+                    factors[one][i, j] = factor
+        name = _base(found)
+        return {
+            name + IN_A[one]: found.required[name] * np.where(np.isnan(factor), 1.0, factor)
+            for one, factor in factors.items()
+            if not np.isnan(factor).all()
+        }
 
     @property
     def warnings(self) -> list[str]:
@@ -341,10 +337,27 @@ class SizingAsked:
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 
-    def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
-        """A pulse as a vehicle meets it: its part in the plane, or for both planes the vector."""
+    def _case(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> Case:
+        return Case(
+            vehicle=vehicle,
+            model=case.model,
+            plane=case.plane,
+            wind=self._blows(case, vehicle, pulse),
+            nozzle=case.nozzle,
+            design=case.design,
+        )
+
+    def _blows(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """A pulse with the angles at which a vehicle meets it and its gust."""
         if self.peak_speed is not None:
             pulse = pulse.of_speed(self.peak_speed, vehicle, case.plane)
+        if self.gust_speed is not None:
+            pulse = pulse.gust_of_speed(self.gust_speed, vehicle, case.plane)
+        return pulse
+
+    def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """A pulse as a vehicle meets it: its part in the plane, or for both planes the vector."""
+        pulse = self._case(case, vehicle, pulse).wind_at(float(max(self.dead_bands)))
         if case.planes == BOTH:
             return pulse
         return pulse.in_plane(case.plane, float(np.asarray(vehicle.attitude)))
@@ -374,4 +387,19 @@ class SizingAsked:
         strength = f"{np.degrees(pulse.peak):.6g} deg"
         if self.peak_speed is not None:
             strength = f"{self.peak_speed:g} m/s"
-        return f"{pulse.shape} wind of {strength}, {pulse.duration:g} s"
+        name = f"{pulse.shape} wind of {strength}, {pulse.duration:g} s"
+        if (gust := pulse.gust) is None:
+            return name
+        peak = f"{np.degrees(gust.peak):.6g} deg"
+        if self.gust_speed is not None:
+            peak = f"{self.gust_speed:g} m/s"
+        return f"{name}, gust of {peak}, {gust.end - gust.onset:g} s"
+
+
+def _base(found: Sizing) -> str:
+    """The largest dead band: with varying parameters, if known wherever frozen ones are."""
+    name = f"K = {found.dead_bands[0]:g}"
+    frozen, along = found.required[name], found.required.get(f"{name}{VARYING}")
+    if along is None or np.isnan(along).all() or np.any(np.isnan(along) & ~np.isnan(frozen)):
+        return name
+    return f"{name}{VARYING}"

@@ -14,6 +14,7 @@ from tvclin.answers.sizing.record import (
     MINIMUM,
     NO_FORECAST,
     TRIM,
+    VARYING,
     Sizing,
     beyond_one_pole,
 )
@@ -60,13 +61,12 @@ def in_both_planes(
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
     ]
-    held = {
-        name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in pitch.required
-    }
+    known = [name for name in pitch.required if name in yaw.required]
+    held = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in known}
     sides = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     alone = {  # a stop reaches no further in a plane than its support
         name: np.maximum(pitch.required[name] / sides[0], yaw.required[name] / sides[1])
-        for name in pitch.required
+        for name in known
     }
     required = dict(held)
     required[TRIM] = _larger(alone[TRIM], needs, lambda one: one.trim)
@@ -76,6 +76,11 @@ def in_both_planes(
     names = [f"K = {K:g}" for K in bands]
     for k, name in enumerate(names):
         required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
+        if (along := f"{name}{VARYING}") in held:  # what the vector asks for beyond the planes
+            beyond_planes = np.divide(
+                required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
+            )
+            required[along] = held[along] * beyond_planes
     more = np.any([required[name] > held[name] for name in names], axis=0)
     refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
     spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]

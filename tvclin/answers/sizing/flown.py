@@ -26,16 +26,23 @@ _MOST_RATE = 3.0
 _STEP = 0.03
 """Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
 (_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
+_AFTER = 15.0
+"""A wind is followed so long beyond its end, over the time of the fastest mode."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
 _TINY = 1e-12
 """A limit [rad] in place of none."""
 
 
-def flight_steps(mode: GrowingMode) -> FloatArray:
-    """Return the times [s] of a flight at which `trim_law_needs` asks for winds, ``(t,)``."""
+def flight_steps(mode: GrowingMode, wind: tuple[float, float] | None = None) -> FloatArray:
+    """Return the times [s] of a flight at which `trim_law_needs` asks for winds, ``(t,)``.
+
+    Those of all of it, or from the onset of a wind to a while after its end.
+    """
     start, stop = mode.span
     fastest = float(np.max(mode.rate(np.linspace(start, stop, 200))))
+    if wind is not None:
+        start, stop = max(start, wind[0]), min(stop, wind[1] + _AFTER / fastest)
     return np.linspace(start, stop, max(math.ceil((stop - start) * fastest / _STEP), 2) + 1)
 
 

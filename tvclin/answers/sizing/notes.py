@@ -48,7 +48,7 @@ def _beyond_one_pole(found: Sizing) -> list[str]:
 
 
 def _changes(found: Sizing) -> list[str]:
-    if not np.any(found.change > STEADY):
+    if found.freezing_error or not np.any(found.change > STEADY):
         return []
     i, j = np.unravel_index(int(np.nanargmax(found.change)), found.change.shape)
     return [
@@ -72,6 +72,8 @@ def _at_the_ends(found: Sizing) -> list[str]:
     order = np.argsort(found.times)
     ends: dict[str, list[str]] = {}
     for name in found.required:
+        if ", " in name:  # as the same with frozen parameters in calm air
+            continue
         values = found.at_times(name)[order]
         times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:

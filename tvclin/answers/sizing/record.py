@@ -29,6 +29,8 @@ STEADY = 0.1
 TRIM, NO_FORECAST, MINIMUM = "trim", "no forecast", "minimum"
 VARYING = ", varying"
 """What the name of a requirement ends with when parameters vary while the wind blows."""
+IN_A = {"head": ", head wind", "tail": ", tail wind"}
+"""What it ends with when the dynamic pressure is that which a wind along the path makes."""
 
 
 def beyond_one_pole(slow_mode: FloatArray) -> NDArray[np.bool_]:
@@ -138,7 +140,7 @@ class Sizing(Shown):
         if not self.alone:
             return {}
         pitch = self.alone["pitch"].required
-        return {name: missing_part(pitch[name], both) for name, both in self.required.items()}
+        return {name: missing_part(alone, self.required[name]) for name, alone in pitch.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
@@ -281,8 +283,9 @@ class Sizing(Shown):
         of = imported("xarray", "a Dataset needs xarray", "campaign")
         make: type[xarray.Dataset] = of.Dataset
         data: dict[str, Any] = {}
+        signed = tuple(IN_A.values())
         for name, values in self.required.items():
-            if not name.startswith("K = "):
+            if not name.startswith("K = ") or name.endswith(signed):
                 data[_key(name)] = (("time", "wind"), values, {"units": "rad"})
         for ending in ("", VARYING):
             rows = [self.required.get(f"K = {K:g}{ending}") for K in self.dead_bands]
@@ -336,4 +339,4 @@ class Sizing(Shown):
 
 def _key(name: str) -> str:
     """A name without blanks and signs, for columns and variables."""
-    return name.replace(" = ", "").replace(VARYING, "_varying").replace(" ", "_")
+    return name.replace(" = ", "").replace(", ", "_").replace(" ", "_")

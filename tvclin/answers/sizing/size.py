@@ -58,7 +58,7 @@ def size(
     placing: str | Mapping[str, str] = "peak",
     window: float = 20.0,
     law: str = "bound",
-    varying: bool = False,
+    varying: bool | None = None,
     stop: Stop | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
@@ -90,8 +90,9 @@ def size(
     law : {"bound", "flown"}
         What stands for laws without a forecast: the bound that none of them undercuts, or what the
         recoverable-attitude law needs when it is flown (a second or more for each wind and time).
-    varying : bool
-        Whether to let parameters vary while the wind blows as well, beside the frozen ones.
+    varying : bool, optional
+        Whether to let parameters vary while the wind blows as well, beside the frozen ones; where
+        it is not given, if they can be followed.
     stop : Stop or str
         For both planes what the nozzle can do, or a word: "round", "round-each-plane" (each plane
         limited by itself within it), "square", "square-45" (turned by 45 degrees).
@@ -121,11 +122,14 @@ def size(
     >>> found = tv.size(schedule, wind, times=[56.0, 66.0, 76.0])
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
     array([0.42 , 0.351, 0.26 ])
+    >>> np.degrees(found.required["K = 1, varying"])[:, 0].round(3)
+    array([0.42 , 0.351, 0.26 ])
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
     for name, value in (("model", model), ("plane", plane), ("law", law)):
         one_of(name, value, WORDS[name])
-    flag("varying", varying)
+    if varying is not None:
+        flag("varying", varying)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     shape = stop_of(stop)
@@ -141,7 +145,7 @@ def size(
         [place_in(planes, wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
-    rounds = len(planes) * (2 if varying else 1) + (plane == BOTH)
+    rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
     told = _counted(progress, len(placed) * len(named) * rounds)
     parts = {}
     for one in planes:
@@ -172,7 +176,7 @@ def _sized(
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
     known: FloatArray,
-    varying: bool,
+    varying: bool | None,
     told: Callable[[Any], Any],
 ) -> Sizing:
     """The sizing in one plane, without its notes."""
@@ -184,11 +188,16 @@ def _sized(
     required = _frozen_columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
     said = [one for row in needs for need in row for one in need.said]
-    if varying:
-        mode = _growing(schedule, model, plane, placed)
-        required |= _varying_columns(mode, placed, needs, bands, told)
-        required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
-        said += _missing(required, bands)
+    if varying is not False:
+        try:
+            mode = _growing(schedule, model, plane, placed)
+            required |= _varying_columns(mode, placed, needs, bands, told)
+            required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
+            said += _missing(required, bands)
+        except InputError as error:
+            if varying:
+                raise
+            said.append(f"parameters are frozen at each flight time: {error}")
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     return Sizing(
         **vars(asked),

@@ -4,27 +4,38 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tvclin.answers.sizing.record import STEADY, VARYING, Sizing
+from tvclin.answers.sizing.record import IN_A, STEADY, VARYING, Sizing
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 
-MARKS = (
-    "1: beyond the single-pole theory; ~: parameters change while the wind blows; +: beyond the"
-    " schedule; ?: a wind is not known"
-)
+_MARKS = {
+    "1": "beyond the single-pole theory",
+    "~": "parameters change while the wind blows",
+    "+": "beyond the schedule",
+    "?": "a wind is not known",
+}
 """What the marks of flight times mean in a table of the worst winds."""
+
+
+def marks_line(s: Sizing) -> str:
+    """Return what the marks mean that a table of the worst winds has; nothing if it has none."""
+    there = {mark for i in range(s.times.size) for mark in _marks(s, i)}
+    return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in there)
 
 
 def legend(s: Sizing) -> str:
     """Return what the requirements of a sizing are, in sentences."""
     trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
-    return f"No forecast: {s.law_words}. Minimum: the wind is known (appendix C).{trusts}"
+    signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
+    signed *= any(name.endswith(tuple(IN_A.values())) for name in s.required)
+    return f"No forecast: {s.law_words}. Minimum: the wind is known (appendix C).{trusts}{signed}"
 
 
 def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     """Return by flight time what one wind asks for, or the worst wind of each time.
 
-    Frozen parameters come first, with what is doubtful of them; then, where the sizing has them,
-    varying ones, and for both planes what each plane by itself asks for.
+    First with parameters that vary while the wind blows, where the sizing has them, and in head and
+    tail winds; then with those of each flight time, and for both planes what each plane by itself
+    asks for.
 
     Parameters
     ----------
@@ -35,39 +46,46 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     wind : int, optional
         The place of a wind; the worst of all at each time without it.
     """
-    frozen = [name for name in s.required if not name.endswith(VARYING)]
-    varying = [name for name in s.required if name.endswith(VARYING)]
+    frozen = [name for name in s.required if ", " not in name]
+    first = _first(s)
     of = "" if wind is None else f": {s.winds[wind]}"
     doubts = ("",) if wind is None else ("change [%]", "one pole", "data")
-    rows = [
-        (significant(f"{_key(i, wind)}.time", time, 6), *row[1:], *_doubts(s, i, wind))
-        for i, (time, row) in enumerate(zip(s.times, _required(s, frozen, wind), strict=True))
-    ]
-    tables = [
-        Table(f"Required deflection [deg]{of}", ("time [s]", *frozen, *doubts), tuple(rows)),
-    ]
-    if varying:
-        head = ["time [s]", *(name.removesuffix(VARYING) for name in varying)]
-        caption = f"The same, parameters varying while the wind blows [deg]{of}"
-        tables.append(Table(caption, tuple(head), tuple(_required(s, varying, wind))))
+    marks = [_doubts(s, i, wind) for i in range(s.times.size)]
+
+    def of_names(
+        caption: str, names: list[str], last: Sequence[str], more: list[list[Line]]
+    ) -> Table:
+        heads = [_short(name) for name in names]
+        rows = [(*row, *cells) for row, cells in zip(_required(s, names, wind), more, strict=True)]
+        return Table(f"{caption} [deg]{of}", ("time [s]", *heads, *last), tuple(rows))
+
+    tables = [of_names("Required deflection", first, doubts, marks)]
+    if s.freezing_error:
+        name = f"K = {s.dead_bands[0]:g}"
+        off = [[_off(s, name, i, wind)] for i in range(s.times.size)]
+        caption = "The same with the vehicle frozen at each flight time"
+        tables.append(of_names(caption, frozen, (f"{name} off by [%]",), off))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
         head = ["time [s]", "both", *alone, "pitch alone is too little by [%]"]
-        rows = [_by_planes(s, counted, i, wind) for i in range(s.times.size)]
-        tables.append(Table(f"{counted} by planes [deg]{of}", tuple(head), tuple(rows)))
+        calm = next(
+            (counted.removesuffix(x) for x in IN_A.values() if counted.endswith(x)), counted
+        )
+        rows = [_by_planes(s, calm, i, wind) for i in range(s.times.size)]
+        tables.append(Table(f"{calm} by planes [deg]{of}", tuple(head), tuple(rows)))
     return tables
 
 
 def by_wind(s: Sizing, counted: str) -> Table:
-    """Return the largest of each frozen requirement in each wind, and when what counts is."""
-    names = [name for name in s.required if not name.endswith(VARYING)]
+    """Return the largest of each requirement in each wind, and when what counts is."""
+    names = _first(s)
     rows = []
     for j, wind in enumerate(s.winds):
         worst = s.worst_in(wind)
         largest = {k: degrees(f"largest.{j}.{k}", one.deflection) for k, one in worst.items()}
         when = _time(worst[counted].time) if counted in worst else ("-",)
         rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), when))
-    head = ("wind", *names, f"{counted}: time [s]")
+    head = ("wind", *map(_short, names), f"{counted}: time [s]")
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
 
@@ -78,6 +96,13 @@ def each_wind(s: Sizing, counted: str) -> Table:
         for i, (time, needs) in enumerate(zip(s.times, s.required[counted], strict=True))
     ]
     return Table(f"{counted} in each wind [deg]", ("time [s]", *s.winds), tuple(rows))
+
+
+def _first(s: Sizing) -> list[str]:
+    """The requirements that come first: varying ones, if there are any, in calm air and winds."""
+    ends = (VARYING, *IN_A.values())
+    varying = [name for name in s.required if name.endswith(ends)]
+    return varying if s.freezing_error else list(s.required)
 
 
 def _required(s: Sizing, names: Sequence[str], wind: int | None) -> list[tuple[Line, ...]]:
@@ -94,13 +119,32 @@ def _doubts(s: Sizing, i: int, wind: int | None) -> list[Line]:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * s.change[i, wind], 1)
         one_pole, data = not s.beyond_one_pole[i, wind], s.covered[i, wind]
         return [change, ("yes" if one_pole else "no",), ("yes" if data else "no",)]
+    return [(_marks(s, i),)]
+
+
+def _marks(s: Sizing, i: int) -> str:
     marks = {
         "1": s.beyond_one_pole[i].any(),
-        "~": (s.change[i] > STEADY).any(),
+        "~": not s.freezing_error and (s.change[i] > STEADY).any(),
         "+": not s.covered[i].all(),
         "?": not s.known[i].all(),
     }
-    return [("".join(mark for mark, there in marks.items() if there),)]
+    return "".join(mark for mark, there in marks.items() if there)
+
+
+def _off(s: Sizing, name: str, i: int, wind: int | None) -> Line:
+    """By how much a frozen requirement is off at a flight time, in the worst wind or in one."""
+    along = s.required[f"{name}{VARYING}"][i]
+    j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
+    return number(f"{_key(i, wind)}.frozen_off_percent", 100.0 * s.freezing_error[name][i, j], 1)
+
+
+def _short(name: str) -> str:
+    """A requirement as the head of its column."""
+    for ending in IN_A.values():
+        if name.endswith(ending):
+            return ending.removeprefix(", ")
+    return name.removesuffix(VARYING)
 
 
 def _by_planes(s: Sizing, counted: str, i: int, wind: int | None) -> tuple[Line, ...]:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.record import Sizing
 from tvclin.base.cards import Shown, table
@@ -279,7 +278,6 @@ def worst_total(
     name: str,
     *,
     dispersion: float = 0.0,
-    sign: ArrayLike = 0.0,
     **offsets: float | None,
 ) -> DeflectionTotal:
     """Return the largest total over the flight times of a sizing.
@@ -293,9 +291,6 @@ def worst_total(
         Which of its requirements counts as the wind, such as "K = 1".
     dispersion : float
         What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
-    sign : array_like
-        What the dynamic pressure adds that is met in a head wind, as such a part too, at each
-        flight time; see `sign_factors`. Systematic.
     **offsets
         thrust_offset, gravity_offset, reserve and limit, as of `total_deflection`.
 
@@ -306,10 +301,6 @@ def worst_total(
     """
     instance("sizing", sizing, Sizing, "see size")
     part = number("dispersion", dispersion, nonnegative)
-    adds = nonnegative("sign", sign)
-    if adds.shape not in ((), sizing.times.shape):
-        raise InputError(f"sign must be one number or {sizing.times.size}; got {adds.shape}")
-    adds = np.broadcast_to(adds, sizing.times.shape)
     winds = sizing.at_times(name)
     if np.all(np.isnan(winds)):
         why = "; ".join(sizing.said or sizing.notes)
@@ -319,11 +310,10 @@ def worst_total(
             sizing.schedule.at(t),
             wind,
             nominal=float(sizing.schedule.nominal_at(t)),
-            dispersion=part * wind * (1.0 + more),
-            others=(Line("head wind", more * wind),) * (more > 0.0),
+            dispersion=part * wind,
             **offsets,  # type: ignore[arg-type]
         )
-        for t, wind, more in zip(sizing.times.tolist(), winds.tolist(), adds.tolist(), strict=True)
+        for t, wind in zip(sizing.times.tolist(), winds.tolist(), strict=True)
         if not np.isnan(wind)
     ]
     worst = max(totals, key=lambda one: one.total)

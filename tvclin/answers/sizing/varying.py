@@ -105,10 +105,14 @@ def varying_need(
         with np.errstate(divide="ignore", invalid="ignore"):
             kept = np.where(paired, driver, 0.0).max() / dead_bands
         required = np.where(dead_bands < 1.0, np.fmax(required, kept), required)
-        flown = _flown(course, times, (side,))
+        flown, most = _flown(course, times, (side,)), np.abs(driver).max()
         if whole is not None:
-            flown = max(flown, _flown(_Course.of(mode, whole), _times(whole), (side, -side)))
+            both, at = _Course.of(mode, whole), _times(whole)
+            flown = max(flown, _flown(both, at, (side, -side)))
+            most = max(most, np.abs(both.trim(at)).max())
         required = np.where(dead_bands == 1.0, np.maximum(required, flown), required)
+        with np.errstate(divide="ignore"):  # so large a limit is never met
+            required = np.minimum(required, most / dead_bands)
     return VaryingNeed(float(trim.max()), required, minimum)
 
 
@@ -162,7 +166,7 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
     again = above[0] + np.sum(above[1:] & ~above[:-1]) > 1
     if mode.model == "fixed-path" or not (again or _drifts_fast(mode, times)):
         return most
-    steps = flight_steps(mode)
+    steps = flight_steps(mode, (float(course.wind.onset), float(course.wind.end)))
     return float(trim_law_needs(mode, steps, course.wind(steps)[np.newaxis], most)[0])
 
 

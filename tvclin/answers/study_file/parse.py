@@ -1,7 +1,6 @@
 """The tables of a study file: from a document to its plan."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
-from tvclin.winds.file import gust_of, winds_of
+from tvclin.winds.file import winds_of, with_gust
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -35,11 +34,12 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
-    wind: Any = winds_of(document, folder)[0]
+    plane = subject.get("plane", "pitch")
+    wind: Any = with_gust(document, winds_of(document, folder)[0], subject["vehicle"], plane)
     question = question_of(document)
     return StudyPlan(
         **subject,
-        wind=replace(wind, **gust_of(document, wind)),
+        wind=wind,
         sizing=sizing_of(document, folder),
         availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,

@@ -13,7 +13,7 @@ from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, sch
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import tables_of
 from tvclin.vehicle.file import vehicle_text
-from tvclin.winds.file import SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
+from tvclin.winds.file import GUST_TABLE, SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.read import read_sounding
 from tvclin.winds.soundings.read_soundings import read_soundings
@@ -46,11 +46,12 @@ def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     given = SIZE_TABLE.read(SIZE_TABLE.one(document))
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
-    others = winds_of(document, folder)[1:]
+    others, gust = winds_of(document, folder)[1:], GUST_TABLE.read(GUST_TABLE.one(document))
     return SizingAsked(
         **_flight(document, folder),
         others=tuple(one for one in others if isinstance(one, ShapedWind)),
         soundings=soundings,
+        gust_speed=gust.get("peak_speed"),
         **given,
     )
 

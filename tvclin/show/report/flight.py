@@ -26,6 +26,7 @@ def _blocks(found: Findings) -> list[Block]:
     assert asked is not None
     assert found.flight is not None
     sizing, total = found.flight
+    counted = asked.counted(sizing)
     of = f" of {asked.source}" if asked.source else ""
     blocks: list[Block] = [Paragraph((_words(sizing, of),))]
     if sizing.times.size > 1:
@@ -38,10 +39,10 @@ def _blocks(found: Findings) -> list[Block]:
         drawn = inline_svg(sizing_chart(sizing, total.limit), "flight", label)
         blocks.append(Figure(label, caption, drawn))
     for j in range(len(sizing.winds)):
-        blocks += tables.over_time(sizing, asked.counted, j)
+        blocks += tables.over_time(sizing, counted, j)
     notes = checks((*asked.warnings, *sizing.notes), asked.notes)
     verdict = [Paragraph(line) for line in total.verdict]
-    return [*blocks, total_table(total, asked.counted), *verdict, *notes]
+    return [*blocks, total_table(total, counted), *verdict, *notes]
 
 
 def _words(s: Sizing, of: str) -> str:

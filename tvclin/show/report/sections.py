@@ -61,6 +61,9 @@ def inputs(found: Findings) -> Section:
         ]
     if plan.nozzle.limit is not None:
         case.append(("deflection limit", degrees("question.limit", plan.nozzle.limit, unit="deg")))
+    if plan.nozzle.rate_limit is not None:
+        rate = _typed("question.rate_limit", plan.nozzle.rate_limit, "deg/s")
+        case.append(("deflection rate limit", rate))
     blocks = (
         tables.vehicle(s),
         *([] if plan.vehicle.structure is None else given(plan.vehicle.structure)),
@@ -71,9 +74,9 @@ def inputs(found: Findings) -> Section:
     return Section("inputs", "Inputs", blocks)
 
 
-def _typed(name: str, angle: Any) -> Line:
-    """An angle [rad] in degrees as it was typed."""
-    return significant(name, np.degrees(angle), unit="deg")
+def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
+    """An angle [rad] or a rate in degrees as it was typed."""
+    return significant(name, np.degrees(angle), unit=unit)
 
 
 def boundaries(found: Findings) -> Section:
