@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs site packages release clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.45
@@ -56,8 +56,15 @@ notebooks: $(VENV)/.installed-dev  ## execute notebooks/*.py and write their .ip
 docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build/html/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
+site: $(VENV)/.installed  ## build a site of notebooks that run in the browser, docs/_build/browser/index.html
+	$(BIN)/python -m pip install --quiet --no-compile --group site
+	$(BIN)/python notebooks/browser.py
+
 packages:  ## install wheel and sdist with each extra alone and with the lowest versions, and try them
 	$(PYTHON) .ci/packages.py
+
+release:  ## build and check the files of a release; a dry run without TVCLIN_HOME=address of the repository
+	$(PYTHON) .ci/release.py
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated

@@ -7,6 +7,7 @@ lowest versions that pyproject.toml allows, in which a part of the tests is run 
 whose extra is not there must say so in one sentence that names the extra, with exit code 2.
 """
 
+import os
 import re
 import shutil
 import subprocess
@@ -18,7 +19,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+DRY = "TVCLIN_HOME" not in os.environ
+HOME = os.environ.setdefault("TVCLIN_HOME", "https://forge.example/tvclin")
+"""The address of the repository, which hatch_build.py fills in; a made-up one in a dry run."""
 EXTRAS = [name for name in PROJECT["project"]["optional-dependencies"] if name != "all"]
+DOCTEST = PROJECT["tool"]["pytest"]["ini_options"]["doctest_optionflags"]
 ALWAYS = (
     "--version",
     "doctor",
@@ -83,7 +88,9 @@ def environment(folder: Path, *packages: str) -> Path:
 
 
 def use(python: Path, folder: Path, extra: str) -> None:
-    """Run the commands that must always work, and those that may need another extra."""
+    """Run README's lines, the commands that must always work, and those that may need an extra."""
+    flags = [word for name in DOCTEST for word in ("-o", name)]
+    run(python, "-m", "doctest", *flags, str(ROOT / "README.md"), where=folder)
     for words in ALWAYS:
         run(python, "-m", "tvclin", *words.split(), where=folder)
     for needed, words in FEATURES.items():

@@ -18,7 +18,7 @@ from tvclin.base.doors import CHAPTERS
 from tvclin.linear.models import USUAL_MODEL
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
 def test_the_map_shows_the_layers_that_the_contract_enforces() -> None:
@@ -166,6 +166,20 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
                 imported |= {one.partition(".")[0].replace("-", "_") for one in named}
 
     assert imported - set(sys.stdlib_module_names) <= known | own | {"tvclin"}
+
+
+def test_packages_are_tried_on_the_lowest_and_the_newest_python_that_is_promised() -> None:
+    workflow = ROOT / ".github" / "workflows" / "check.yml"
+    if not workflow.exists():
+        pytest.skip("an sdist has no workflow")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    named = re.findall(r"Python :: (3\.\d+)", " ".join(project["classifiers"]))
+    job = workflow.read_text().partition("\n  packages:")[2]
+    tried = re.findall(r"3\.\d+", job[: job.index("]")])
+
+    assert tried == [named[0], named[-1]]
+    assert project["requires-python"] == f">={named[0]}"
+    assert "- run: make packages" in job
 
 
 def test_no_public_function_takes_another_model_by_itself() -> None:

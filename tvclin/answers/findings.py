@@ -6,7 +6,6 @@ What answers a part is imported where that part is asked for.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cache, partial
@@ -18,6 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.base.warned import warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -141,8 +141,8 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
     InputError
         As `StudyPlan.study`.
     """
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", UserWarning)
+    said: list[str] = []
+    with warned(said.append):
         study = plan.study()
         reasons: dict[str, str] = {}
 
@@ -193,7 +193,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             availability=part("availability", _availability),
             rates=part("rates", _rates),
             reasons=reasons,
-            warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
+            warnings=tuple(said),
         )
 
 

@@ -7,7 +7,6 @@ what it needs when it runs.
 import gc
 import signal
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
@@ -84,10 +83,9 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        with _in_one_sentence(), warnings.catch_warnings():
-            warnings.simplefilter("always", UserWarning)
-            said: set[str] = set()
-            warnings.showwarning = lambda message, *_, **__: _say_once(str(message), said)
+        from tvclin.base.warned import warned
+
+        with _in_one_sentence(), warned(lambda sentence: _say(f"Warning: {sentence}")):
             return super().invoke(ctx)
 
 
@@ -150,12 +148,6 @@ def _sentence(error: Exception) -> str | None:
             " nearer to those of configuration-i"
         )
     return None
-
-
-def _say_once(message: str, said: set[str]) -> None:
-    if message not in said:
-        _say(f"Warning: {message}")
-    said.add(message)
 
 
 def _say(words: str) -> None:

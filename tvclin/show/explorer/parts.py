@@ -4,7 +4,6 @@ Margins do not depend on the wind, nor the curve of the boundary on the duration
 change is not computed again.
 """
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, wraps
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.warned import warned
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -81,13 +81,13 @@ def _part(compute: Callable[..., Any]) -> Callable[..., Part]:
     @lru_cache(maxsize=_KEPT)
     @wraps(compute)
     def found(*plain: Any) -> Part:
-        with compiling_nothing(), warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always", UserWarning)
+        said: list[str] = []
+        with compiling_nothing(), warned(said.append):
             try:
                 value = compute(*plain)
             except InputError as error:
                 return Part(None, (str(error),))
-        return Part(value, tuple(dict.fromkeys(str(one.message) for one in said)))
+        return Part(value, tuple(said))
 
     return found
 
