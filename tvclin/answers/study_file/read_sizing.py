@@ -46,7 +46,8 @@ def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     given = SIZE_TABLE.read(SIZE_TABLE.one(document))
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
-    others, gust = winds_of(document, folder)[1:], GUST_TABLE.read(GUST_TABLE.one(document))
+    others = winds_of(document, folder)[1:]
+    gust = GUST_TABLE.read(GUST_TABLE.one(document)) if "gust" in document else {}
     return SizingAsked(
         **_flight(document, folder),
         others=tuple(one for one in others if isinstance(one, ShapedWind)),
