@@ -159,8 +159,8 @@ def _response(plant: tv.Plant, wind: tv.TriangularWind) -> Any:
     held = tv.trim_then_hold(plant, wind, limit, dead_band=0.5)
     response = tv.attitude_responses(plant, held, wind, np.linspace(0.0, 15.0, 601))
     words = "triangular wind of 5 deg and 7.5 s, drift-exact, K = 0.5, on the boundary"
-    curves = tv.plots.response_curves(response, held, wind, "respond", words)
-    return tv.plots.response_chart(curves, "Exact response on the boundary, K = 0.5", DURATION)
+    curves = tv.plots.response_curves(response, "respond", words, deflection=held, wind=wind)
+    return tv.plots.response_chart(curves, "Exact response on the boundary, K = 0.5")
 
 
 def write(folder: Path) -> str:

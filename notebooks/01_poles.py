@@ -22,7 +22,7 @@ import control
 import numpy as np
 
 import tvclin as tv
-from tvclin.plots import pole_map
+from tvclin.plots import pole_map, response_chart
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")
@@ -72,19 +72,32 @@ for pole, push, gust in zip(
     print(f"pole {pole:.4f} 1/s: residue {push:8.4f} of a push, {gust:8.4f} of a gust")
 
 # %% [markdown]
-# The plant is an ordinary python-control system: everything of python-control works on it. The
-# step response grows as the fast pole says, once the others have fallen behind.
+# The plant is an ordinary python-control system: everything of python-control works on it. One
+# degree of deflection, held in still air, turns the vehicle over; after two e-folding times of the
+# fast pole the angles are too large for a linear model.
 
 # %%
 fast, slow = float(np.max(modes.poles.real)), float(np.min(modes.poles.real))
-times = np.linspace(0.0, 10.0 / fast, 401)
-step = control.step_response(plant.ss()["attitude", "deflection"], times)
-_ = step.plot()
+held = np.radians([[1.0], [0.0]])  # deflection, wind
+
+
+def response(length):
+    """Return the response to the deflection, for so many e-folding times."""
+    times = np.linspace(0.0, length / fast, 401)
+    return control.forced_response(plant.ss(), times, np.broadcast_to(held, (2, times.size)))
+
+
+_ = response_chart(response(2.0), "One degree of deflection, held in still air")
+
+# %% [markdown]
+# On paper it goes on: the attitude grows as the fast pole says, once the other modes have fallen
+# behind.
 
 # %%
-late = times > 0.75 * times[-1]
-measured = np.polyfit(times[late], np.log(np.abs(step.outputs[late])), 1)[0]
-print(f"fastest pole {fast:.4f} 1/s; the step response grows at {measured:.4f} 1/s in the end")
+long = response(10.0)
+late = long.time > 0.75 * long.time[-1]
+measured = np.polyfit(long.time[late], np.log(np.abs(long.outputs["attitude"][late])), 1)[0]
+print(f"fastest pole {fast:.4f} 1/s; the attitude grows at {measured:.4f} 1/s in the end")
 
 # %% [markdown]
 # **Try:** make the vehicle stable with `vehicle.replace(aerodynamic_arm=-1.0)`; then the fast pole

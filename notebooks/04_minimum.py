@@ -26,6 +26,7 @@
 import numpy as np
 
 import tvclin as tv
+from tvclin.plots import response_chart
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")
@@ -73,7 +74,7 @@ print(f"nothing is left that grows: {tv.is_stable(plant, switching.deflection, l
 # %%
 times = np.linspace(0.0, 60.0, 601)
 response = tv.attitude_response(plant, switching.deflection, long, times)
-response.plot().figure.set_size_inches(7.0, 9.0)
+_ = response_chart(response, "The least peak deflection in a wind of 40 s", limit=switching.peak)
 
 # %% [markdown]
 # Where does the theory of one pole end? Up to this duration of a triangular wind the slow pole

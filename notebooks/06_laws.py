@@ -20,6 +20,7 @@
 import numpy as np
 
 import tvclin as tv
+from tvclin.plots import response_chart
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")
@@ -70,7 +71,7 @@ name = "recoverable attitude"
 times = np.linspace(0.0, 2.5 * float(wind.duration), 401)
 limit = 1.2 * needs[name] * plant.coefficients.B * peak
 flown = tv.fly(plant, laws[name], wind, times, deflection_limit=limit)
-flown.plot().figure.set_size_inches(7.0, 9.0)
+_ = response_chart(flown, f"Law {name}, with 1.2 times the limit that it needs", limit=limit)
 
 # %% [markdown]
 # Now what it cannot do. A wind that jumps to its peak leaves no time to lean, and one that turns

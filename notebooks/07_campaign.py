@@ -24,6 +24,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import tvclin as tv
+from tvclin.plots import response_chart
 
 # %% [markdown]
 # The first answer takes seconds, with dispersions that are assumed. It is for a head wind, which
@@ -74,10 +75,13 @@ for name in ("lower", "estimate", "upper"):
 
 # %%
 deflections = np.degrees(np.sort(found.to_xarray()["required_K1"].values))
-fig, axes = plt.subplots()
-axes.plot(deflections, np.arange(1, deflections.size + 1) / deflections.size)
-axes.axvline(np.degrees(required.upper), ls="--", color="0.4")
-_ = axes.set(xlabel="required deflection, K = 1 [deg]", ylabel="part of the cases [-]")
+fig, axes = plt.subplots(figsize=(8.6, 5.0), layout="constrained")
+axes.plot(deflections, 100.0 * np.arange(1, deflections.size + 1) / deflections.size, label="cases")
+axes.axvline(np.degrees(required.upper), ls="--", color="0.4", label="99.865 %, 90 % confidence")
+axes.axvline(np.degrees(campaign.nozzle.limit), color="tab:orange", label="limit")
+axes.set(title=f"Required deflection of {campaign.cases} cases, K = 1")
+axes.set(xlabel="required deflection [deg]", ylabel="cases that need no more [%]")
+_ = axes.legend()
 
 # %% [markdown]
 # Which dispersion drives it? Rank correlations with the required deflection, the strongest first.
@@ -91,7 +95,8 @@ for name, value in found.drivers().items():
 
 # %%
 worst = found.replay(int(found.worst(1)[0]))
-worst.response().plot().figure.set_size_inches(7.0, 9.0)
+title = f"Case {worst.case}, with the limit that it needs"
+_ = response_chart(worst.response(), title, limit=abs(worst.required))
 
 # %% [markdown]
 # **Try:** another seed, and look by how much the numbers move; then half the cases. On the

@@ -105,8 +105,7 @@ error = 100.0 * float(both.freezing_error["K = 1"][0, 0])
 print(f"{true:.3f} deg along the flight; frozen at {peak_time:.1f} s {error:+.1f} %")
 
 # %% [markdown]
-# What the theory says of itself: where one pole is not enough, and where the vehicle changes too
-# much to be frozen.
+# What the theory says of itself: where the wind is known, and where one pole is not enough.
 
 # %%
 for note in both.notes:

@@ -29,7 +29,7 @@ def test_margins_equal_the_library():
     autopilot = tv.design_gains(plant.coefficients, **rule, actuator=tv.Actuator(), delay=0.04)
     expected, document = autopilot.margins(plant), json.loads(result.stdout)
     assert result.exit_code == 0
-    for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
+    for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
         assert document["margins"][name] == pytest.approx(getattr(expected, name), rel=1e-12)
     assert document["criteria"]["met"]
     assert all(one["source"] for one in document["criteria"]["requirements"])

@@ -58,6 +58,8 @@ VALUES = {
     "peak_deg": ["3.3"],
     "peak_speed": ["21"],
     "gust": ["1.5 3"],
+    "gust_speed": ["25 3"],
+    "gust_plateau": ["0.5"],
     "gust_at": ["2"],
     "sign": ["tail", "frozen"],
     "winds": [SOUNDING],
@@ -156,7 +158,7 @@ def draws(seed, count):
 
 def given(command, option, value):
     flag = options_of(command)[option].opts[-1]
-    return (flag,) if value is None else (flag, *(value.split() if option == "gust" else [value]))
+    return (flag,) if value is None else (flag, *(value.split() if "gust" in option else [value]))
 
 
 def ignored(command, start, option, value):

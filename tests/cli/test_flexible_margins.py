@@ -39,11 +39,11 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
     document, expected = json.loads(result.stdout), autopilot().band_margins(booster())
     assert document["flexible"]
     assert document["model"] == "drift-exact"
-    for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
+    for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
         found = document["margins"][name]
         assert found == pytest.approx(getattr(expected.whole, name), rel=1e-12, nan_ok=True)
     rigid = document["bands"]["rigid_body"]
-    assert rigid["phase_margin"] == pytest.approx(expected.rigid.phase_margin, rel=1e-12)
+    assert rigid["phase_margin_deg"] == pytest.approx(expected.rigid.phase_margin_deg, rel=1e-12)
     for mode in expected.modes:
         found = document["bands"]["modes"][mode.name]
         assert found["stabilised"] == mode.stabilised
@@ -87,7 +87,8 @@ def test_rigid_leaves_the_structure_out():
     expected = autopilot().margins(booster().rigid)
     assert not document["flexible"]
     assert "bands" not in document
-    assert document["margins"]["gain_increase"] == pytest.approx(expected.gain_increase, rel=1e-12)
+    found = document["margins"]["gain_increase_dB"]
+    assert found == pytest.approx(expected.gain_increase_dB, rel=1e-12)
     assert json.loads(margins("--rigid", "--json").stdout)["model"] == "drift-exact"
 
 

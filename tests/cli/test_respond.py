@@ -170,14 +170,39 @@ def test_the_csv_is_the_exact_response(tmp_path):
     assert "model drift, K = 1, limit 0.391 deg" in comment
     assert headings == (
         "time [s],attitude [deg],attitude_rate [deg/s],flight_path_angle [deg],"
-        "angle_of_attack [deg],deflection [deg],wind [deg]"
+        "angle_of_attack [deg],deflection [deg],lower limit [deg],wind [deg]"
     )
     np.testing.assert_array_equal(expected.time, values[:, 0])
     outputs = np.degrees(expected.outputs)
-    rounding = 16.0 * np.finfo(float).eps * np.abs(outputs).max(axis=1, keepdims=True)
+    rounding = 16.0 * np.finfo(float).eps * max(5.0, np.abs(outputs).max())
     assert np.all(np.abs(values[:, 1:5].T - outputs) <= 1e-13 * np.abs(outputs) + rounding)
     assert not values[0, 1:4].any()  # what begins at rest begins at zero
-    np.testing.assert_allclose(values[:, 6], np.degrees(wind(expected.time)), rtol=1e-13)
+    np.testing.assert_allclose(values[:, 7], np.degrees(wind(expected.time)), rtol=1e-13)
+    assert np.all(values[:, 6] == pytest.approx(-0.391, abs=5e-4))
+
+
+@pytest.mark.parametrize("limit", [0.3, 0.36, 0.45, 0.8], ids="limit {}".format)
+def test_the_frame_of_the_figure_holds_every_curve_whole_with_the_limit(
+    limit, monkeypatch, tmp_path
+):
+    drawn = []
+    monkeypatch.setattr("tvclin.plots.save_figure", lambda plot, path: drawn.append(plot))
+    assert run("--limit-deg", limit, "--plot", tmp_path / "response.png").exit_code == 0
+    (plot,) = drawn
+    for axes, columns in zip(plot.axes.flat, plot.curves.panels.values(), strict=True):
+        low, high = axes.get_ylim()
+        for column in columns:
+            assert low < column.values.min() <= column.values.max() < high
+    level = plot.curves.column("lower limit", "deflection")
+    np.testing.assert_allclose(level, -limit, rtol=1e-14)
+
+
+def test_a_vehicle_that_trim_holds_at_rest_is_at_zero_in_the_csv(tmp_path):
+    file = tmp_path / "response.csv"
+    run("--limit-deg", 0.8, "--csv", file)
+    rows = np.genfromtxt(file, delimiter=",", skip_header=2)
+    assert not rows[:, 1:3].any()  # attitude and rate
+    assert "-0.0," not in file.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("kind", ["png", "svg"])

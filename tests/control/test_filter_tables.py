@@ -1,6 +1,7 @@
 """Filters of an autopilot as files and the command line name them."""
 
 import json
+import re
 import tomllib
 
 import numpy as np
@@ -116,6 +117,21 @@ def margins(*more):
 FILTERS = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
 
 
+MADE = tv.vehicle.Filter
+LOOP_FILTERS = [
+    MADE.lead_lag(2.0, 5.0),
+    MADE.lead_lag(-2.0, 5.0),
+    MADE.low_pass(3.0),
+    MADE.low_pass(13.0, 0.95),
+    MADE.notch(32.0, 0.06, 0.6),
+    MADE.notch(3.0, 0.0, 0.5),
+    MADE.notch(3.0, -0.1, 2.0),
+    MADE.from_coefficients([2.0, 0.0], [1.0, 3.0, 7.0]),
+    MADE.from_coefficients([2.0], [1.0, 0.0]),
+    MADE.from_coefficients([0.5], [2.0]),
+]
+
+
 @pytest.mark.parametrize("rate", [None, 25.0])
 def test_the_command_line_has_filters_and_a_sample_rate(rate):
     sampled = () if rate is None else ("--sample-rate", str(rate))
@@ -136,14 +152,40 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
         sample_rate=rate,
     ).margins(plant)
     assert document["stable"]
-    for margin in ("gain_increase_dB", "phase_margin_deg", "delay_margin"):
-        assert document["margins"][margin] == pytest.approx(getattr(expected, margin), rel=1e-9)
+    found = document["margins"]
+    for margin in ("gain_increase_dB", "phase_margin_deg"):
+        assert found[margin] == pytest.approx(getattr(expected, margin), rel=1e-9)
+    assert found["delay_margin_s"] == pytest.approx(expected.delay_margin, rel=1e-9)
     poles = document["closed_loop_poles" if rate is None else "closed_loop_poles_z"]
     values = [complex(p["real"], p["imag"]) for p in poles]
     assert max(abs(z) for z in values) < 1 if rate else max(s.real for s in values) < 0
     shown = margins(*FILTERS, *sampled).output
-    assert "2 behind the sum (order 4)" in shown
+    assert re.search(r"behind the sum, 1 +32.044 rad/s, +32.044 rad/s, damping +1 at rest", shown)
+    assert re.search(r"behind the sum, 2 +none +13.195 rad/s, damping +1 at rest", shown)
     assert ("25 Hz" in shown) == (rate is not None)
+
+
+@pytest.mark.parametrize("filter", LOOP_FILTERS, ids=str)
+def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
+    cells = sum(filter.cells("f"), ())
+    numbers = {part.name: part.value for part in cells if not isinstance(part, str)}
+
+    def powers(kind):
+        found = np.ones(1)
+        for key, value in numbers.items():
+            if not key.startswith(f"f.{kind}"):
+                continue
+            if key.endswith(".frequency"):
+                damping = numbers[key.replace("frequency", "damping")]
+                found = np.polymul(found, [1.0, 2.0 * damping * value, value**2])
+            elif not key.endswith(".damping"):
+                found = np.polymul(found, [1.0, -value])
+        return found
+
+    above, below = powers("zeros"), powers("poles")
+    gain = numbers.get("f.lead", numbers.get("f.rest", 0.0) * below[-1] / (above[-1] or 1.0))
+    np.testing.assert_allclose(below, filter.denominator, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(gain * above, np.trim_zeros(filter.numerator, "f"), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tests.ledger import attempts, flown, loads
+from tests.ledger import attempts, companion, flown, loads
 from tests.ledger.claims import claims, compute, equations, records
 from tests.ledger.computed import Computed, Value, shown
 
@@ -106,6 +106,40 @@ The attitude over the peak of the wind at t = tau, with 0.9 and 1.1 times the bo
 and where it converges more slowly.
 """
 
+_COMPANION = """\
+## Beside the companion report
+
+Teren, Davidson, Borsody and Daniele (NASA TN D-4662, 1968) ask the same of whole vehicles. Of it
+the abstract alone was read. It says that 99 percent winds need 2.4 deg (260-inch booster with an
+S-IVB) and 1.17 deg (a second vehicle), that other effects need about 0.35 deg, and the tail-off of
+the thrust about 1 deg. Configuration I, the 260-inch booster of Table I, trims a wind of {peak:g}
+deg with {trim:.2f} deg: {factor:.1f} times less than 2.4 deg. Below is that vehicle over its
+reconstructed flight: the deflection that trims {peak:g} deg, the wind angle that 2.4 deg trim, and
+the speed of the horizontal wind that makes this angle, along the flight or across it.
+"""
+
+_EXPLAINS = """\
+What can explain the factor, and what of it is computed:
+
+- **The vehicle above the booster.** B is in proportion to the normal force and its arm, and a
+  payload's shape makes both. The abstract names an S-IVB; Table I names no upper stage.
+  A wind of {example:g} m/s across the flight (assumed) is {angle:.1f} deg at 66 s; it needs 2.4 deg
+  where B is {ratio:.1f} times that of Table I. With Table I's own B it takes {across:.0f} m/s
+  across the flight, which no wind has.
+- **The flight condition.** At a lower speed the same wind has a larger angle, and B is larger:
+  {slow:.3f} at {early:g} s where it is {B:.3f} at 66 s. Both together are too little: at
+  {early:g} s 2.4 deg still trim {slow_across:.0f} m/s across the flight.
+- **The autopilot.** Trim is what an ideal control takes. The gains that `tvclin autopilot` has by
+  default turn the nozzle of configuration I {autopilot:.2f} times as far in the usual wind.
+- **Offsets** of thrust and centre of gravity, and nominal turning, are beside the 2.4 deg if they
+  are among the other effects. They are then no part of the factor.
+
+What the abstract does not tell: the winds themselves, their gusts and the season; the altitude, the
+speed and the shape of the second vehicle; whether 2.4 deg are a peak in flight, a static trim, or
+the root of a sum of squares; which autopilot flew. So neither confirms the other, and
+neither speaks against it.
+"""
+
 _DEVIATIONS = """\
 ## Where the package differs from the report
 
@@ -117,7 +151,7 @@ def page() -> str:
     """Return the whole ledger as Markdown, computed afresh."""
     computed = [(claim, compute(claim)) for claim in claims()]
     parts = [_HEAD, _equations(), _claims(computed), _tried(computed), _loads()]
-    parts += [_flown(), _deviations()]
+    parts += [_flown(), _companion(), _deviations()]
     return "\n".join(parts)
 
 
@@ -252,6 +286,29 @@ def _parameters(along: bool) -> str:
 
 def _yes(verdicts: Iterable[bool]) -> str:
     return ", ".join("yes" if verdict else "no" for verdict in verdicts)
+
+
+def _companion() -> str:
+    headings = ("time [s]", "speed [m/s]", "B", f"trim of {companion.PEAK:g} deg [deg]")
+    headings += ("trimmed by 2.4 deg [deg]", "wind along [m/s]", "wind across [m/s]")
+    found = companion.moments()
+    digits = {"time": 0, "velocity": 0, "B": 3, "trim": 3, "angle": 1, "along": 0, "across": 0}
+    rows = [[f"{getattr(m, name):.{n}f}" for name, n in digits.items()] for m in found]
+    early, own = found[0], next(m for m in found if m.time == 66.0)
+    angle, ratio = companion.example()
+    head = _COMPANION.format(peak=companion.PEAK, trim=own.trim, factor=companion.WIND / own.trim)
+    explains = _EXPLAINS.format(
+        example=companion.EXAMPLE,
+        angle=angle,
+        ratio=ratio,
+        across=own.across,
+        slow=early.B,
+        early=early.time,
+        B=own.B,
+        slow_across=early.across,
+        autopilot=companion.autopilot(),
+    )
+    return f"{head}\n{_table(headings, rows)}\n{explains}"
 
 
 def _deviations() -> str:

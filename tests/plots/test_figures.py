@@ -291,6 +291,41 @@ def test_sketch_c_solves_equation_c6():
     assert found.column("exact, r = 0.1")[-1] == pytest.approx(0.54410, abs=5e-6)
 
 
+def test_a_response_is_drawn_in_degrees_whoever_computed_it(configuration_i):
+    plant, wind = tv.Plant.from_vehicle(configuration_i), tv.TriangularWind(peak=0.08, duration=7.5)
+    held = tv.linear.HeldDeflection(limit=tv.boundary_limit(plant, wind, 0.0).deflection)
+    times, level = np.linspace(0.0, 7.5, 61), abs(held.limit)
+    exact = tv.attitude_response(plant, held, wind, times)
+    inputs = np.stack([held(times), wind(times)])
+    simulated = control.forced_response(plant.ss(), times, inputs)
+    drawn = plots.response_chart(exact, limit=level).curves
+    other = plots.response_chart(simulated, limit=level).curves
+
+    assert [c.label for c in drawn.columns] == [c.label for c in other.columns]
+    found = {column.label: column.values for column in drawn.columns}
+    for signals in (exact.outputs, exact.inputs):
+        for label, row in zip(signals.signal_labels, signals, strict=True):
+            np.testing.assert_allclose(found[label], np.degrees(row), rtol=1e-12, atol=1e-13)
+    assert drawn.column("lower limit", "deflection")[0] == -np.degrees(level)
+    size = np.degrees(wind.peak)
+    for one, two in zip(drawn.columns, other.columns, strict=True):
+        np.testing.assert_allclose(one.values, two.values, rtol=1e-9, atol=1e-9 * size)
+
+
+def test_a_flight_that_meets_both_stops_is_drawn_with_both(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    wind, limit = tv.TriangularWind(peak=0.08, duration=7.5), 0.0045
+    law = tv.RecoverableAttitudeLaw(plant, design_peak=0.08)
+    flown = tv.fly(plant, law, wind, np.linspace(0.0, 18.0, 91), deflection_limit=limit)
+    drawn = plots.response_chart(flown, limit=limit).curves
+
+    found = drawn.column("deflection", "deflection")
+    assert found.max() == pytest.approx(np.degrees(limit), rel=1e-9)
+    assert found.min() == pytest.approx(-np.degrees(limit), rel=1e-9)
+    for label, sign in (("upper limit", 1.0), ("lower limit", -1.0)):
+        assert np.all(drawn.column(label, "deflection") == sign * np.degrees(limit))
+
+
 def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     code = (
         "import sys, tvclin.plots, tvclin.show.reproduce;"

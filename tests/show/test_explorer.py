@@ -475,6 +475,7 @@ def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[st
     assert path.read_text() == "changed by hand"
     for one in started:
         assert (one[0], one[-2:]) == (str(path), ["--no-browser", "--allow-root"])
+        assert f"--LabApp.default_url=/lab/tree/{path}" in one
         (folder,) = (o.partition("=")[2] for o in one if "extra_labextensions_path" in o)
         assert list(Path(folder).glob("*/package.json"))
 

@@ -1,6 +1,7 @@
 """`tvclin explore` in a browser, from its opening to its end, and the ends without a browser."""
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -88,6 +89,11 @@ class Started:
         except OSError:
             return False
 
+    def printed(self) -> str:
+        """Return the address that it prints; empty until it has."""
+        found = re.search(rf"{self.address}/\S+", (self.folder / "log").read_text())
+        return "" if found is None else found[0]
+
     def kernels(self) -> list[Any]:
         psutil = pytest.importorskip("psutil")  # comes with ipykernel
         return list(psutil.Process(self.process.pid).children(recursive=True))
@@ -157,7 +163,8 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
         until(lambda one: one.find_element(By.XPATH, path).click() is None)
 
     until(lambda _: started.answers())
-    browser.get(f"{started.address}/lab/tree/explore-configuration-i.ipynb")
+    until(lambda _: started.printed())
+    browser.get(started.printed())
     until(lambda _: seen()["width"] > 0 and seen()["text"])  # nothing was clicked
     first = seen()
     assert first["text"][0].startswith("Enough: with K = 1 this wind needs 0.351 deg")

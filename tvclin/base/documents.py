@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.errors import plain as plain_number
+
 _IN_DEGREES = re.compile(r"(^|_)deg(_per_s2?|_s)?$")
 
 
@@ -32,7 +34,8 @@ def picked(record: Any, keys: str) -> dict[str, Any]:
         With blanks between. Each is an attribute, "status", or one with its unit, "peak_deg", or
         says which it is, of attributes too: "required_deg=requirement.deflection"; in bars,
         "deflection_deg=|deflection|", it is a size. A key in degrees is converted, each value of
-        a mapping too, unless the attribute itself has that unit in its name.
+        a mapping too, and a factor by a key in dB, unless the attribute itself has that unit in
+        its name.
     """
     known = set(dir(record))
     found = {}
@@ -44,8 +47,11 @@ def picked(record: Any, keys: str) -> dict[str, Any]:
         value = reduce(getattr, path.strip("|").split("."), record)
         if path.startswith("|") and value is not None:
             value = np.abs(value)
-        in_degrees = _IN_DEGREES.search(name) and not _IN_DEGREES.search(path)
-        found[name] = _degrees(value) if in_degrees else value
+        if _IN_DEGREES.search(name) and not _IN_DEGREES.search(path):
+            value = _degrees(value)
+        elif name.endswith("_dB") and not path.endswith("_dB"):
+            value = decibels(value)
+        found[name] = value
     return found
 
 
@@ -67,6 +73,12 @@ def plain(value: Any) -> Any:
     if isinstance(value, complex):
         return {"real": value.real, "imag": value.imag}
     return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def decibels(factor: Any) -> Any:
+    """Return a positive factor on an amplitude in dB."""
+    with np.errstate(divide="ignore"):
+        return plain_number(20.0 * np.log10(np.asarray(factor)))
 
 
 def _degrees(value: Any) -> Any:

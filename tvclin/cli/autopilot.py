@@ -160,7 +160,7 @@ class _Found:
             say(parts_line(found.plant.structure))
         elif found.autopilot.sample_rate is None:
             rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
-        print_tables(quantities(title, rows))
+        print_tables(quantities(title, rows), *found.autopilot.filter_tables())
         if found.margins.stable:
             print_tables(found.deflections("Largest deflection in this wind"))
             print_tables(quantities("In this wind", [*found.motions(), *self._more()]))

@@ -215,7 +215,7 @@ def availability(
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)
-    draw(plot, lambda: plots.availability_chart(found))
+    draw(plot, lambda: plots.availability_chart(found, source))
     if as_json:
         print_json(_document(found, today))
     else:
@@ -236,9 +236,10 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     import numpy as np
 
     from tvclin.answers.availability import answer_tables
+    from tvclin.vehicle.coefficients import IN_WORDS
 
     name = found.judge.flight.vehicle.name or source
-    say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
+    say(f"{name}, {found.model}, {IN_WORDS[found.plane]}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
     begin, end = found.judged_in_all
     say(f"Limit {np.degrees(found.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")

@@ -40,10 +40,11 @@ class Compared:
         from tvclin.plots import flight_chart, flight_curves
 
         said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
-        end = float(self.flight.wind.end)
         shown.write(
-            lambda: flight_curves(self.flight, "fly", said.replace("\n", ", "), self.beside),
-            lambda numbers: flight_chart(numbers, said, end),
+            lambda: flight_curves(
+                self.flight, self.limit, "fly", said.replace("\n", ", "), self.beside
+            ),
+            lambda numbers: flight_chart(numbers, said),
         )
         if shown.as_json:
             print_json(self._document())
@@ -88,4 +89,5 @@ def wind_line(case: Any) -> str:
     from tvclin.cli.wind import wind_words
 
     words = wind_words(case.shape, case.case)
-    return f"{case.case.vehicle.name or 'Vehicle'}\n{words}, {case.case.plane}, law {case.law}"
+    said = f"{words}, {case.case.plane}, law {case.law}"
+    return f"{case.case.vehicle.name}\n{said}" if case.case.vehicle.name else said

@@ -67,7 +67,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
         say(parts_line(found.plant.structure))
     elif found.autopilot.sample_rate is None:
         rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
-    print_tables(quantities(title, rows))
+    print_tables(quantities(title, rows), *found.autopilot.filter_tables())
     if whole.stable:
         print_tables(margin_table(whole, found.judged))
         print_bounds(found.autopilot, found.plant)

@@ -66,7 +66,7 @@ def respond(
     found, shown = case.followed(until * float(case.wind.end))
     files.write(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
-        lambda curves: plots.response_chart(curves, _title(case), float(case.wind.end)),
+        lambda curves: plots.response_chart(curves, _title(case)),
     )
     if files.as_json:
         print_json(_document(case, found, shown))
@@ -79,9 +79,12 @@ def _curves(case: Held, times: "NDArray[np.float64]") -> "Curves":
     from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_curves
 
-    response = attitude_responses(case.plant, case.deflection, case.wind, times)
+    deflection, wind = case.deflection, case.wind
+    response = attitude_responses(case.plant, deflection, wind, times)
     what = f"{case.case.vehicle.name}: {case.words}"
-    return response_curves(response, case.deflection, case.wind, "respond", what)
+    return response_curves(
+        response, "respond", what, limit=case.limit, deflection=deflection, wind=wind
+    )
 
 
 def _title(case: Held) -> str:

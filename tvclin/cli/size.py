@@ -279,7 +279,7 @@ def size(
     said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
     if csv is not None:
         found.to_csv(csv)
-    draw(plot, lambda: plots.sizing_chart(found, whole.limit))
+    draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
     if as_json:
         verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
         beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}

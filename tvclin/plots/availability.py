@@ -7,7 +7,8 @@ import numpy as np
 from tvclin.answers.availability.record import Availability
 from tvclin.base.errors import InputError, instance
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
+from tvclin.vehicle.coefficients import IN_WORDS
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -19,7 +20,7 @@ _STEPS: Style = {"drawstyle": "steps-post"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 
-def availability_chart(found: Availability) -> "ControlPlot":
+def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
     """Draw which part of an archive's soundings flies, against the limit.
 
     With its interval for one azimuth, and a line for each of several. A line upright is the limit
@@ -29,6 +30,8 @@ def availability_chart(found: Availability) -> "ControlPlot":
     ----------
     found : Availability
         Of one judged sounding or more.
+    name : str
+        What a vehicle without a name of its own is called.
 
     Raises
     ------
@@ -55,14 +58,13 @@ def availability_chart(found: Availability) -> "ControlPlot":
             _LOWER: [part[0].lower for part in parts],
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
-    name = found.judge.flight.vehicle.name or "Vehicle"
     where = found.soundings.station or "an archive"
-    planes = "both planes" if found.plane == "both" else found.plane
+    planes = IN_WORDS[found.plane]
     if not several:
         planes += f", towards {azimuths[0]:.4g} deg"
     words = f"{len(found.soundings)} soundings of {where}, {planes}"
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
-    title = f"{name}\nlaunch availability: {words}"
+    title = called(found.judge.flight.vehicle.name or name, f"launch availability: {words}")
     heading = "flown, towards" if several else ""
     look = Look(title, "soundings that fly [%]", _styles(list(values)), heading, {"": (0.0, 102.0)})
     plot = draw(curves, look)

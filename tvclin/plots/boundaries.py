@@ -201,7 +201,8 @@ def _study_curves(study: Study, durations: FloatArray) -> Curves:
     shape = type(study.wind).__name__.removesuffix("Wind").lower()
     peak = float(np.degrees(study.wind.peak))
     gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
-    words = f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg{gust}"
+    words = f"{shape} winds of {peak:.3g} deg{gust}"
+    words = f"{study.vehicle.name}: {words}" if study.vehicle.name else words
     return Curves("study", words, "wind duration [s]", durations, tuple(columns))
 
 

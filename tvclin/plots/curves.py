@@ -112,12 +112,24 @@ class Curves:
         Every number is written so that it reads back as the same one; what the rounding of the
         largest number of its column leaves in place of a zero is zero.
         """
-        values = np.stack([self.abscissa, *(column.values for column in self.columns)], axis=-1)
-        sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
-        values = np.where(sizes <= _ROUNDING * sizes.max(axis=0, initial=0.0), 0.0 * values, values)
-        values = values + 0.0  # no minus before a zero
-        rows = [[self.abscissa_label, *self.headings], *(map(repr, row) for row in values.tolist())]
+        values = (self.abscissa, *(column.values for column in self.columns))
+        table = np.stack([without_rounding(one) for one in values], axis=-1)
+        rows = [[self.abscissa_label, *self.headings], *(map(repr, row) for row in table.tolist())]
         return f"# {self.name}: {self.parameters}\n{write_rows(rows)}"
+
+
+def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
+    """Return numbers with zero, without a minus, for what rounding leaves in its place.
+
+    Parameters
+    ----------
+    values : ndarray
+        The numbers.
+    size : float
+        The largest number in sight, if it is larger than all of them.
+    """
+    sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
+    return np.where(sizes <= _ROUNDING * sizes.max(initial=size), 0.0 * values, values) + 0.0
 
 
 def curves_of(plot: Any) -> Curves:

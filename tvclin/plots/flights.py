@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.flights.beside import FlightBeside
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.single_response import frames
+from tvclin.plots.single_response import LIMITS, frames, limit_columns
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, draw
 
 if TYPE_CHECKING:
@@ -19,11 +19,12 @@ _STYLES: dict[str, Style] = {
     "linear": {"color": WARM, "ls": "--", "lw": 1.8},
     "rigid": {"color": WARM, "ls": "--", "lw": 1.8},
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+    **LIMITS,
 }
 
 
 def flight_curves(
-    flight: FlightBeside, name: str, parameters: str, beside: str = "linear"
+    flight: FlightBeside, limit: float, name: str, parameters: str, beside: str = "linear"
 ) -> Curves:
     """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
 
@@ -31,6 +32,8 @@ def flight_curves(
     ----------
     flight : FlightBeside
         The flight.
+    limit : float
+        Its deflection limit [rad].
     name, parameters : str
         As of `Curves`.
     beside : {"linear", "rigid"}
@@ -41,18 +44,21 @@ def flight_curves(
         for panel, row in _PANELS.items()
         for label, rows in (("flown", flight.flown), (beside, flight.linear))
     ]
+    columns += limit_columns(np.degrees(flight.flown[_PANELS["deflection"]]), limit)
     wind = Column("wind", np.degrees(flight.wind(flight.times)), "deg", "wind")
     return Curves(name, parameters, "time [s]", flight.times, (*columns, wind))
 
 
-def flight_chart(curves: Curves, title: str, wind_end: float = np.inf) -> "ControlPlot":
+def flight_chart(curves: Curves, title: str) -> "ControlPlot":
     """Draw the curves of `flight_curves`, a panel for each.
 
     Parameters
     ----------
-    curves, title, wind_end
-        As of `response_chart`.
+    curves : Curves
+        The numbers.
+    title : str
+        Title of the figure.
     """
     ordinates = {panel: f"{panel} [deg]" for panel in _PANELS}
     ordinates["wind"] = "wind angle of attack [deg]"
-    return draw(curves, Look(title, ordinates, _STYLES, limits=frames(curves, wind_end)))
+    return draw(curves, Look(title, ordinates, _STYLES, limits=frames(curves)))

@@ -107,7 +107,6 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
     axes, place = new_axes(), (found.gains, found.delays)
     values = np.ma.masked_invalid(found.limit.T)
     lines = axes.contour(*place, values, levels=12, colors=COLOURS[0], linewidths=0.9)
-    axes.clabel(lines, fmt="%.3g", fontsize=8, zorder=2)
     handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
     if level is not None:
         handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))
@@ -121,6 +120,11 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)
     _by_ratio(axes)
+    axes.figure.canvas.draw()
+    frame = axes.get_window_extent()
+    for label in axes.clabel(lines, fmt="%.3g", fontsize=9, zorder=2):
+        box = label.get_window_extent()
+        label.set_visible(frame.contains(*box.min) and frame.contains(*box.max))
     axes.figure.legend(handles=handles, loc="outside right center")
     return control_plot([], axes, _numbers(found))
 

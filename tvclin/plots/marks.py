@@ -85,15 +85,24 @@ def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
         The panels of one figure, with their final frames, titles and legends, and the marks in
         each of them.
     """
-    seen = [(axes, [mark for mark in marks if mark.inside(axes)]) for axes, marks in panels]
-    notes = [[_write(axes, mark) if mark.text else None for mark in marks] for axes, marks in seen]
-    _lay_out([axes for axes, _ in panels])
-    for (axes, marks), written in zip(seen, notes, strict=True):
-        points = axes.transData.transform([(m.x, m.y) for m in marks] or np.zeros((0, 2)))
-        around = _Around(axes.get_window_extent(), list(_outlines(axes)), points, [])
-        for point, note in zip(points, written, strict=True):
-            if note is not None:
-                around.taken.append(_put(note, point, around))
+    for axes, marks in panels:
+        for mark in marks:
+            if mark.text and mark.inside(axes):
+                _write(axes, mark)
+    place_numbers(*(axes for axes, _ in panels))
+
+
+def place_numbers(*panels: "Axes") -> None:
+    """Put the numbers of the panels of one figure where they hide least at its present size."""
+    from matplotlib.text import Annotation
+
+    _lay_out(panels)
+    for axes in panels:
+        points, curves = _points(axes), list(_outlines(axes))
+        around = _Around(axes.get_window_extent(), curves, points, [])
+        for note in axes.texts:
+            if isinstance(note, Annotation) and note.arrow_patch is not None:
+                around.taken.append(_put(note, axes.transData.transform(note.xy), around))
 
 
 def _lay_out(panels: "Sequence[Axes]") -> None:
@@ -114,7 +123,7 @@ class _Around:
     taken: "list[Bbox]"
 
 
-def _write(axes: "Axes", mark: Mark) -> "Annotation":
+def _write(axes: "Axes", mark: Mark) -> None:
     note = axes.annotate(
         mark.text,
         (mark.x, mark.y),
@@ -128,7 +137,6 @@ def _write(axes: "Axes", mark: Mark) -> "Annotation":
         arrowprops={"arrowstyle": "-", "color": "0.35", "lw": 0.8, "shrinkB": 4.0, "shrinkA": 0.0},
     )
     note.set_in_layout(False)
-    return note
 
 
 def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
@@ -164,6 +172,15 @@ def _cost(place: "Bbox", around: _Around) -> float:
         + _MARK * sum(bool(room.contains(*point)) for point in around.points)
         + sum(cost for path, cost in around.curves if path.intersects_bbox(place, filled=False))
     )
+
+
+def _points(axes: "Axes") -> FloatArray:
+    """The marks of a panel in pixels, ``(n, 2)``."""
+    found = [np.zeros((0, 2))]
+    for line in axes.get_lines():
+        if line.get_linestyle() == "None":
+            found.append(line.get_transform().transform(np.column_stack(line.get_data())))
+    return np.concatenate(found)
 
 
 def _outlines(axes: "Axes") -> Iterator[tuple["Path", float]]:

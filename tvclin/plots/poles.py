@@ -30,7 +30,7 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> "Con
     """
     import matplotlib.pyplot as plt
 
-    _, panels = plt.subplots(1, 2, figsize=(12, 5.6), layout="constrained")
+    _, panels = plt.subplots(1, 2, figsize=(10.4, 5.6), layout="constrained")
     found = {model: all_modes(Plant(coefficients, model)) for model in models}
     everywhere = np.concatenate([modes.poles for modes in found.values()])
     reach = float(np.abs(everywhere).max()) or 1.0
@@ -71,7 +71,7 @@ def _mark_poles(
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}
     lines = axes.plot(poles.real, poles.imag, ls="", color=colour, label=model, **mark)
     inside = (size > named[0]) & (size <= named[1]) & (poles.imag >= 0.0)
-    lift = 10 if named[0] < 0.0 else 14 + 13 * row
+    lift = 12 + 14 * (row if named[0] >= 0.0 else row % 2)
     for pole, residue in zip(poles[inside], strength[inside], strict=True):
         _write_residue(axes, pole, residue, lift, colour)
     return lines
@@ -79,16 +79,16 @@ def _mark_poles(
 
 def _write_residue(axes: "Axes", pole: complex, residue: complex, lift: int, colour: str) -> None:
     if pole.imag == 0.0:
-        text = f"{pole.real:+.5f}: {residue.real:+.4f}"
+        text = f"{pole.real:.4g}: {residue.real:.4g}"
     else:
-        text = f"{pole:.5f}: {residue:.4f}"
+        text = f"{pole:.4g}: {residue:.4g}"
     axes.annotate(
         text,
         (pole.real, pole.imag),
         xytext=(0, lift),
         textcoords="offset points",
         ha="center",
-        fontsize=8,
+        fontsize=9.5,
         color=colour,
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
     )

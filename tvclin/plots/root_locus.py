@@ -71,8 +71,10 @@ def root_locus_chart(
     factors = _default_factors(locus, samples, radii) if gains is None else _given(gains)
     branches = locus.branches(factors)
     count = len(radii) + bool(samples.modes)
-    size = (12.0 + 4.0 * (count > 2), 6.8) if count > 1 else (8.6, 7.4)
-    figure, panels = plt.subplots(1, count, figsize=size, layout="constrained", squeeze=False)
+    rows: Any = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
+    size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))
+    figure, placed = plt.subplot_mosaic(rows, figsize=size, layout="constrained")
+    panels = np.array([[placed[k] for k in range(count)]])
     marks = [*_pole_marks(poles), *_axis_marks(samples), *_end_marks(branches, factors, radii[0])]
     lines: list[Any] = []
     for axes in panels[0]:

@@ -3,21 +3,30 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tvclin.linear.response import Responses
-from tvclin.plots.curves import Column, Curves
+from tvclin.plots.curves import Column, Curves, without_rounding
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from control import ControlPlot
+    from control import ControlPlot, TimeResponseData
+
+FloatArray = NDArray[np.float64]
 
 _ORDINATES = {
     "angles": "angles [deg]",
     "rate": "attitude rate [deg/s]",
     "deflection": "deflection [deg]",
-    "wind": "wind angle of attack [deg]",
+    "wind": "wind angle [deg]",
 }
+_ROOM = 0.05
+"""Above and below the curves, of the height of a panel."""
+_PANELS = {"attitude_rate": "rate", "deflection": "deflection", "wind": "wind"}
+"""What is no angle of the vehicle, and its panel."""
+_LEVEL: Style = {"color": INK, "ls": "--", "lw": 1.2}
+LIMITS = {"upper limit": _LEVEL, "lower limit": _LEVEL}
 _STYLES: dict[str, Style] = {
     "attitude": {"color": INK, "ls": "-", "lw": 2.0},
     "flight_path_angle": {"color": COLOURS[1], "ls": "--", "lw": 1.8},
@@ -25,64 +34,97 @@ _STYLES: dict[str, Style] = {
     "attitude_rate": {"color": INK, "ls": LINES[3], "lw": 1.8},
     "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+    **LIMITS,
 }
 
 
 def response_curves(
-    response: Responses, deflection: History, wind: History, name: str, parameters: str
+    response: "Responses | TimeResponseData",
+    name: str = "response",
+    parameters: str = "",
+    *,
+    limit: float | None = None,
+    deflection: History | None = None,
+    wind: History | None = None,
 ) -> Curves:
     """Return a response and its inputs over time, in degrees.
 
     Parameters
     ----------
-    response : Responses
+    response : Responses or control.TimeResponseData
         One response, not a batch.
-    deflection, wind : History
-        Its inputs.
     name, parameters : str
         As of `Curves`.
+    limit : float, optional
+        Deflection limit [rad].
+    deflection, wind : History, optional
+        Inputs that the response does not hold: `Responses` hold none.
     """
+    if isinstance(response, Responses):
+        rows = dict(zip(response.labels, response.outputs, strict=True))
+    else:
+        labels = (*response.output_labels, *response.input_labels)
+        both = (np.reshape(rows, (-1, response.time.size)) for rows in (response.y, response.u))
+        rows = dict(zip(labels, np.concatenate(list(both)), strict=True))
+    inputs = {"deflection": deflection, "wind": wind}
+    rows |= {label: one(response.time) for label, one in inputs.items() if one is not None}
+    size = float(np.degrees(max(np.nanmax(np.abs(row)) for row in rows.values())))
     columns = []
-    for label in response.labels:
-        unit, panel = ("deg/s", "rate") if label.endswith("rate") else ("deg", "angles")
-        columns.append(Column(label, np.degrees(response[label]), unit, panel))
-    for label, history in (("deflection", deflection), ("wind", wind)):
-        values = np.degrees(history(response.time))
-        columns.append(Column(label, values, "deg", label))
-    return Curves(name, parameters, "time [s]", response.time, tuple(columns))
+    for label, row in rows.items():
+        unit = "deg/s" if label == "attitude_rate" else "deg"
+        values = without_rounding(np.degrees(row), size)
+        columns.append(Column(label, values, unit, _PANELS.get(label, "angles")))
+        if label == "deflection" and limit is not None:
+            columns += limit_columns(values, limit)
+    return Curves(name, parameters, "time [s]", np.asarray(response.time), tuple(columns))
+
+
+def limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
+    """Return a limit [rad] on each side to which a deflection [deg] goes at least halfway.
+
+    Where it goes so far to neither, on that to which it goes farther.
+    """
+    reach = {"upper limit": np.nanmax(deflection), "lower limit": -np.nanmin(deflection)}
+    least = min(0.5 * np.degrees(limit), max(reach.values()))
+    return [
+        Column(label, np.full(deflection.size, sign * np.degrees(limit)), "deg", "deflection")
+        for (label, far), sign in zip(reach.items(), (1.0, -1.0), strict=True)
+        if far >= least
+    ]
 
 
 def response_chart(
-    curves: Curves, title: str, wind_end: float = np.inf, across: int = 2
+    response: "Curves | TimeResponseData",
+    title: str = "",
+    *,
+    limit: float | None = None,
+    across: int = 2,
 ) -> "ControlPlot":
-    """Draw the curves of `response_curves`: angles, rate, deflection and wind.
+    """Draw angles, rate, deflection and wind over time, in degrees.
 
     Parameters
     ----------
-    curves : Curves
-        The numbers.
+    response : Curves or control.TimeResponseData
+        The numbers of `response_curves`, or a response that they are made of.
     title : str
         Title of the figure.
-    wind_end : float
-        Time [s]. What the response exceeds later leaves the frame.
+    limit : float, optional
+        Deflection limit [rad]; of curves those that they hold count.
     across : int
         Panels in one row.
     """
-    return draw(
-        curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, wind_end), across=across)
-    )
+    curves = response
+    if not isinstance(curves, Curves):
+        curves = response_curves(curves, limit=limit)
+    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves), across=across))
 
 
-def frames(curves: Curves, until: float) -> dict[str, tuple[float, float]]:
-    """Return the ends of the ordinate of each panel, by what it shows up to a time [s].
-
-    What exceeds that later leaves the frame.
-    """
-    before = curves.abscissa <= until
+def frames(curves: Curves) -> dict[str, tuple[float, float]]:
+    """Return the ends of the ordinate of each panel: around all that it shows, and zero."""
     limits = {}
     for panel, columns in curves.panels.items():
-        values = np.stack([column.values for column in columns])
-        reach = 1.15 * float(np.nanmax(np.abs(values[:, before]), initial=0.0)) or 1.0
-        low, high = max(1.15 * np.nanmin(values), -reach), min(1.15 * np.nanmax(values), reach)
-        limits[panel] = (min(low, 0.0), max(high, 0.0)) if low < high else (low - 1.0, high + 1.0)
+        values = np.concatenate([[0.0], *(column.values for column in columns)])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        room = _ROOM * (high - low) or 1.0
+        limits[panel] = low - room, high + room
     return limits

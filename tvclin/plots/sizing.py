@@ -7,7 +7,8 @@ import numpy as np
 from tvclin.answers.sizing.record import IN_A, MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
 from tvclin.base.errors import InputError, number, positive, small_angle
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
+from tvclin.vehicle.coefficients import IN_WORDS
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -17,7 +18,7 @@ _MARKS = {IN_A["head"]: "^", IN_A["tail"]: "v"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 
-def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
+def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> "ControlPlot":
     """Draw the required deflections over the flight, and the available one.
 
     Lines are for parameters that are frozen at each flight time; rings, where the sizing has them,
@@ -29,6 +30,8 @@ def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
         Of two or more flight times; of several winds the worst counts at each.
     limit : float, optional
         Available deflection [rad].
+    name : str
+        What a vehicle without a name of its own is called.
 
     Raises
     ------
@@ -38,20 +41,18 @@ def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    columns = [
-        Column(name, np.degrees(sizing.at_times(name))[order], "deg") for name in sizing.required
-    ]
+    rows = {name: np.degrees(sizing.at_times(name))[order] for name in sizing.required}
+    columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
         most = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
         columns.append(Column(_LIMIT, np.full(order.size, most), "deg"))
         styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
     winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"
-    words = f"{sizing.model}, {sizing.plane}, {winds}"
-    name = sizing.schedule.vehicle.name or "Vehicle"
+    words = f"{sizing.model}, {IN_WORDS[sizing.plane]}, {winds}"
     curves = Curves("sizing", words, "flight time [s]", sizing.times[order], tuple(columns))
     top = 1.05 * max(float(np.nanmax(column.values)) for column in columns)
-    title = f"{name}\nrequired deflection: {words}"
+    title = called(sizing.schedule.vehicle.name or name, f"required deflection: {words}")
     return draw(curves, Look(title, "deflection [deg]", styles, limits={"": (0.0, top or 1.0)}))
 
 

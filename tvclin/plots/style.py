@@ -133,7 +133,7 @@ def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
     if text:
         box = {"facecolor": "white", "edgecolor": "0.6", "boxstyle": "round,pad=0.3"}
         place: Style = {"ha": "right", "va": "bottom", "transform": axes.transAxes, "bbox": box}
-        axes.text(0.97, 0.04, pretty(text), fontsize=8, **place)
+        axes.text(0.97, 0.04, pretty(text), fontsize=9, **place)
 
 
 def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:

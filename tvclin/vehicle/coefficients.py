@@ -34,6 +34,8 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 FloatArray = NDArray[np.float64]
 
 PLANES, BOTH = ("pitch", "yaw"), "both"
+IN_WORDS = {**dict(zip(PLANES, PLANES, strict=True)), BOTH: "both planes"}
+"""A plane, or both, as sentences and titles have it."""
 _LARGEST = 1e18
 """Of every coefficient, and of one over mu_delta: products of several must not overflow."""
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, broadcast, finite, nonzero, shown, within
+from tvclin.base.lines import Line, significant
 from tvclin.kernels import polynomials
 
 FloatArray = NDArray[np.float64]
@@ -166,6 +167,21 @@ class Filter(Carded):
         """How many poles the filter has."""
         return self.denominator.shape[-1] - 1
 
+    def cells(self, name: str) -> tuple[Line, Line, Line]:
+        """Return zeros, poles and gain of one filter as tables show them, its numbers by name.
+
+        A pair that is not real has a frequency and a damping. The gain is that at rest; where that
+        is zero or infinite, the first coefficient of the numerator over that of the denominator.
+        """
+        above = np.trim_zeros(self.numerator, "f")
+        zeros = _roots(f"{name}.zeros", np.roots(above))
+        poles = _roots(f"{name}.poles", np.roots(self.denominator))
+        if self.numerator[-1] and self.denominator[-1]:
+            rest = self.numerator[-1] / self.denominator[-1]
+            return zeros, poles, significant(f"{name}.rest", rest, 5, "at rest")
+        lead = above[0] if above.size else 0.0
+        return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
+
     def __call__(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
 
@@ -204,6 +220,20 @@ class Filter(Carded):
         C = (above - above[..., :1] * below)[..., np.newaxis, :0:-1]
         frequency = unit[..., np.newaxis, np.newaxis]
         return A * frequency, B * frequency, C, above[..., np.newaxis, :1]
+
+
+def _roots(name: str, roots: NDArray[Any]) -> Line:
+    """What zeros or poles [1/s] are: a frequency with a damping of each pair, and the real ones."""
+    found: Line = ()
+    for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
+        found += (", ",) if k else ()
+        if np.imag(root):
+            size = float(np.abs(root))
+            found += significant(f"{name}.{k}.frequency", size, 5, "rad/s, damping ")
+            found += significant(f"{name}.{k}.damping", -float(np.real(root)) / size)
+        else:
+            found += significant(f"{name}.{k}", np.real(root), 5, "1/s")
+    return found or ("none",)
 
 
 def _rows(*coefficients: Any) -> FloatArray:

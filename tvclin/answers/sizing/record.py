@@ -18,6 +18,7 @@ from tvclin.base.errors import imported, one_of
 from tvclin.base.files import write_rows
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
+from tvclin.vehicle.coefficients import IN_WORDS
 
 if TYPE_CHECKING:
     import xarray
@@ -165,7 +166,8 @@ class Sizing(Shown):
             for name, at in self.worst.items()
         )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
-        title = f"{self.schedule.vehicle.name or 'Sizing'}, {self.model}, {self.plane}: {span}"
+        name = self.schedule.vehicle.name or "Sizing"
+        title = f"{name}, {self.model}, {IN_WORDS[self.plane]}: {span}"
         head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
         return table(Table(title, head, rows))
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base.cards import Shown
+from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, nonnegative, number, single
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.margins.record import decibels
 from tvclin.linear.flexible import AnyPlant, check_plant
 
 _ROUNDING = 1e-9
@@ -80,6 +80,10 @@ class MarginBounds(Shown):
             )
         return "; ".join(said)
 
+    as_dict = keyed(
+        "pole_per_s delay_s peak_sensitivity disk_margin phase_margin_deg gain_range lag"
+        " rule_disk_margin rule_attitude_gain rule_rate_gain_s"
+    )
     _keys = "peak_sensitivity disk_margin phase_margin_deg gain_range rule_disk_margin"
 
 

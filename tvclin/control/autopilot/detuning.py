@@ -85,7 +85,7 @@ class Detuned:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        names = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin"
+        names = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin_s"
         columns = {
             "change": self.changes,
             **picked(self.margins, names),

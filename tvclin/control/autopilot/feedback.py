@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tvclin.base.cards import Carded
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
-from tvclin.base.lines import Line, Row, significant
+from tvclin.base.lines import Line, Row, Table, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, sized, zero_or_sized
 from tvclin.vehicle.filters import Filter
@@ -102,17 +102,18 @@ class Feedback(Carded):
             engine = (*engine, *significant("gains.actuator_damping", damping, 3))
         delay = significant("gains.delay_ms", 1000.0 * np.asarray(self.delay), 4, "ms")
         rows += [("actuator", engine), ("delay", delay)]
-        orders = {name: [one.order for one in getattr(self, name)] for name in CHAINS}
-        chains = [
-            f"{len(held)} {_PLACES[name]} (order {sum(held)})"
-            for name, held in orders.items()
-            if held
-        ]
-        if chains:
-            rows.append(("filters", (", ".join(chains),)))
         if self.sample_rate is not None:
             rows.append(("samples", significant("gains.sample_rate", self.sample_rate, 5, "Hz")))
         return rows
+
+    def filter_tables(self) -> list[Table]:
+        """Return a table with the numbers of every filter of one autopilot; none without any."""
+        rows: list[tuple[Line, ...]] = [
+            ((f"{place}, {k}",), *one.cells(f"gains.{name}.{k}"))
+            for name, place in _PLACES.items()
+            for k, one in enumerate(getattr(self, name), start=1)
+        ]
+        return [Table("Filters", ("where", "zeros", "poles", "gain"), tuple(rows))] if rows else []
 
     @property
     def batch(self) -> tuple[int, ...]:

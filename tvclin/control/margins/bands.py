@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Shown
-from tvclin.base.documents import keyed
+from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import InDecibels, Margins, decibels, margins_of
+from tvclin.control.margins.record import InDecibels, Margins, margins_of
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
 
@@ -48,6 +48,10 @@ class RigidBand(Shown, InDecibels):
     phase_margin: Any
     crossover_frequency: Any
 
+    as_dict = keyed(
+        "aero_margin_dB aero_frequency_rad_per_s gain_increase_dB gain_increase_frequency_rad_per_s"
+        " phase_margin_deg crossover_frequency_rad_per_s"
+    )
     _keys = "aero_margin_dB gain_increase_dB phase_margin_deg"
 
 
@@ -96,8 +100,9 @@ class ModeBand(Shown):
     alias: Any
 
     as_dict = keyed(
-        "frequency closed_pole stabilised peak_dB peak_frequency gain_margin_dB phase_margin_deg"
-        " lag_margin lead_margin gain_reduction gain_increase distance alias"
+        "frequency_rad_per_s closed_pole stabilised peak_dB peak_frequency_rad_per_s gain_margin_dB"
+        " phase_margin_deg lag_margin_deg lead_margin_deg gain_reduction_dB gain_increase_dB"
+        " distance alias_rad_per_s"
     )
 
     _keys = "frequency_rad_per_s stabilised peak_dB gain_margin_dB phase_margin_deg distance"

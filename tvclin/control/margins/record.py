@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Row, Shown, card
-from tvclin.base.documents import picked
+from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
@@ -169,12 +169,13 @@ float or ndarray
             for name, (label, unit, at) in MARGINS.items()
         ]
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
-        numbers = " ".join(one.name for one in fields(self)[1:-1])
-        return picked(
-            self, f"{numbers} aero_margin_dB gain_increase_dB phase_margin_deg disk_margin_dB"
-        )
+    as_dict = keyed(
+        "unstable_poles aero_margin_dB aero_frequency_rad_per_s gain_increase_dB"
+        " gain_increase_frequency_rad_per_s phase_margin_deg crossover_frequency_rad_per_s"
+        " delay_margin_s delay_margin_frequency_rad_per_s disk_margin disk_margin_dB"
+        " disk_frequency_rad_per_s peak_sensitivity peak_sensitivity_frequency_rad_per_s"
+        " peak_complementary_sensitivity peak_complementary_sensitivity_frequency_rad_per_s"
+    )
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [("status", self.status, "")]
@@ -273,12 +274,6 @@ def loop_margins(loop: Loop) -> Margins:
 def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
     """Return the margins in what was found of loops on one axis, in the shape of their batch."""
     return _shaped(_flat_margins(found), batch)
-
-
-def decibels(factor: Any) -> Any:
-    """Return a positive factor on an amplitude in dB."""
-    with np.errstate(divide="ignore"):
-        return plain(20.0 * np.log10(np.asarray(factor)))
 
 
 def _flat_margins(found: LoopFindings) -> Margins:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Shown, table
-from tvclin.base.documents import keyed
+from tvclin.base.documents import decibels, keyed
 from tvclin.base.lines import Line, Table, number, significant
-from tvclin.control.margins.record import decibels, margin
+from tvclin.control.margins.record import margin
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
 

@@ -4,6 +4,7 @@ import os
 import signal
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import quote
 
 _SERVER = "TVCLIN_EXPLORE"
 """In the environment of the kernels: the process that `end` ends."""
@@ -22,6 +23,8 @@ _WATCHED = {
 def open_notebook(path: Path, options: Sequence[str]) -> None:
     """Open a notebook in JupyterLab, in this process, until that is ended.
 
+    The addresses that JupyterLab prints are those of the notebook.
+
     Parameters
     ----------
     path : Path
@@ -37,7 +40,8 @@ def open_notebook(path: Path, options: Sequence[str]) -> None:
     from jupyterlab.labapp import LabApp
 
     os.environ[_SERVER] = str(os.getpid())
-    settings = _SETTINGS | ({} if "--no-browser" in options else _WATCHED)
+    settings = _SETTINGS | {"LabApp.default_url": f"/lab/tree/{quote(path.name)}"}
+    settings |= {} if "--no-browser" in options else _WATCHED
     ours = [
         f"--{name}={value}"
         for name, value in settings.items()

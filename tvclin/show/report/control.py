@@ -66,6 +66,7 @@ def _autopilot(found: Findings) -> list[Block]:
     blocks: list[Block] = [
         Paragraph((words,)),
         quantities("Autopilot", c.autopilot.rows()),
+        *c.autopilot.filter_tables(),
         _margins(found, margins),
     ]
     if margins.stable:

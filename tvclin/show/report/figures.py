@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 _WIDTH, _PANEL, _FOOT = 6.4, 1.9, 1.1
 """Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
 _ALONE = 4.2
-_LINE, _TWO_COLUMNS = 0.21, 46
-"""Height of a line of the legend [inch], and the letters of an entry that fit beside another."""
+_LINE = 0.21
+"""Height of a line of the legend [inch]."""
 _COLOUR = re.compile(r"#([0-9a-f]{6})\b")
 _NAMED = re.compile(r'\b(id="|href="#|url\(#)')
 
@@ -37,7 +37,7 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
     import matplotlib.pyplot as plt
     from markupsafe import escape
 
-    _narrow(plot)
+    narrow(plot)
     with plt.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         target = io.StringIO()
         nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
@@ -54,8 +54,10 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
     return f'{head} xmlns:xlink="http://www.w3.org/1999/xlink">{inside.strip()}'
 
 
-def _narrow(plot: "ControlPlot") -> None:
+def narrow(plot: "ControlPlot") -> None:
     """Give a figure the width of a page's column, and put one legend below it."""
+    from tvclin.plots.marks import place_numbers
+
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
     entries: dict[str, Any] = {}
@@ -70,13 +72,12 @@ def _narrow(plot: "ControlPlot") -> None:
         legend.remove()
     figure.suptitle("")
     height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
-    long = max(map(len, entries), default=0) > _TWO_COLUMNS
-    foot = _FOOT if not long else _LINE * (len(entries) + 1)
-    figure.set_size_inches(_WIDTH, height + max(foot, _FOOT))
-    figure.legend(
-        handles=list(entries.values()),
-        labels=list(entries),
-        loc="outside lower center",
-        ncols=1 if long else 2,
-        frameon=False,
-    )
+    options = {"handles": list(entries.values()), "labels": list(entries), "frameon": False}
+    for columns in (2, 1):
+        foot = max(_FOOT, _LINE * (-(-len(entries) // columns) + 1))
+        figure.set_size_inches(_WIDTH, height + foot)
+        legend = figure.legend(loc="outside lower center", ncols=columns, **options)
+        if columns == 1 or legend.get_window_extent().width < figure.bbox.width:
+            break
+        legend.remove()
+    place_numbers(*panels)

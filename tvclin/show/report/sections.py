@@ -122,7 +122,7 @@ def response(found: Findings) -> Section | None:
         f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the"
         f" engine follows trim until the dead band is left, then it holds the limit. {ends}"
     )
-    svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
+    svg = inline_svg(_over_time(found, plant, deflection, end, limit), "response", label)
     stands, loads = extremes(plant, deflection, s.history, end), None
     if end >= s.history.end:
         loads = wind_loads(plant, deflection, s.history)
@@ -150,11 +150,12 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
     return shown.time, said
 
 
-def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
-    """The figure of a response: angles, deflection and wind."""
+def _over_time(
+    found: Findings, plant: Plant, deflection: History, end: float, limit: float
+) -> "ControlPlot":
+    """The figure of a response: angles, deflection beside the limit [rad], and wind."""
     wind = found.study.history
-    times = np.linspace(0.0, end, _POINTS)
-    answer = attitude_responses(plant, deflection, wind, times)
-    curves = response_curves(answer, deflection, wind, "response", "")
+    answer = attitude_responses(plant, deflection, wind, np.linspace(0.0, end, _POINTS))
+    curves = response_curves(answer, limit=limit, deflection=deflection, wind=wind)
     kept = tuple(column for column in curves.columns if column.panel != "rate")
-    return response_chart(replace(curves, columns=kept), "", float(wind.end), across=1)
+    return response_chart(replace(curves, columns=kept), across=1)
