@@ -33,7 +33,8 @@ def main() -> None:
     """Build, check, and tell."""
     version = found(r'^__version__ = "(.+?)"$', "tvclin/__init__.py")
     missing = unfinished(version)
-    print(*(f"Not yet: {one}." for one in missing), sep="\n", flush=True)
+    for one in missing:
+        print(f"Not yet: {one}.", flush=True)
     if missing and not DRY:
         sys.exit(1)
     target = ROOT / "dist"

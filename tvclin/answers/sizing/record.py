@@ -129,7 +129,7 @@ class Sizing(Shown):
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
 
-    _keys = "vehicle=schedule.vehicle.name model plane winds worst"
+    _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 
     @property
     def pitch_misses(self) -> dict[str, FloatArray]:
@@ -198,6 +198,11 @@ class Sizing(Shown):
     def worst(self) -> dict[str, Worst]:
         """The largest of each requirement, by name; those defined nowhere are left out."""
         return self._largest(range(len(self.winds)))
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """The same as deflections [rad] alone."""
+        return {name: one.deflection for name, one in self.worst.items()}
 
     def worst_in(self, wind: str) -> dict[str, Worst]:
         """Return the largest of each requirement in one wind, as `worst` has it for all.
