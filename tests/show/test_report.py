@@ -534,7 +534,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     shown = numbers(section)
     texts = words(section)
 
-    assert sizing.winds == ("triangular wind of 5 deg, 35 s", "w.csv")
+    assert sizing.winds == ("triangular wind of 5 deg, 35 s, gust of 1 deg, 2 s", "w.csv")
     for j in range(2):
         for name, values in sizing.required.items():
             if np.isfinite(values[0, j]):

@@ -1,6 +1,7 @@
 """A sizing as tables over flight time, and what stands in their columns, in words."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,7 +60,10 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
         rows = [(*row, *cells) for row, cells in zip(_required(s, names, wind), more, strict=True)]
         return Table(f"{caption} [deg]{of}", ("time [s]", *heads, *last), tuple(rows))
 
-    tables = [of_names("Required deflection", first, doubts, marks)]
+    table = of_names("Required deflection", first, doubts, marks)
+    keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
+    rows = tuple((key, *row[1:]) for key, row in zip(keys, table.rows, strict=True))
+    tables = [replace(table, rows=rows)]
     if s.freezing_error:
         name = f"K = {s.dead_bands[0]:g}"
         off = [[_off(s, name, i, wind)] for i in range(s.times.size)]
@@ -71,8 +75,8 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
         calm = next(
             (counted.removesuffix(x) for x in IN_A.values() if counted.endswith(x)), counted
         )
-        rows = [_by_planes(s, calm, i, wind) for i in range(s.times.size)]
-        tables.append(Table(f"{calm} by planes [deg]{of}", tuple(head), tuple(rows)))
+        by = tuple(_by_planes(s, calm, i, wind) for i in range(s.times.size))
+        tables.append(Table(f"{calm} by planes [deg]{of}", tuple(head), by))
     return tables
 
 
