@@ -1,10 +1,11 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import case_of, chosen, only_with
+from tvclin.cli.inputs import CaseOptions, case_of, changed, only_with
 from tvclin.cli.options import (
     STOPS_HELP,
     AsJson,
@@ -22,19 +23,69 @@ from tvclin.cli.wind import ShapedOptions
 
 if TYPE_CHECKING:
     from tvclin.answers.findings import Findings
+    from tvclin.answers.study_file.plan import StudyPlan
 
 
-@grouped
-def study(
-    source: Source = "configuration-i",
-    blows: ShapedOptions = ShapedOptions(),
+@dataclass(frozen=True)
+class QuestionOptions:
+    """What a study is held to; `grouped` gives the options."""
+
     dead_band: Annotated[
         float | None,
         typer.Option(
             help="Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.",
             show_default="1",
         ),
-    ] = None,
+    ] = None
+    switch: Annotated[
+        str | None,
+        typer.Option(
+            help="What is compared with the dead band, in the boundaries shown: trim (literal) or"
+            " the wind (report).",
+            show_default="literal",
+        ),
+    ] = None
+    sign: Sign = None
+
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with what these options ask."""
+        return changed(plan, **vars(self))
+
+
+@dataclass(frozen=True)
+class DisperseOptions:
+    """What is dispersed; `grouped` gives the options."""
+
+    disperse: Annotated[
+        bool,
+        typer.Option(
+            "--disperse",
+            help="Also find the deflection that covers dispersed vehicles and winds, with assumed"
+            " dispersions where no study file gives them.",
+        ),
+    ] = False
+    cases: Annotated[
+        int | None, typer.Option(help="Number of cases of --disperse.", show_default="2000")
+    ] = None
+    seed: Annotated[int | None, typer.Option(help="Seed of --disperse.", show_default="0")] = None
+
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with the dispersions of its file, or with assumed ones."""
+        if self.disperse and plan.dispersions is None:
+            from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
+            plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
+        if plan.dispersions is None:
+            needed = "--disperse, or a study file with dispersions"
+            only_with(needed, cases=self.cases, seed=self.seed)
+        return changed(plan, cases=self.cases, seed=self.seed)
+
+
+@grouped
+def study(
+    source: Source = "configuration-i",
+    blows: ShapedOptions = ShapedOptions(),
+    question: QuestionOptions = QuestionOptions(),
     limit_deg: LimitDeg = None,
     model: Model = None,
     plane: Plane = None,
@@ -47,27 +98,7 @@ def study(
             " --plane. Needs --wind-direction-deg.",
         ),
     ] = None,
-    switch: Annotated[
-        str | None,
-        typer.Option(
-            help="What is compared with the dead band, in the boundaries shown: trim (literal) or"
-            " the wind (report).",
-            show_default="literal",
-        ),
-    ] = None,
-    sign: Sign = None,
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Also find the deflection that covers dispersed vehicles and winds, with assumed"
-            " dispersions where no study file gives them.",
-        ),
-    ] = False,
-    cases: Annotated[
-        int | None, typer.Option(help="Number of cases of --disperse.", show_default="2000")
-    ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of --disperse.", show_default="0")] = None,
+    drawn: DisperseOptions = DisperseOptions(),
     explain: Annotated[
         bool, typer.Option("--explain", help="Explain each symbol in one line.")
     ] = False,
@@ -82,55 +113,37 @@ def study(
     Exit code 0: the answer to every question is yes, or no limit was given; 1: the answer to one is
     not yes; 2: bad input.
     """
-    from dataclasses import replace
-
     from tvclin.answers.findings import find
-    from tvclin.answers.questions import all_yes, questioned, questions, sufficient
+    from tvclin.answers.questions import all_yes, questioned
     from tvclin.base.errors import InputError
-    from tvclin.cli.output import print_json
 
-    plan = case_of(
-        source,
-        blows=blows.over,
-        told=("study",),
-        model=model,
-        plane=plane,
-        limit_deg=limit_deg,
-        stop=stop,
-    )
-    plan = replace(
-        plan,
-        dead_band=chosen(dead_band, plan.dead_band),
-        switch=chosen(switch, plan.switch),
-        sign=chosen(sign, plan.sign),
-        cases=chosen(cases, plan.cases),
-        seed=chosen(seed, plan.seed),
-    )
-    if disperse and plan.dispersions is None:
-        from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
-
-        plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
-    if plan.dispersions is None:
-        only_with("--disperse, or a study file with dispersions", cases=cases, seed=seed)
+    own = CaseOptions(limit_deg, model=model, plane=plane, stop=stop).over
+    plan = case_of(source, own, question.over, drawn.over, blows=blows.over, told=("study",))
     with bar("answers") as progress:
         found = find(questioned(plan), progress)
-    result, dispersed = found.study, found.dispersed
-    if disperse and dispersed is None:
+    if drawn.disperse and found.dispersed is None:
         raise InputError(found.reasons["dispersed"])
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
-        chart = study_planes_chart if result.in_both else study_chart
+        chart = study_planes_chart if found.study.in_both else study_chart
         with waiting("drawing"):
-            save_figure(chart(result), plot)
+            save_figure(chart(found.study), plot)
     if as_json:
-        extra = {} if dispersed is None else {"dispersed": dispersed}
-        answers = {"questions": questions(found), "sufficient": sufficient(found)}
-        print_json(result.as_dict() | extra | answers)
+        _print_json(found)
     else:
         _print(found, source, explain)
     if not all_yes(found):
         raise typer.Exit(1)
+
+
+def _print_json(found: "Findings") -> None:
+    from tvclin.answers.questions import questions, sufficient
+    from tvclin.cli.output import print_json
+
+    extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
+    answers = {"questions": questions(found), "sufficient": sufficient(found)}
+    print_json(found.study.as_dict() | extra | answers)
 
 
 def _print(found: "Findings", source: str, explain: bool) -> None:
