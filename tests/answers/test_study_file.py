@@ -69,7 +69,10 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
     found = parse_study({"study": HEAD} | tables, tmp_path)
     asked = found.sizing
 
-    assert list(asked.winds(found)) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
+    assert list(asked.winds(found)) == [
+        "triangular wind of 60 m/s, 7.5 s, gust of 1 deg, 2 s",
+        "15 February",
+    ]
     assert (found.wind.gust.end, found.wind.gust_at, asked.window) == (2.0, 3.75, 30.0)
     assert asked.times(found).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
@@ -102,7 +105,7 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert one == other
     assert by_file.exit_code == by_options.exit_code
     assert one["times_s"] == [70.0, 90.0]
-    assert one["winds"] == ["triangular wind of 4 deg, 7.5 s", "wyoming.txt"]
+    assert one["winds"] == ["triangular wind of 4 deg, 7.5 s, gust of 1 deg, 2 s", "wyoming.txt"]
     wider = json.loads(run("size", file, "--every", 50, "--plane", "yaw", "--json").stdout)
     assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 
@@ -468,7 +471,7 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
         "unknown table: 'sutdy'; did you mean study?",
         "unknown key in [study]: 'dead_bnd'; did you mean dead_band?",
         "peak_deg must be a number; got 'x'",
-        "unknown key in [gust]: 'durat_s'; did you mean duration_s?",
+        "unknown key in [gust]: 'durat_s'; did you mean duration_s or plateau_s?",
         "peak_dg has no known unit in [wind]; write peak_rad or peak_deg",
         "unknown key in [[dispersion]] of thrust: 'percnt'; did you mean percent or part?",
         "unknown key in [[dispersion]] of weight: 'prcent'; did you mean percent or part?",
