@@ -378,6 +378,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "Case.wind_at": Door(tv.Case(vehicle=booster, wind=slanting).wind_at, {"dead_band": 0.5}),
+        "Case.history_at": Door(
+            tv.Case(vehicle=booster, wind=slanting).history_at, {"dead_band": 0.5}
+        ),
         "Case.blows_at": Door(tv.Case(vehicle=booster, wind=slanting).blows_at, {"dead_band": 0.5}),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
@@ -651,7 +654,13 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Nozzle": Door(
             tv.Nozzle,
-            {"limit": 0.01, "stop": "square", "rate_limit": 0.2, "actuator": tv.Actuator()},
+            {
+                "limit": 0.01,
+                "stop": "square",
+                "rate_limit": 0.2,
+                "actuator": tv.Actuator(),
+                "data": hinge,
+            },
         ),
         "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
@@ -694,6 +703,10 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ShapedWind,
             {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust, "gust_at": 3.0},
         ),
+        "ShapedWind.gust_of_speed": Door(
+            tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).gust_of_speed,
+            {"speed": 20.0, "vehicle": slow, "plane": "pitch"},
+        ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
         "ShapedWind.of_speed": Door(
             shaped.of_speed, {"speed": 20.0, "vehicle": slow, "plane": "pitch"}
@@ -717,6 +730,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SizingAsked.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
+        "SizingAsked.counted": Door(asked.counted, {"found": sizing}),
         "SizingAsked.pulses": Door(asked.pulses, {"case": study.case}),
         "SizingAsked.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
         "SizingAsked.times": Door(asked.times, {"case": study.case}),
@@ -1331,7 +1345,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": sizing,
                 "name": "K = 1",
                 "dispersion": 0.1,
-                "sign": 0.2,
                 "thrust_offset": 0.001,
                 "gravity_offset": 0.01,
                 "reserve": 0.1,

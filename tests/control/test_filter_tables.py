@@ -12,6 +12,7 @@ import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
 from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.vehicle.filters import cells_of
 
 TABLES = """
 [autopilot]
@@ -167,7 +168,7 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
 
 @pytest.mark.parametrize("filter", LOOP_FILTERS, ids=str)
 def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
-    cells = sum(filter.cells("f"), ())
+    cells = sum(cells_of(filter, "f"), ())
     numbers = {part.name: part.value for part in cells if not isinstance(part, str)}
 
     def powers(kind):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
-from tvclin.base.errors import InputError, instance, one_of, shown
+from tvclin.base.errors import InputError, between, instance, number, one_of, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL, flexible_model, usual_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, whole_vehicle
@@ -145,7 +145,8 @@ class Case:
 
     def history_at(self, dead_band: float) -> History:
         """Return the same with the gust at the worst time for another dead band."""
-        blows = self.blows if dead_band == 1.0 else self.blows_at(dead_band)
+        K = number("dead_band", dead_band, between(0.0, 1.0))
+        blows = self.blows if K == 1.0 else self.blows_at(K)
         return blows if isinstance(blows, History) else blows.history({})
 
     @property

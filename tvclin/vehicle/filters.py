@@ -167,21 +167,6 @@ class Filter(Carded):
         """How many poles the filter has."""
         return self.denominator.shape[-1] - 1
 
-    def cells(self, name: str) -> tuple[Line, Line, Line]:
-        """Return zeros, poles and gain of one filter as tables show them, its numbers by name.
-
-        A pair that is not real has a frequency and a damping. The gain is that at rest; where that
-        is zero or infinite, the first coefficient of the numerator over that of the denominator.
-        """
-        above = np.trim_zeros(self.numerator, "f")
-        zeros = _roots(f"{name}.zeros", np.roots(above))
-        poles = _roots(f"{name}.poles", np.roots(self.denominator))
-        if self.numerator[-1] and self.denominator[-1]:
-            rest = self.numerator[-1] / self.denominator[-1]
-            return zeros, poles, significant(f"{name}.rest", rest, 5, "at rest")
-        lead = above[0] if above.size else 0.0
-        return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
-
     def __call__(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
 
@@ -220,6 +205,22 @@ class Filter(Carded):
         C = (above - above[..., :1] * below)[..., np.newaxis, :0:-1]
         frequency = unit[..., np.newaxis, np.newaxis]
         return A * frequency, B * frequency, C, above[..., np.newaxis, :1]
+
+
+def cells_of(one: Filter, name: str) -> tuple[Line, Line, Line]:
+    """Return zeros, poles and gain of one filter as tables show them, its numbers by name.
+
+    A pair that is not real has a frequency and a damping. The gain is that at rest; where that
+    is zero or infinite, the first coefficient of the numerator over that of the denominator.
+    """
+    above = np.trim_zeros(one.numerator, "f")
+    zeros = _roots(f"{name}.zeros", np.roots(above))
+    poles = _roots(f"{name}.poles", np.roots(one.denominator))
+    if one.numerator[-1] and one.denominator[-1]:
+        rest = one.numerator[-1] / one.denominator[-1]
+        return zeros, poles, significant(f"{name}.rest", rest, 5, "at rest")
+    lead = above[0] if above.size else 0.0
+    return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
 
 
 def _roots(name: str, roots: NDArray[Any]) -> Line:

@@ -123,7 +123,7 @@ def size(
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
     array([0.42 , 0.351, 0.26 ])
     >>> np.degrees(found.required["K = 1, varying"])[:, 0].round(3)
-    array([0.42 , 0.351, 0.26 ])
+    array([0.417, 0.345, 0.255])
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
     for name, value in (("model", model), ("plane", plane), ("law", law)):

@@ -14,7 +14,7 @@ from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, 
 from tvclin.base.lines import Line, Row, Table, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, sized, zero_or_sized
-from tvclin.vehicle.filters import Filter
+from tvclin.vehicle.filters import Filter, cells_of
 
 FloatArray = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ class Feedback(Carded):
     def filter_tables(self) -> list[Table]:
         """Return a table with the numbers of every filter of one autopilot; none without any."""
         rows: list[tuple[Line, ...]] = [
-            ((f"{place}, {k}",), *one.cells(f"gains.{name}.{k}"))
+            ((f"{place}, {k}",), *cells_of(one, f"gains.{name}.{k}"))
             for name, place in _PLACES.items()
             for k, one in enumerate(getattr(self, name), start=1)
         ]
