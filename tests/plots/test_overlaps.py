@@ -22,7 +22,7 @@ mpl.use("Agg")
 WIND = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 TOUCH = 1.0
 """Boxes of letters hold a little air: so many points of two may be in common."""
-VEHICLES = ("configuration-i", "configuration-ii", "made-up-booster", "made-up-launcher")
+VEHICLES = ("configuration-i", "made-up-launcher")
 FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
 PAGE, WHOLE = "on the page", "alone"
 ON_THE_PAGE = ("study", "response on the boundary", "comparison", "nichols", "bode", "sizing")
