@@ -109,16 +109,12 @@ class GrowingMode:
         return self._rows[0].size > 1
 
     @property
-    def held_from(self) -> float:
-        """The last time [s] with a real unstable pole, after which parameters are taken as there.
-
-        Beyond it the vehicle is stable, or oscillates; that it grows for ever asks for no less.
-        """
-        return float(self._rows[0][-1])
-
-    @property
     def bends(self) -> FloatArray:
-        """Times [s] between which coefficients are smooth."""
+        """Times [s] between which coefficients are smooth; after the last they are as there.
+
+        That is the last one with a real unstable pole. Beyond it the vehicle is stable, or
+        oscillates; that it grows for ever asks for no less.
+        """
         return self._rows[0]
 
     @cached_property
