@@ -52,8 +52,8 @@ class Judge:
         self.poles, self.left = poles[grow], left.T[grow]
 
     def least(self, height, cells=CELLS):
-        """Return the least peak [rad] from where trim first is at a height, or the wind's end."""
-        hit = np.flatnonzero(self.trim >= height)
+        """Return the least peak [rad] from where trim first is a height, or the wind's end."""
+        hit = np.flatnonzero(np.abs(self.trim) >= height)
         k = int(hit[0]) if hit.size else len(self.trim) - 1
         t, f = self.t[k:] - self.t[k], self.f[k:]
         rows, asked = [], []
@@ -142,6 +142,15 @@ def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     assert judge.least(0.75 * 0.9955 * limit) > 0.9955 * limit
     assert judge.least(0.75 * 1.3 * limit) > judge.trim.max() < 0.75 * 1.3 * limit
     held_to(plant, wind, 0.75)
+
+
+def test_trim_leaves_its_dead_band_to_the_other_side_too():
+    """A wind that falls fast takes the trim of this drifting vehicle below zero."""
+    plant, wind, dead_band = drawn(np.random.default_rng(500246))
+    judge = Judge(plant, wind)
+    assert judge.trim.min() < -judge.trim.max()
+    found = held_to(plant, wind, dead_band)
+    assert found.governs == AFTER_TRIM
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])

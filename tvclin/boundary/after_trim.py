@@ -4,7 +4,7 @@ A control with the dead band K trims up to K L, and has its limit L from then on
 does after that brings the vehicle back if even the deflection of least peak, which knows the rest
 of the wind, needs more than L from the state that trim has left:
 
-    m(L) = the least peak over all unstable modes from the time on at which trim first is K L,
+    m(L) = the least peak over all unstable modes since trim first had the size K L,
     lost where m(L) > L;    required is the largest L that is lost.
 
 Where trim stays below K L while the wind blows, m counts from the end of the wind on.
@@ -14,8 +14,8 @@ left no later than that of L,
 
     m(L') <= max(K L, m(L)),
 
-by trim until K L, and the best from there on; what trim takes to the other side before that counts
-as part of m. Hence no limit between max(K L, m(L)) and L is lost if L is not, and
+by trim until K L, and the best from there on. Hence no limit between max(K L, m(L)) and L is lost
+if L is not, and
 
     L <- max(K L, m(L))
 
@@ -94,13 +94,10 @@ class _AfterTrim:
     modes: NDArray[Any]
 
     def peaks(self, cases: IntArray, limits: FloatArray, enough: FloatArray) -> FloatArray:
-        """Return m(L) of some cases, or what is enough where that is proved to be no less.
-
-        No less than what trim takes to the other side before its dead band is left.
-        """
+        """Return m(L) of some cases, or what is enough where that is proved to be no less."""
         poles = self.modes[cases]
-        z, swing = self.problem.left_at(cases, self.dead_band[cases] * limits, poles)
-        return np.maximum(peaks_of(poles, z / poles, enough), swing)
+        z = self.problem.left_at(cases, self.dead_band[cases] * limits, poles)
+        return peaks_of(poles, z / poles, enough)
 
 
 def _stepped_down(

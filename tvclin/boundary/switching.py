@@ -103,7 +103,7 @@ class Problem:
 
     def left_at(
         self, cases: NDArray[np.intp], heights_: FloatArray, poles: NDArray[Any]
-    ) -> tuple[NDArray[Any], FloatArray]:
+    ) -> NDArray[Any]:
         """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
 
         Parameters
@@ -111,23 +111,20 @@ class Problem:
         cases : ndarray
             Places of some cases in the flattened batch, ``(n,)``.
         heights_ : ndarray
-            Of trim, positive, ``(n,)``.
+            Of trim to either side, positive, ``(n,)``.
         poles : ndarray
             Of the modes [1/s], real or complex, ``(n, m)``.
 
         Returns
         -------
-        tuple of ndarray
-            The limit that each mode by itself asks for, held from then on, ``(n, m)``; and how far
-            trim has swung to the other side before, ``(n,)``.
+        ndarray
+            The limit that each mode by itself asks for, held from then on, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
-        shape = (len(poles), poles.shape[1] + 1)
-        found = np.empty(shape, dtype=np.result_type(poles, winds[1]))
+        found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights_)
         self._run(heights.at_heights, winds, which[cases], *work, found)
-        asked = found[:, :-1]
-        return asked if np.iscomplexobj(poles) else np.real(asked), np.real(found[:, -1])
+        return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property
     def _arrays(self) -> tuple[Any, NDArray[np.intp], FloatArray]:

@@ -1,7 +1,7 @@
 """When trim first reaches a height, and what the modes still ask for from then on.
 
 A control that trims up to K times its limit L leaves trim at the first time at which that is as
-high as K L. From the state of that time every growing mode p_i asks for the mean
+large as K L, to either side. From the state of that time every growing mode p_i asks for the mean
 
     z_i = p_i integral from t on of e^(-p_i (r - t)) g(r) dr
 
@@ -53,8 +53,8 @@ def at_heights(
     heights
         Over B times the wind's peak, positive, ``(n,)``.
     out
-        Demands, and last how far trim has swung to the other side before, ``(n, m + 1)``; where
-        trim stays below the height while the wind blows, the demands at its end.
+        Demands, ``(n, m)``; where trim stays below the height while the wind blows, those at its
+        end.
     """
     knots, coefficients, rates = winds
     kept = np.empty((3, knots.shape[1]))
@@ -65,22 +65,21 @@ def at_heights(
         wind = (knots[j], coefficients[j], rates[j], kept, work)
         law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         drift(wind, law)
-        i, u, swing = _reached(wind, law, heights[case])
+        i, u = _reached(wind, law, heights[case])
         x, y = state(wind, law, i, u)
         for k in range(poles.shape[1]):
             p = poles[case, k]
             ahead = _ahead(wind, i, u, p)
             out[case, k] = of_future(law, p, ahead, x, y)
-        out[case, poles.shape[1]] = swing
 
 
 @bare
-def _reached(wind: Any, law: Any, height: float) -> tuple[int, float, float]:
-    """Return the piece and the local time at which the driver first is at a height or above it.
+def _reached(wind: Any, law: Any, height: float) -> tuple[int, float]:
+    """Return the piece and the local time at which the driver's size first is a height or more.
 
-    The end of the wind where it never is; and its largest size to the other side before.
+    The end of the wind where it never is.
     """
-    knots, swing = wind[0], 0.0
+    knots = wind[0]
     for i in range(knots.size - 1):
         width = knots[i + 1] - knots[i]
         if width <= 0.0:
@@ -92,15 +91,14 @@ def _reached(wind: Any, law: Any, height: float) -> tuple[int, float, float]:
             for part in range(turns + 1):
                 b = end if part == turns else (first if part == 0 else second)
                 start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
-                if start >= height:
-                    return i, a, swing
-                if stop >= height:
-                    u = root(ABOVE, height, wind, law, i, a, start - height, b, stop - height)
-                    return i, u, max(swing, -start)
-                swing = max(swing, -start, -stop)
+                if abs(start) >= height:
+                    return i, a
+                if abs(stop) >= height:
+                    level = height if stop > 0.0 else -height
+                    return i, root(ABOVE, level, wind, law, i, a, start - level, b, stop - level)
                 a = b
     i = knots.size - 2
-    return i, knots[i + 1] - knots[i], swing
+    return i, knots[i + 1] - knots[i]
 
 
 @bare
