@@ -54,7 +54,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "fly": _SEVERAL,
     "nozzle": _SEVERAL,
     "size": _LOOP,
-    "availability": (*_LOOP, "head wind", "dispersion"),
+    "availability": (*_LOOP, "dispersion"),
     "campaign": ("shape of the stop",),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {

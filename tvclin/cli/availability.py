@@ -87,6 +87,12 @@ class JudgedOptions:
         ),
     ] = None
     gust: Gust = None
+    sign: Annotated[
+        str | None,
+        typer.Option(
+            help="frozen: count the dynamic pressure of calm air, not that which each wind makes."
+        ),
+    ] = None
     known_to_m: Annotated[
         float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
     ] = None
@@ -124,6 +130,7 @@ class JudgedOptions:
                 gust=gust_of(self.gust),
                 known_to=self.known_to_m,
                 confidence=self.confidence,
+                sign=self.sign,
                 progress=progress,
             )
 

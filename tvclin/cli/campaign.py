@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import AsJson, grouped
+from tvclin.cli.inputs import changed, note_left_out
+from tvclin.cli.options import AsJson, Sign, grouped
 from tvclin.cli.output import print_tables, say
 from tvclin.cli.progress import bar
 
@@ -93,6 +93,7 @@ def run(
         float | None,
         typer.Option(help="Stop when both bounds lie within this percentage of the answer."),
     ] = None,
+    sign: Sign = None,
 ) -> None:
     """Run a campaign; in a folder where it has begun already, continue it.
 
@@ -105,6 +106,7 @@ def run(
     note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
+    plan = changed(plan, sign=sign)
     with work.told(folder) as told:
         found = run_campaign(plan, folder, **told)
     _print_done(found)

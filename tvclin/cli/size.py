@@ -259,6 +259,7 @@ def size(
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
+    from tvclin.answers.sizing.wind_sign import FROZEN
     from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.documents import picked
     from tvclin.vehicle.coefficients import BOTH
@@ -270,8 +271,8 @@ def size(
     nozzle = replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop))
     case = blows.over(replace(case, nozzle=nozzle, sign=chosen(sign, case.sign)))
     assert case.sizing is not None
-    if not (case.sizing.pulse or case.sizing.others):
-        only_with("a pulse: a sounding has its own sign", sign=sign)
+    if sign != FROZEN and not (case.sizing.pulse or case.sizing.others):
+        only_with("a pulse: a sounding has its own sign, or is frozen", sign=sign)
     asked = changed(total.over(case.sizing), law=law, varying=varying)
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)

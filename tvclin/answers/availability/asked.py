@@ -10,6 +10,7 @@ from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -103,5 +104,6 @@ class AvailabilityAsked:
             gust=getattr(case.wind, "gust", None),
             known_to=self.known_to,
             confidence=self.confidence,
+            sign=FROZEN if getattr(case, "sign", None) == FROZEN else None,
             progress=progress,
         )

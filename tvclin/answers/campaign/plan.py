@@ -11,6 +11,7 @@ from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.answers.case import Case
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, own_sign
 from tvclin.base.errors import (
     InputError,
     between,
@@ -36,7 +37,7 @@ OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
 CAMPAIGN_TABLE = FileTable(
     "[campaign]",
     {"until": "part"},
-    words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
+    words=("vehicle", "model", "plane", "sign", "cases", "seed", "method", "chunk"),
 )
 OUTPUTS_TABLE = FileTable("[outputs]", words=("law",), lists=("names", "dead_bands"))
 QUESTION_TABLE = FileTable("[question]", words=("probability", "confidence"))
@@ -81,6 +82,9 @@ class Campaign(Case):
         Of the deflection asked for, as of `quantile_bound`.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+    sign : {"head", "tail", "frozen"}, optional
+        Which sign of a wind along the path "required" counts, with the dynamic pressure met in it,
+        or that of calm air; the worst of these without it. Winds of a file have their own.
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -103,6 +107,7 @@ class Campaign(Case):
     probability: float = 0.99865
     confidence: float = 0.9
     law: str = AUTOPILOT
+    sign: str | None = None
     until: float | None = None
 
     def __post_init__(self) -> None:
@@ -128,6 +133,10 @@ class Campaign(Case):
             )
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+        if self.sign is not None:
+            one_of("sign", self.sign, (*SIGNS, FROZEN))
+            if isinstance(self.wind, WindEnsemble):
+                own_sign(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
