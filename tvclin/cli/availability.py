@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot, grouped
+from tvclin.cli.options import MODEL, TIME_HELP, AsJson, Given, Gust, Plot
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from tvclin.answers.availability.growth import PairGrowth
     from tvclin.answers.availability.record import Availability, Today
     from tvclin.answers.sizing.schedule import FlightSchedule
@@ -68,12 +66,10 @@ class ArchiveOptions:
 class JudgedOptions:
     """How soundings are judged, and the balloon of today; `grouped` gives the options."""
 
-    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both"
     stop: Annotated[
         str,
         typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
     ] = "round"
-    model: Model = None
     persistence_deg: Annotated[
         float | None,
         typer.Option(help="Angle added for the change of wind until launch, in deg."),
@@ -87,12 +83,6 @@ class JudgedOptions:
         ),
     ] = None
     gust: Gust = None
-    known_to_m: Annotated[
-        float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
-    ] = None
-    confidence: Annotated[float, typer.Option(help="Confidence of the intervals, from 0 to 1.")] = (
-        0.95
-    )
     today: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
@@ -105,26 +95,20 @@ class JudgedOptions:
     ] = None
 
     def availability(
-        self, flight: "FlightSchedule", soundings: "Soundings", limit: float, azimuth: "ArrayLike"
+        self, flight: "FlightSchedule", soundings: "Soundings", **told: Any
     ) -> "Availability":
-        """Return on how many days a limit [rad] is enough towards azimuths [rad]."""
+        """Return on how many days a limit is enough, which `availability` is told with more."""
         from tvclin.answers.availability.availability import availability
-        from tvclin.linear.models import USUAL_MODEL
 
         with bar("soundings") as progress:
             return availability(
                 flight,
                 soundings,
-                limit=limit,
-                azimuth=azimuth,
-                plane=self.plane,
                 stop=self.stop,
-                model=self.model or USUAL_MODEL,
                 persistence=self.growth,
                 gust=gust_of(self.gust),
-                known_to=self.known_to_m,
-                confidence=self.confidence,
                 progress=progress,
+                **told,
             )
 
     @property
@@ -148,7 +132,6 @@ class JudgedOptions:
         return noted_sounding(self.today, self.today_time)
 
 
-@grouped
 def availability(
     source: Annotated[
         str,
@@ -171,6 +154,10 @@ def availability(
         ),
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
+    model: Given = MODEL,
+    question: Given = Given(
+        "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
+    ),
     only: ArchiveOptions = ArchiveOptions(),
     begin: Annotated[
         float | None,
@@ -211,7 +198,8 @@ def availability(
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    found = judged.availability(flight, only.read(archive), float(limit), azimuths)
+    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **question.values}
+    found = judged.availability(flight, only.read(archive), **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)

@@ -5,17 +5,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tvclin.cli.fly_linear import LinearCase
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    LimitDeg,
-    MotionOptions,
-    RateLimitDeg,
+    BOTH_LIMITS,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
     Rigid,
-    SampleRate,
     ShownCurves,
     Source,
-    grouped,
 )
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
@@ -27,12 +26,10 @@ if TYPE_CHECKING:
     from tvclin.boundary.rates import RateFront
 
 
-@grouped
 def nozzle(
     vehicle: Source = "configuration-i",
     blows: WindOptions = WindOptions(),
-    limit_deg: LimitDeg = None,
-    rate_limit_deg: RateLimitDeg = None,
+    limits: Given = BOTH_LIMITS,
     law: Annotated[
         str | None,
         typer.Option(
@@ -41,11 +38,11 @@ def nozzle(
             show_default="none is flown",
         ),
     ] = None,
-    sample_rate: SampleRate = None,
-    gains: GainOptions = GainOptions(),
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
     loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
-    motion: MotionOptions = MotionOptions(),
+    motion: Given = MOTION,
     shown: ShownCurves = ShownCurves(),
 ) -> None:
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
@@ -60,13 +57,13 @@ def nozzle(
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None:
-        only_with("--law", **vars(gains), **vars(loop), sample_rate=sample_rate)
+        for one in (gains, samples):
+            one.only_with("--law")
+        only_with("--law", **vars(loop))
     elif one_of("--law", law, LAWS) != AUTOPILOT:
-        only_with(f"--law {AUTOPILOT}", **vars(gains))
-    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid).over
-    case = case_of(
-        vehicle, own, motion.over, gains.over, loop.over, blows=blows.over, told=("nozzle",)
-    )
+        gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, samples, motion, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     flown, given = _flown(case, law, blows.name(case)), case.nozzle
     with waiting("angle over rate"):
         front = rate_front(
