@@ -26,7 +26,6 @@ from tvclin.flights.closed_loop.step_matrices import (
     even_steps,
     frequency,
     joint_steps,
-    parts_of,
     quickness,
     sensed_rows,
     substeps_of,
@@ -37,6 +36,7 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.system import delay_parts
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -115,21 +115,21 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     hardware = () if batch.actuator is None else batch.actuator.batch
     own = np.broadcast_shapes(batch.plant.batch, hardware, batch.length.shape, batch.delay.shape)
     vehicle = _places(own, shape)
-    A, inputs, C, D = (_spread(a, own, 2) for a in batch.plant.matrices())
-    n = A.shape[-1]
+    every = np.arange(int(np.prod(own)))
+    plant = batch.plant.system.some(every, own)
+    n = len(plant.states)
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
-    late, lengths = parts_of(length, delay)
-    whole = actuated(batch.plant, batch.actuator)
-    moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
+    late, rest = delay_parts(delay, length)
+    parts = [length - rest, rest] if np.any(rest) else [length]
+    lengths = np.stack([length, *parts], axis=-1)
     pace = np.minimum(_spread(quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(batch.actuator), own, 0), lengths)
     short = lengths[:, 1:] / substeps
-    joint = joint_steps(moving, driven, n, lengths[:, 1:], pieces.shape[2])
-    fine = joint
-    if np.any(substeps > 1):
-        fine = joint_steps(moving, driven, n, short, pieces.shape[2])
+    moving, terms = actuated(batch.plant, batch.actuator).some(every, own), pieces.shape[2]
+    joint = joint_steps(moving, n, lengths[:, 1:], terms)
+    fine = joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
     start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
@@ -143,7 +143,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     finish, ends = (_samples(a - start, h) for a in (np.full(m, batch.until), end))
     memory = batch.laws.memory(h)
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
-    N, states, terms = joint.shape[2], memory.moved.shape[1], pieces.shape[2]
+    N, states = joint.shape[2], memory.moved.shape[1]
     rows = int(substeps.sum() * finish.max()) if track else 0
     return Flights(
         vehicle=vehicle,
@@ -152,14 +152,14 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         joint=joint,
         fine=fine,
         substeps=substeps,
-        ramp=even_steps(A, inputs, short),
+        ramp=even_steps(plant, short),
         lengths=lengths,
         quick=np.where(short > 0.0, pace * short, 0.0),
-        late=late,
-        shown=sensed_rows(batch.plant, C, D),
-        A=A,
-        gust=np.ascontiguousarray(inputs[..., 1]),
-        fastest=np.abs(np.linalg.eigvals(A)).max(axis=-1),
+        late=late.astype(np.int64),
+        shown=sensed_rows(plant),
+        A=plant.A,
+        gust=np.ascontiguousarray(plant.B[..., 1]),
+        fastest=np.abs(plant.poles).max(axis=-1),
         judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
