@@ -35,13 +35,9 @@ class Quantity(NamedTuple):
 def card(title: str, rows: Iterable[Row]) -> str:
     """Return a table in HTML, all texts escaped.
 
-    Parameters
-    ----------
-    title : str
-        Stands above the table.
-    rows : iterable of (str, object, str)
-        Name, value and unit of each line. Numbers are shown to six digits, arrays of more than
-        six numbers by their range and shape, an angle to a thousandth of a degree.
+    `title`: stands above the table. `rows`: name, value and unit of each line. Numbers are shown to
+    six digits, arrays of more than six numbers by their range and shape, an angle to a thousandth
+    of a degree.
     """
     lines = "".join(
         f'<tr><th scope="row" style="text-align:left">{escape(name)}</th>'

@@ -266,12 +266,7 @@ def bearing(name: str, value: ArrayLike) -> float:
 def small_angle(what: str, check: _Check = finite) -> _Check:
     """Return a check of angles [rad], for `number` too: within 90 degrees, in radians.
 
-    Parameters
-    ----------
-    what : str
-        What the angle is, as "a deflection".
-    check : callable
-        What else it must pass.
+    `what`: what the angle is, as "a deflection". `check`: what else it must pass.
     """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:

@@ -55,19 +55,10 @@ _LEVELS, _HALVINGS = 24, 16
 def least_after_trim(problem: Problem, poles: NDArray[Any], least: FloatArray) -> FloatArray:
     """Return the largest limit that is lost after trim, at least `least`.
 
-    Parameters
-    ----------
-    problem : Problem
-        Plants with a moment, and winds of one sign.
-    poles : ndarray
-        All unstable poles [1/s], the fastest first, ``(..., N)``; NaN where there is none.
-    least : ndarray
-        What is needed anyhow, over B alpha_w,max, ``(...)``: no smaller limit is looked at.
-
-    Returns
-    -------
-    ndarray
-        Over B alpha_w,max, ``(...)``. `least` for K = 0, K = 1, and fewer than two modes.
+    `problem`: plants with a moment, and winds of one sign. `poles`: all unstable poles [1/s], the
+    fastest first, ``(..., N)``; NaN where there is none. `least`: what is needed anyhow, over B
+    alpha_w,max, ``(...)``: no smaller limit is looked at. Returned: over B alpha_w,max, ``(...)``.
+    `least` for K = 0, K = 1, and fewer than two modes.
     """
     shape, count = problem.shape, poles.shape[-1]
     K = np.broadcast_to(problem.dead_band, shape).ravel()

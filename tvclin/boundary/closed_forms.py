@@ -35,14 +35,8 @@ _LARGEST = 1e9
 class TriangularLimit:
     """Solutions of eq (18), every field of shape ``(...)``.
 
-    Attributes
-    ----------
-    limit : float or ndarray
-        y_BR.
-    switch : float or ndarray
-        a/tau = y_BR K/2, eq (11): when the dead band is left.
-    status : str or ndarray of str
-        "ok", or in words what is wrong with the element.
+    `switch`: a/tau = y_BR K/2, eq (11): when the dead band is left. `status`: "ok", or in words
+    what is wrong with the element.
     """
 
     limit: Any

@@ -184,19 +184,9 @@ def ramped_deflection(
 ) -> FloatArray:
     """Return the least deflection [rad] under limits of rate and acceleration, of one pole.
 
-    Parameters
-    ----------
-    least : array_like
-        d0 [rad], the least deflection at any rate, positive.
-    pole : float
-        The unstable pole p [1/s].
-    rate, acceleration : array_like
-        Their limits r [rad/s] and c [rad/s2], which broadcast with `least`; both may be infinite.
-
-    Returns
-    -------
-    ndarray
-        Infinite where no deflection is enough.
+    `least`: d0 [rad], the least deflection at any rate, positive. `pole`: the unstable pole p
+    [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
+    `least`; both may be infinite. Returned: infinite where no deflection is enough.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (least, rate, acceleration))

@@ -35,16 +35,10 @@ _SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
 class Switch:
     """The solution: when the dead band is left, and two ways in which there is none.
 
-    Attributes
-    ----------
-    time : ndarray
-        Time [s], ``(...)``.
-    demand : ndarray
-        What (4b) asks for when the limit is held from that time on, over B alpha_w,max.
-    jumps : ndarray of bool
-        The demand jumps over the limit where the driver comes back to an earlier height.
-    never : ndarray of bool
-        The demand stays above what the driver reaches, so the dead band is never left.
+    `time`: time [s], ``(...)``. `demand`: what (4b) asks for when the limit is held from that time
+    on, over B alpha_w,max. `jumps`: the demand jumps over the limit where the driver comes back to
+    an earlier height. `never`: the demand stays above what the driver reaches, so the dead band is
+    never left.
     """
 
     time: FloatArray
@@ -57,16 +51,8 @@ class Switch:
 class Problem:
     """Which wind a plant is in, and what decides about it.
 
-    Attributes
-    ----------
-    plant, wind
-        Batches; the wind ends.
-    pole : ndarray
-        The growth rate [1/s] whose condition (4b) is met, positive.
-    dead_band : ndarray
-        K. All broadcast to `shape`.
-    shape : tuple of int
-        Of the batch.
+    `plant`, `wind`: batches; the wind ends. `pole`: the growth rate [1/s] whose condition (4b) is
+    met, positive. `dead_band`: K. All broadcast to `shape`. `shape`: of the batch.
     """
 
     plant: Plant
@@ -106,19 +92,9 @@ class Problem:
     ) -> NDArray[Any]:
         """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
 
-        Parameters
-        ----------
-        cases : ndarray
-            Places of some cases in the flattened batch, ``(n,)``.
-        heights_ : ndarray
-            Of trim to either side, positive, ``(n,)``.
-        poles : ndarray
-            Of the modes [1/s], real or complex, ``(n, m)``.
-
-        Returns
-        -------
-        ndarray
-            The limit that each mode by itself asks for, held from then on, ``(n, m)``.
+        `cases`: places of some cases in the flattened batch, ``(n,)``. `heights_`: of trim to
+        either side, positive, ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``.
+        Returned: the limit that each mode by itself asks for, held from then on, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
         found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))

@@ -34,14 +34,8 @@ def rightmost_poles(
 ) -> ComplexArray:
     """Return the closed-loop poles [1/s] that are furthest right, falling, as many as are sure.
 
-    Parameters
-    ----------
-    A, B, C : ndarray
-        Of the loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
-    delay : float
-        T [s], positive.
-    loop : callable
-        L with its delay at complex frequencies ``(m,)`` [1/s].
+    `A`, `B`, `C`: of the loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L
+    = 0. `delay`: T [s], positive. `loop`: L with its delay at complex frequencies ``(m,)`` [1/s].
     """
     n, wave = len(A), _slopes(_POINTS) * (2.0 / delay)
     whole = np.zeros((n + _POINTS, n + _POINTS))

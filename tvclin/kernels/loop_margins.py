@@ -38,20 +38,13 @@ which is of the order of its width, and so its height to the square of that."""
 class LoopFindings:
     """The verdict on each of ``(k,)`` loops, its crossings, and its peaks if it is stable.
 
-    Attributes
-    ----------
-    unstable_poles, marginal : ndarray
-        Closed-loop poles in the right half plane, and whether one lies on the axis.
-    gain_frequencies, phases : ndarray
-        Where |L| = 1 [rad/s], rising, and how far L may lag more there until it is -1 [rad],
-        ``(k, n)``, filled with NaN.
-    delays : ndarray
-        How much later L may be there until it is -1 [s], ``(k, n)``.
-    phase_frequencies, factors : ndarray
-        Where L is real and negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN.
-    peaks : ndarray
-        The largest |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite
-        where the value is approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
+    `unstable_poles`, `marginal`: closed-loop poles in the right half plane, and whether one lies on
+    the axis. `gain_frequencies`, `phases`: where |L| = 1 [rad/s], rising, and how far L may lag
+    more there until it is -1 [rad], ``(k, n)``, filled with NaN. `delays`: how much later L may be
+    there until it is -1 [s], ``(k, n)``. `phase_frequencies`, `factors`: where L is real and
+    negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN. `peaks`: the largest
+    |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite where the value is
+    approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
     """
 
     unstable_poles: NDArray[np.intp]

@@ -29,17 +29,9 @@ _ROUNDING = 1e-13
 def largest(flown: Motion, row: NDArray[Any], beyond: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-    Parameters
-    ----------
-    flown : Motion
-        The motion.
-    row : ndarray
-        Factors on the states of system and input, ``(n,)``.
-    beyond : float
-        How long the last piece is followed [s].
+    `row`: factors on the states of system and input, ``(n,)``. `beyond`: how long the last piece is
+    followed [s].
 
-    Notes
-    -----
     Each piece is sampled in steps that no mode outruns, both its ends included. Where values and
     slopes at two samples tell of a summit between them that may be the highest, it is found
     where the exact slope is zero. A piece is left as soon as its modes, were they all in phase,

@@ -30,14 +30,8 @@ _SMALL, _TERMS = 0.5, 14
 class Motion:
     """One linear system with one input history.
 
-    Attributes
-    ----------
-    matrix : ndarray
-        M [1/s], ``(n, n)``.
-    knots : ndarray
-        Where the pieces begin [s], ``(k,)``.
-    starts : ndarray
-        The state of system and input at the start of each piece, ``(k, n)``.
+    `matrix`: M [1/s], ``(n, n)``. `knots`: where the pieces begin [s], ``(k,)``. `starts`: the
+    state of system and input at the start of each piece, ``(k, n)``.
     """
 
     matrix: NDArray[Any]
@@ -55,12 +49,7 @@ class Motion:
 def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     """Return the motion of x' = A x + B f from rest, f being the pieces of one history.
 
-    Parameters
-    ----------
-    A, B : ndarray
-        One system, ``(n, n)`` and ``(n,)``.
-    pieces : Pieces
-        The input, not a batch.
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `pieces`: the input, not a batch.
     """
     order, matrix = len(A), answering(A, B, pieces)
     inputs = inputs_at(pieces, pieces.knots)
@@ -86,15 +75,9 @@ def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
 def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None) -> NDArray[Any]:
     """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, ``(..., n + k, n + k)``.
 
-    Parameters
-    ----------
-    A, B : ndarray
-        ``(..., n, n)`` and ``(..., n, k)``; batches broadcast.
-    inputs : ndarray, optional
-        Z of z' = Z z, ``(..., k, k)``; without it z is held.
+    `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``; batches broadcast. `inputs`: Z of z' = Z z,
+    ``(..., k, k)``; without it z is held.
 
-    Notes
-    -----
     e^(M t) says what states and inputs at the start make of the states at t.
     """
     order, count = B.shape[-2:]
@@ -111,19 +94,9 @@ def driven_steps(
 ) -> tuple[FloatArray, FloatArray]:
     """Return e^(A t) and P(t) of x(t) = e^(A t) x + P(t) z, for x' = A x + B z.
 
-    Parameters
-    ----------
-    A, B : ndarray
-        ``(..., n, n)`` and ``(..., n, k)``.
-    lengths : ndarray
-        Times t [s], ``(..., m)``, whose batch is that of the others.
-    inputs : ndarray, optional
-        As of `driven`, also ``(..., m, k, k)``; without it z is held.
-
-    Returns
-    -------
-    tuple of ndarray
-        ``(..., m, n, n)`` and ``(..., m, n, k)``.
+    `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``. `lengths`: times t [s], ``(..., m)``, whose batch
+    is that of the others. `inputs`: as of `driven`, also ``(..., m, k, k)``; without it z is held.
+    Returned: ``(..., m, n, n)`` and ``(..., m, n, k)``.
     """
     whole, n = driven(A[..., np.newaxis, :, :], B[..., np.newaxis, :, :], inputs), A.shape[-1]
     every = np.broadcast_to(whole, (*lengths.shape, *whole.shape[-2:]))
@@ -148,12 +121,7 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
     gives does not depend on the others. One matrix is balanced first. What is beyond all numbers
     is infinite or NaN.
 
-    Parameters
-    ----------
-    matrix : ndarray
-        ``(n, n)`` or ``(m, n, n)``.
-    steps : ndarray
-        ``(m,)``.
+    `matrix`: ``(n, n)`` or ``(m, n, n)``. `steps`: ``(m,)``.
     """
     from scipy.linalg import matrix_balance  # late: it takes 0.1 s to import
 

@@ -22,12 +22,8 @@ _FARTHEST = 1e30
 class Rational:
     """The functions L(s) = numerator(s)/denominator(s) e^(-s delay).
 
-    Attributes
-    ----------
-    numerator, denominator : ndarray
-        Coefficients, highest power first, both ``(..., n + 1)``.
-    delay : ndarray
-        Delay [s], ``(...)``.
+    `numerator`, `denominator`: coefficients, highest power first, both ``(..., n + 1)``. `delay`:
+    delay [s], ``(...)``.
     """
 
     numerator: FloatArray
@@ -42,10 +38,7 @@ class Rational:
     def parts(self, omega: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator, with the delay, and denominator at j omega, ``(..., k)``.
 
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s], ``(..., k)``.
+        `omega`: frequencies [rad/s], ``(..., k)``.
         """
         omega = np.asarray(omega, dtype=float)
         above = polynomials.on_axis(self.numerator, omega)
@@ -113,10 +106,7 @@ class Rational:
     def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
         """Return whether numerator or denominator is zero, to rounding, at one frequency each.
 
-        Parameters
-        ----------
-        omega : ndarray
-            Frequencies [rad/s], of the shape of the batch.
+        `omega`: frequencies [rad/s], of the shape of the batch.
         """
         omega, parts = omega[..., np.newaxis], []
         for polynomial in (self.numerator, self.denominator):

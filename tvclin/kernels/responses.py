@@ -39,16 +39,9 @@ _REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
 class System:
     """A plant as a sum of modes.
 
-    Attributes
-    ----------
-    poles : ndarray
-        Poles [1/s], ``(..., N)``.
-    gains : ndarray
-        What each input does to each mode, ``(..., N, 2)``.
-    outputs : ndarray
-        How much of each mode is in each output, ``(..., N, R)``.
-    less_wind : bool
-        Whether the second input, the wind, is taken off the last output.
+    `poles`: poles [1/s], ``(..., N)``. `gains`: what each input does to each mode, ``(..., N, 2)``.
+    `outputs`: how much of each mode is in each output, ``(..., N, R)``. `less_wind`: whether the
+    second input, the wind, is taken off the last output.
     """
 
     poles: NDArray[Any]
@@ -73,24 +66,10 @@ def responses(
 ) -> tuple[FloatArray, NDArray[np.bool_] | None]:
     """Return the outputs ``(*shape, R, n)``, and for which cases they are not to be used.
 
-    Parameters
-    ----------
-    system : System
-        One plant or a batch.
-    inputs : tuple of Pieces
-        Deflection and wind.
-    times : ndarray
-        Times [s], ``(n,)``, in any order.
-    shape : tuple of int
-        Of the batch, to which plants and inputs broadcast.
-
-    Returns
-    -------
-    outputs : ndarray
-        In the units of the inputs.
-    near : ndarray or None
-        ``shape``; True where two poles are too near for modes to be told apart in that time.
-        None where this is nowhere so.
+    `inputs`: deflection and wind. `times`: times [s], ``(n,)``, in any order. `shape`: of the
+    batch, to which plants and inputs broadcast. Returned `outputs`: in the units of the inputs.
+    Returned `near`: ``shape``; True where two poles are too near for modes to be told apart in that
+    time. None where this is nowhere so.
     """
     histories = [spread(p, p.batch) if p.batch else p for p in inputs]
     arrays = [system.poles, *(a for h in histories for a in (h.coefficients, h.rates))]

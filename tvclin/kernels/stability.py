@@ -32,16 +32,10 @@ _STEPS, _CLOSE = 4, 1e-6
 class Stability:
     """What the closed loop does.
 
-    Attributes
-    ----------
-    poles : ndarray
-        The closed-loop poles without the delay, ``(..., n)``.
-    unstable_poles : ndarray of int
-        Closed-loop poles in the right half plane, ``(...)``.
-    marginal : ndarray of bool
-        Whether one lies on the imaginary axis, ``(...)``.
-    crossovers : ndarray
-        Frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with NaN.
+    `poles`: the closed-loop poles without the delay, ``(..., n)``. `unstable_poles`: closed-loop
+    poles in the right half plane, ``(...)``. `marginal`: whether one lies on the imaginary axis,
+    ``(...)``. `crossovers`: frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with
+    NaN.
     """
 
     poles: NDArray[Any]
@@ -51,13 +45,7 @@ class Stability:
 
 
 def stability(loop: AnyLoop) -> Stability:
-    """Return how many closed-loop poles are unstable, and the gain crossovers.
-
-    Parameters
-    ----------
-    loop : AnyLoop
-        One or a batch.
-    """
+    """Return how many closed-loop poles are unstable, and the gain crossovers."""
     poles = loop.closed_poles()
     slack = _AXIS * np.abs(poles).max(axis=-1, keepdims=True)
     grown = np.sum(np.real(poles) > slack, axis=-1)

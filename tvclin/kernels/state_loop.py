@@ -52,18 +52,10 @@ class StateLoop:
     Made by `balanced`. The arrays are those of all loops that were made together, and `case` says
     which of them are meant.
 
-    Attributes
-    ----------
-    A, B, C, D : ndarray
-        ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
-    late : ndarray
-        Delay [s], ``(k,)``.
-    poles, residues : ndarray
-        L without delay is D + sum of residue/(s - pole), both ``(k, n)``.
-    modal : ndarray of bool
-        Whether that holds, ``(k,)``: not where poles are repeated.
-    case : ndarray of int
-        Positions among the ``(k,)``.
+    `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``. `late`: delay [s],
+    ``(k,)``. `poles`, `residues`: L without delay is D + sum of residue/(s - pole), both ``(k,
+    n)``. `modal`: whether that holds, ``(k,)``: not where poles are repeated. `case`: positions
+    among the ``(k,)``.
     """
 
     A: FloatArray

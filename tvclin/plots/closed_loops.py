@@ -215,12 +215,8 @@ def _wind_horizon(
 def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all modes that count die down, or one of them grows.
 
-    Parameters
-    ----------
-    system : control.StateSpace
-        The closed loop, with the outputs and the one input in question.
-    longest : float
-        The longest time [s] for which slow modes are followed; NaN for no end.
+    `system`: the closed loop, with the outputs and the one input in question. `longest`: the
+    longest time [s] for which slow modes are followed; NaN for no end.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0

@@ -121,12 +121,7 @@ class Curves:
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
     """Return numbers with zero, without a minus, for what rounding leaves in its place.
 
-    Parameters
-    ----------
-    values : ndarray
-        The numbers.
-    size : float
-        The largest number in sight, if it is larger than all of them.
+    `size`: the largest number in sight, if it is larger than all of them.
     """
     sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
     return np.where(sizes <= _ROUNDING * sizes.max(initial=size), 0.0 * values, values) + 0.0

@@ -33,10 +33,7 @@ PEAK = float(np.radians(1.0))
 def chosen_engine(engine: str | None) -> str:
     """Return an engine by name, or where none is named JSBSim if it is installed, else "planar".
 
-    Raises
-    ------
-    InputError
-        For any other name.
+    `InputError` for any other name.
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
@@ -46,12 +43,7 @@ def chosen_engine(engine: str | None) -> str:
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
     """Return what flies the report's control on a vehicle with frozen parameters, in pitch.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle.
-    engine : str
-        One of `ENGINES`.
+    `engine`: one of `ENGINES`.
     """
     fly = ENGINES[engine].fly
 
@@ -79,23 +71,11 @@ def flown_limit(
 ) -> float:
     """Return the boundary limit of the report's control in a triangular wind, by flying.
 
-    Parameters
-    ----------
-    name : str
-        What `load_vehicle` and `load_flight_condition` find the vehicle by.
-    tau_beta, dead_band : float
-        Duration of the wind, and K.
-    plane : {"pitch", "yaw"}
-        Plane of the wind.
-    peak : float
-        Its peak [rad], at the vehicle's own time.
-    engine : str
-        One of `ENGINES`.
-    along : bool
-        Whether the parameters vary along the trajectory, which planar flights know; frozen where
-        not.
-    tolerance : float
-        As of `flown_boundary`.
+    `name`: what `load_vehicle` and `load_flight_condition` find the vehicle by. `tau_beta`,
+    `dead_band`: duration of the wind, and K. `plane` ({"pitch", "yaw"}): plane of the wind. `peak`:
+    its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`. `along`: whether the
+    parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
+    as of `flown_boundary`.
     """
     vehicle = load_vehicle(name)
     options: dict[str, Any] = {}

@@ -32,12 +32,8 @@ _BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
 class LocusPoles:
     """The poles of one loop, whose gain is multiplied by a factor.
 
-    Attributes
-    ----------
-    poles, zeros : ndarray
-        Of the loop, with the approximation of its delay [1/s], ``(n,)`` and ``(m,)``.
-    closed : callable
-        From factors ``(k,)`` to closed-loop poles [1/s], ``(k, n)``, in any order.
+    `poles`, `zeros`: of the loop, with the approximation of its delay [1/s], ``(n,)`` and ``(m,)``.
+    `closed`: from factors ``(k,)`` to closed-loop poles [1/s], ``(k, n)``, in any order.
     """
 
     poles: ComplexArray
@@ -119,12 +115,8 @@ class LocusPoles:
 
         Those at which two poles meet on the real axis are among them.
 
-        Parameters
-        ----------
-        factors : ndarray
-            To begin with, rising.
-        near, far : float
-            Sizes [1/s]: of a pole below the first its step is measured by that.
+        `factors`: to begin with, rising. `near`, `far`: sizes [1/s]: of a pole below the first its
+        step is measured by that.
         """
         for _ in range(_ROUNDS):
             poles = self.closed(factors)

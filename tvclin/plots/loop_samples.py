@@ -47,27 +47,12 @@ _ORDER = 4
 class LoopSamples:
     """One loop with its exact delay, sampled finely enough to be drawn.
 
-    Attributes
-    ----------
-    loop : Loop
-        The loop.
-    margins : Margins
-        Its margins.
-    bands : BandMargins or None
-        Those of each mode of structure and liquid, where there are any.
-    airframe : ndarray
-        Poles of the rigid vehicle [1/s], as far as they are known.
-    omega : ndarray
-        Frequencies [rad/s], rising, above zero, ``(n,)``; those of the margins are among them.
-    response : ndarray
-        L at these, ``(n,)``.
-    phase : ndarray
-        Its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a
-        turn of -180 deg.
-    words : str
-        What the loop is made of, in one line.
-    pade_order : int
-        Order of the approximation that stands for the delay in a root locus.
+    `bands`: those of each mode of structure and liquid, where there are any. `airframe`: poles of
+    the rigid vehicle [1/s], as far as they are known. `omega`: frequencies [rad/s], rising, above
+    zero, ``(n,)``; those of the margins are among them. `response`: L at these, ``(n,)``. `phase`:
+    its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a turn of
+    -180 deg. `words`: what the loop is made of, in one line. `pade_order`: order of the
+    approximation that stands for the delay in a root locus.
     """
 
     loop: Loop
@@ -132,12 +117,7 @@ class LoopSamples:
 def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
-    Parameters
-    ----------
-    what : str
-        Name of the figure, for the refusals.
-    autopilot, plant
-        As of `nichols_chart`.
+    `what`: name of the figure, for the refusals. `autopilot`, `plant`: as of `nichols_chart`.
     """
     if isinstance(autopilot, Loop):
         if plant is not None:

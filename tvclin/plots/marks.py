@@ -31,18 +31,8 @@ _MARK_SIZE = 7.0
 class Mark:
     """One point.
 
-    Attributes
-    ----------
-    x, y : float
-        Where it is.
-    text : str
-        What stands beside it; empty for a mark alone.
-    shape : str
-        Marker, as of matplotlib.
-    name : str
-        Entry of the legend; empty for none.
-    colour : str
-        Colour of the mark.
+    `x`, `y`: where it is. `text`: what stands beside it; empty for a mark alone. `shape`: marker,
+    as of matplotlib. `name`: entry of the legend; empty for none. `colour`: colour of the mark.
     """
 
     x: float
@@ -79,11 +69,8 @@ def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
 def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
     """Write the numbers beside the marks in the frame, clear of curves and of each other.
 
-    Parameters
-    ----------
-    *panels : tuple of matplotlib.axes.Axes and sequence of Mark
-        The panels of one figure, with their final frames, titles and legends, and the marks in
-        each of them.
+    `panels`: the panels of one figure, with their final frames, titles and legends, and the marks
+    in each of them.
     """
     for axes, marks in panels:
         for mark in marks:

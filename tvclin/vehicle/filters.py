@@ -172,10 +172,7 @@ class Filter(Carded):
 
         Infinite at a pole.
 
-        Raises
-        ------
-        InputError
-            For what is no number, and for numbers beyond 1e12 1/s.
+        `InputError` for what is no number, and for numbers beyond 1e12 1/s.
         """
         at = _complex("s", s)
         above, below = (

@@ -59,13 +59,9 @@ def angle_in_plane(
 def along_and_across(heading: float, attitude: float) -> tuple[float, float]:
     """Return the sines of both wind angles over V_w/V_R: in pitch, and in yaw from the right.
 
-    Parameters
-    ----------
-    heading : float
-        Direction [rad] from which a horizontal wind blows, clockwise from that of the flight: pi
-        is a tail wind, pi/2 one from the right.
-    attitude : float
-        Attitude of the flight above the horizontal [rad].
+    `heading`: direction [rad] from which a horizontal wind blows, clockwise from that of the
+    flight: pi is a tail wind, pi/2 one from the right. `attitude`: attitude of the flight above the
+    horizontal [rad].
     """
     parts = -np.cos(heading) * np.sin(attitude), np.sin(heading)
     along, across = (0.0 if abs(one) < _AXIS else float(one) for one in parts)
@@ -77,18 +73,10 @@ def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[floa
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
-    Parameters
-    ----------
-    peak : float
-        Size [rad] of the vector of both angles; with a sign, the wind blows the other way.
-    heading, attitude : float
-        As of `along_and_across`.
-
-    Raises
-    ------
-    InputError
-        For numbers that are not finite, a wind along a level flight, which has no angle, and a
-        vector that no wind slower than the flight makes.
+    `peak`: size [rad] of the vector of both angles; with a sign, the wind blows the other way.
+    `heading`, `attitude`: as of `along_and_across`. `InputError` for numbers that are not finite, a
+    wind along a level flight, which has no angle, and a vector that no wind slower than the flight
+    makes.
     """
     size = number("peak", peak, unit="rad")
     psi = number("heading", heading, directions, "rad")
@@ -119,17 +107,8 @@ def angles_from_speed(
 ) -> tuple[float, float]:
     """Return the wind angles [rad] in pitch and in yaw of a horizontal wind [m/s], eq (B1e).
 
-    Parameters
-    ----------
-    speed, velocity : float
-        Of the wind and of the vehicle relative to the air [m/s].
-    attitude, heading : float
-        As of `along_and_across`.
-
-    Raises
-    ------
-    InputError
-        As `angle_from_speed`.
+    `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`,
+    `heading`: as of `along_and_across`. `InputError` as `angle_from_speed`.
     """
     parts = along_and_across(number("heading", heading, directions, "rad"), float(attitude))
     wind = number("speed", speed, unit="m/s")

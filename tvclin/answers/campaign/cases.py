@@ -38,12 +38,8 @@ UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 class Cases:
     """What was drawn for some cases.
 
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        Dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
-    possible : ndarray of bool
-        Which of the cases can be.
+    `values`: dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
+    `possible`: which of the cases can be.
     """
 
     values: dict[str, NDArray[Any]]
@@ -91,10 +87,7 @@ def draw_case(campaign: Campaign, case: int) -> Cases:
 def batch(campaign: Campaign, cases: Cases) -> Batch:
     """Return plant, wind and gains of possible cases.
 
-    Raises
-    ------
-    InputError
-        When one of the cases is no vehicle or no wind.
+    `InputError` when one of the cases is no vehicle or no wind.
     """
     changes = {
         k: v
@@ -112,10 +105,7 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
 def nominal(campaign: Campaign) -> dict[str, float]:
     """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble.
 
-    Raises
-    ------
-    InputError
-        When they cannot be answered.
+    `InputError` when they cannot be answered.
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}

@@ -42,11 +42,8 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 
     Everything a worker needs is read from the folder, once in each process.
 
-    Raises
-    ------
-    InputError
-        When the manifest is not the one with this seal, something here has another version, or
-        the file cannot be written.
+    `InputError` when the manifest is not the one with this seal, something here has another
+    version, or the file cannot be written.
     """
     manifest = _manifest(folder, seal)
     with pinned(manifest.compiled):
@@ -60,10 +57,7 @@ def write_chunk(
 ) -> None:
     """Write the columns of a chunk; what stands in its place and is no file is moved aside.
 
-    Raises
-    ------
-    InputError
-        When the folder is not there any more, or the file cannot be written.
+    `InputError` when the folder is not there any more, or the file cannot be written.
     """
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
@@ -123,10 +117,7 @@ def read_columns(
 ) -> dict[str, NDArray[Any]]:
     """Return some columns of a chunk.
 
-    Raises
-    ------
-    InputError
-        For a file that is missing, damaged, or of another campaign.
+    `InputError` for a file that is missing, damaged, or of another campaign.
     """
     table = _read(folder, manifest, chunk, list(names))
     return {name: np.asarray(table[name].to_numpy()) for name in names}

@@ -77,12 +77,8 @@ class Dispersion:
 class Dispersed:
     """Dispersed numbers, ``(n,)`` each, and which of the cases are possible.
 
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        By parameter [SI].
-    possible : ndarray of bool
-        False where a number cannot be: a thrust below zero is no vehicle.
+    `values`: by parameter [SI]. `possible`: False where a number cannot be: a thrust below zero is
+    no vehicle.
     """
 
     values: dict[str, FloatArray]
@@ -249,10 +245,7 @@ CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"
 def spread_table(parameter: Any, recorded: bool = False) -> FileTable:
     """Return the keys of the dispersion of a parameter; recorded spreads are in SI, without unit.
 
-    Raises
-    ------
-    InputError
-        For what cannot be dispersed.
+    `InputError` for what cannot be dispersed.
     """
     name = known_parameter("parameter in [[dispersion]]", parameter)
     kind = "number" if recorded else KINDS.get(name, "number")

@@ -94,10 +94,7 @@ def record_of(value: Any) -> Any:
 def of_record(kind: type[Recorded], record: Any) -> Recorded:
     """Return the vehicle or the autopilot of a record.
 
-    Raises
-    ------
-    InputError
-        For a record that holds something else.
+    `InputError` for a record that holds something else.
     """
     try:
         made = _made(kind, record)

@@ -42,16 +42,8 @@ def stopped(winds: tuple[History, ...], stops: int) -> History:
 def needs(question: Question, points: FloatArray, goal: float, clean: int) -> FloatArray:
     """Return the limit that each row of gains needs, over the largest trim, ``(n,)``.
 
-    Parameters
-    ----------
-    question : Question
-        What is asked.
-    points : ndarray
-        Of the unit box, ``(n, axes)``.
-    goal : float
-        Above it a limit need not be known closely.
-    clean : int
-        So many limits above what was found are flown as well: windows of losses lie there.
+    `points`: of the unit box, ``(n, axes)``. `goal`: above it a limit need not be known closely.
+    `clean`: so many limits above what was found are flown as well: windows of losses lie there.
     """
     rows = question.autopilot(points)
     winds = stopped(question.winds, question.stops)

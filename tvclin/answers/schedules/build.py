@@ -33,22 +33,11 @@ def schedule_of_flight(
 ) -> FlightSchedule:
     """Return the schedule of a powered flight.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are known.
-    columns : dict of str to Column
-        The fields of a vehicle but its name and time, and altitude and nominal deflection where
-        they are known, for the same rows.
-    name : str
-        What to call the vehicle.
-    most_rows : int
-        More rows than that are thinned.
-
-    Raises
-    ------
-    InputError
-        For what is silently wrong; see `checks`.
+    `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
+    known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
+    deflection where they are known, for the same rows. `name`: what to call the vehicle.
+    `most_rows`: more rows than that are thinned. `InputError` for what is silently wrong; see
+    `checks`.
     """
     most = whole_number("most_rows", most_rows)
     if most < 2:

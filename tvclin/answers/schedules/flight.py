@@ -24,17 +24,9 @@ _POSITIVE = {
 class Flight:
     """Rows of a flight, one after the other.
 
-    Attributes
-    ----------
-    source : str
-        What to call the whole in messages.
-    places : tuple of str
-        What to call each row.
-    columns : dict of str to Column
-        Numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are
-        there.
-    notes : tuple of str
-        What a reader should know.
+    `source`: what to call the whole in messages. `places`: what to call each row. `columns`:
+    numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are there.
+    `notes`: what a reader should know.
     """
 
     source: str
@@ -64,19 +56,9 @@ def powered(
 ) -> Flight:
     """Return the rows of one burn, of which no number is missing.
 
-    Parameters
-    ----------
-    flight : Flight
-        All rows.
-    begun : ndarray of bool
-        The rows at which the vehicle flies freely.
-    start, stop : float, optional
-        Earliest and latest time [s].
-
-    Raises
-    ------
-    InputError
-        For times that fall, fewer than two rows, and a number that is missing between them.
+    `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
+    [s]. `InputError` for times that fall, fewer than two rows, and a number that is missing between
+    them.
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)

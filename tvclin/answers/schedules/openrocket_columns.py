@@ -55,19 +55,9 @@ def table_of(path: str | PathLike[str]) -> Table:
 def columns_of(table: Table, ground: float | None, own_slope: bool) -> dict[str, Column]:
     """Return the columns of an export by name, in SI units.
 
-    Parameters
-    ----------
-    table : Table
-        The rows.
-    ground : float, optional
-        Elevation of the launch site [m].
-    own_slope : bool
-        Whether the slope of the normal force coefficient is to be read too.
-
-    Raises
-    ------
-    InputError
-        For a column that is not there, is there twice, or has no known unit.
+    `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
+    coefficient is to be read too. `InputError` for a column that is not there, is there twice, or
+    has no known unit.
     """
     found = {name: _column(table, name) for name in _NEEDED}
     found |= _air(table) | _attitude(table) | _altitude(table, ground) | _damping(table)
@@ -171,12 +161,7 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 
     OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows.
-    exit_arm : Column
-        l_e [m].
+    `exit_arm`: l_e [m].
     """
     if "damping" not in flight.columns:
         return {}, []

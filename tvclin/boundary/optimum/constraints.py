@@ -34,14 +34,10 @@ FloatArray = NDArray[np.float64]
 class Constraints:
     """Moments that a deflection must have to leave no growing exponential.
 
-    Attributes
-    ----------
-    poles : ndarray
-        Unstable poles [1/s], ``(m,)``, of each complex pair the one with positive imaginary part.
-    demands : ndarray
-        d_i [rad s], ``(n,)``, two for each complex pair: the parts with cosine and with sine.
-    horizon : float
-        H [s], the time after the start at which the deflection must be zero again; inf if never.
+    `poles`: unstable poles [1/s], ``(m,)``, of each complex pair the one with positive imaginary
+    part. `demands`: d_i [rad s], ``(n,)``, two for each complex pair: the parts with cosine and
+    with sine. `horizon`: H [s], the time after the start at which the deflection must be zero
+    again; inf if never.
     """
 
     poles: NDArray[Any]
@@ -116,26 +112,12 @@ def constraints_of(
 ) -> Constraints:
     """Return the conditions that a deflection between `start` and `horizon` must meet.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant.
-    wind : History
-        One wind, which must end.
-    start : float
-        First time [s] at which the deflection may differ from zero.
-    horizon : float, optional
-        Time [s] from which the deflection is zero again; never by default.
+    `wind`: one wind, which must end. `start`: first time [s] at which the deflection may differ
+    from zero. `horizon`: time [s] from which the deflection is zero again; never by default.
+    `InputError` for batches, a wind that is zero or never ends, a horizon not after the start or
+    before the end of the wind, a start so late that the deflection would overflow, and unstable
+    poles that the deflection cannot reach.
 
-    Raises
-    ------
-    InputError
-        For batches, a wind that is zero or never ends, a horizon not after the start or before
-        the end of the wind, a start so late that the deflection would overflow, and unstable
-        poles that the deflection cannot reach.
-
-    Notes
-    -----
     d_i = -(N_wind(p)/N_deflection(p)) e^(p start) L(alpha_w)(p): D_i of eq (C1), moved to the
     start, with a ratio K1_i = (beta_i + b2)/(beta_i + b1) for each pole of its own.
     """

@@ -42,13 +42,8 @@ _ROUNDS = 4
 def best_multipliers(window: Window) -> SignedSum:
     """Return the sum whose sign is the deflection of least peak, scaled so that L1 = peak.
 
-    Parameters
-    ----------
-    window : Window
-        The functions e_i and their demands, which must not all be zero.
+    `window`: the functions e_i and their demands, which must not all be zero.
 
-    Notes
-    -----
     Where a real pole p is so fast that the others count only after p t = 700, their multipliers
     cannot be told from zero. What the fast pole does to the peak is then over long before, and
     a slower pole that asks for the same peak stands in for it. Where that is so of all poles but

@@ -32,10 +32,7 @@ _MOST_POINTS = 200_000
 class Window:
     """The functions e_i on a grid fine enough to see every change of sign.
 
-    Attributes
-    ----------
-    constraints : Constraints
-        The functions and their demands.
+    `constraints`: the functions and their demands.
     """
 
     constraints: Constraints
@@ -116,18 +113,9 @@ class Window:
 class SignedSum:
     """One sum lambda . e.
 
-    Attributes
-    ----------
-    multipliers : ndarray
-        lambda, ``(n,)``.
-    zeros : ndarray
-        Times [s] of its changes of sign, ``(k,)``.
-    signs : ndarray
-        Its sign between them, ``(k + 1,)``.
-    norm : float
-        Its L1 norm on the window.
-    moments : ndarray
-        The moments of its sign, ``(n,)``: the gradient of the norm.
+    `multipliers`: lambda, ``(n,)``. `zeros`: times [s] of its changes of sign, ``(k,)``. `signs`:
+    its sign between them, ``(k + 1,)``. `norm`: its L1 norm on the window. `moments`: the moments
+    of its sign, ``(n,)``: the gradient of the norm.
     """
 
     multipliers: FloatArray

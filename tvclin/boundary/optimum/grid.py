@@ -19,20 +19,10 @@ _FAINT = 1e-6
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the best deflection that is constant in each cell, over its peak, and its prices.
 
-    Parameters
-    ----------
-    constraints : Constraints
-        Conditions on the moments.
-    cells : ndarray
-        Knots [s] of the cells, ``(k + 1,)``; the last may be infinite.
+    `constraints`: conditions on the moments. `cells`: knots [s] of the cells, ``(k + 1,)``; the
+    last may be infinite. Returned: levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not
+    scaled.
 
-    Returns
-    -------
-    tuple of ndarray
-        Levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not scaled.
-
-    Notes
-    -----
     The multiplier of a slow pole that matters only long after the others have died out is many
     decades below theirs and lost in the tolerance of a linear program. So the program is solved
     again for the cells from there on: the poles whose multipliers are known are served best,

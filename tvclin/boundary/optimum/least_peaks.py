@@ -39,30 +39,12 @@ _DIRECTIONS = 128
 def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -> FloatArray:
     """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant or a batch.
-    wind : History
-        One wind or a batch, of winds that end; batches broadcast.
-    enough : ndarray, optional
-        Peaks [rad], which broadcast with the batch. With three poles, where this is proved to be
-        no less than what is asked, it is returned in its place: the search takes a tenth of a
-        second.
+    `wind`: one wind or a batch, of winds that end; batches broadcast. `enough`: peaks [rad], which
+    broadcast with the batch. With three poles, where this is proved to be no less than what is
+    asked, it is returned in its place: the search takes a tenth of a second. Returned: of the shape
+    of the batch; zero without an unstable pole, and infinite where the deflection does not reach
+    one. `InputError` for a wind that is zero or never ends.
 
-    Returns
-    -------
-    ndarray
-        Of the shape of the batch; zero without an unstable pole, and infinite where the
-        deflection does not reach one.
-
-    Raises
-    ------
-    InputError
-        For a wind that is zero or never ends.
-
-    Notes
-    -----
     With z_i = p_i d_i, d_i of eq (C1): one pole needs ``|z|``, two real ones the reach on whose
     edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
     lambda . e, over the directions of lambda.
@@ -93,16 +75,10 @@ def peaks_of(
 ) -> FloatArray:
     """Return the least peaks [rad] that meet the demands of modes, for each case.
 
-    Parameters
-    ----------
-    poles : ndarray
-        Unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there is
-        none, and both of a pair.
-    demands : ndarray
-        d_i of eq (C1) from the start of the control on [rad s], ``(n, m)``; infinite where the
-        deflection does not reach a pole.
-    enough : ndarray, optional
-        As of `least_peaks`, ``(n,)``.
+    `poles`: unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there
+    is none, and both of a pair. `demands`: d_i of eq (C1) from the start of the control on [rad s],
+    ``(n, m)``; infinite where the deflection does not reach a pole. `enough`: as of `least_peaks`,
+    ``(n,)``.
     """
     there = ~np.isnan(poles)
     lost = np.any(there & ~np.isfinite(demands), axis=-1)

@@ -25,16 +25,8 @@ _MENDINGS = (1e5, 1e2, 1e2)
 class RateProgram:
     """Least peak, least motion and least rate of a deflection that is straight between nodes.
 
-    Attributes
-    ----------
-    constraints : Constraints
-        The conditions.
-    nodes : ndarray
-        Times [s] after the start, ``(k,)``, from zero on; the last value is held.
-    rate : float
-        Rate limit [rad/s].
-    unit : float
-        Deflection [rad] in units of which the values are given.
+    `nodes`: times [s] after the start, ``(k,)``, from zero on; the last value is held. `rate`: rate
+    limit [rad/s]. `unit`: deflection [rad] in units of which the values are given.
     """
 
     constraints: Constraints

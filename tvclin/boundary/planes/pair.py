@@ -30,12 +30,7 @@ _MOST_TIMES = 8192
 class Pair:
     """One plant for each plane, and one wind that ends.
 
-    Attributes
-    ----------
-    plants : tuple of Plant
-        Of pitch and of yaw; the same one where the planes are equal.
-    wind : PlaneWind
-        One wind.
+    `plants`: of pitch and of yaw; the same one where the planes are equal.
     """
 
     plants: tuple[Plant, Plant]

@@ -38,13 +38,8 @@ def _apart(stop: Stop) -> Callable[[NDArray[np.complex128]], FloatArray]:
 def unforeseen(pair: Pair, stop: Stop) -> float:
     """Return the bound [rad] of the fast modes; a law told the whole wind, but not its stop.
 
-    Parameters
-    ----------
-    pair : Pair
-        With planes that differ, it is counted for what a constant vector returns from, up to two
-        percent too much where the poles differ by half.
-    stop : Stop
-        Its shape.
+    `pair`: with planes that differ, it is counted for what a constant vector returns from, up to
+    two percent too much where the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
     shown = pair.times()

@@ -123,10 +123,7 @@ class Soundings:
     def __getitem__(self, index: Any) -> Any:
         """Return one profile, or the soundings of a slice, a mask or a row of indices.
 
-        Raises
-        ------
-        InputError
-            For a sounding that cannot be used, with the reason, and what is no index.
+        `InputError` for a sounding that cannot be used, with the reason, and what is no index.
         """
         if isinstance(index, int | np.integer) and not isinstance(index, bool):
             if not -len(self) <= index < len(self):

@@ -23,16 +23,8 @@ _APART = 1e6
 class Rows:
     """Levels of some soundings in the order of the file, each array ``(m,)``; NaN where missing.
 
-    Attributes
-    ----------
-    sounding : ndarray of int
-        Which sounding, rising.
-    line : ndarray of int
-        Line in the file.
-    broken : ndarray of bool
-        Not in its columns.
-    pressure, height, speed, direction : ndarray
-        [Pa], geopotential [m], [m/s], from where [rad].
+    `sounding`: which sounding, rising. `line`: line in the file. `broken`: not in its columns.
+    `pressure`, `height`, `speed`, `direction`: [Pa], geopotential [m], [m/s], from where [rad].
     """
 
     sounding: IntArray

@@ -46,11 +46,8 @@ def angles_along(
     The flight is straight between its times. In yaw the wind meets it at right angles. With a
     `largest` angle [rad], the longest time that stays below it alone.
 
-    Raises
-    ------
-    InputError
-        For a flight that is not four arrays of one length, does not ascend, does not reach the
-        wind, or is slower than the part of the wind across it.
+    `InputError` for a flight that is not four arrays of one length, does not ascend, does not reach
+    the wind, or is slower than the part of the wind across it.
     """
     time, path, speed, climb = checked_flight(flight)
     low, high = max(height[0], path[0]), min(height[-1], path[-1])

@@ -26,12 +26,7 @@ _MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
 class Text:
     """The lines of a file; line numbers count from 1.
 
-    Attributes
-    ----------
-    source : str
-        What to call the file.
-    lines : tuple of str
-        Its lines, without their ends.
+    `source`: what to call the file. `lines`: its lines, without their ends.
     """
 
     source: str
@@ -44,10 +39,7 @@ class Text:
     def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
         """Return the numbers in the cells of a column, NaN where one is empty.
 
-        Raises
-        ------
-        InputError
-            For a cell that is neither empty nor a finite number.
+        `InputError` for a cell that is neither empty nor a finite number.
         """
         try:
             values = np.array(cells, dtype=float)
@@ -83,19 +75,8 @@ def read_lines(
 ) -> Text:
     """Return the lines of a text file, whatever their ends.
 
-    Parameters
-    ----------
-    path : str or path
-        The file.
-    kind : str
-        What it should be, for messages.
-    errors : {"strict", "replace"}
-        What becomes of bytes that are not UTF-8.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is empty, or is no text.
+    `kind`: what it should be, for messages. `errors` ({"strict", "replace"}): what becomes of bytes
+    that are not UTF-8. `InputError` when the file cannot be read, is empty, or is no text.
     """
     content = read_text(a_path("path", path), kind, errors=errors)
     if "\0" in content:
