@@ -6,9 +6,9 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import FloatArray
+
 Values = Callable[[FloatArray, FloatArray], FloatArray]
 
 POOL = 24

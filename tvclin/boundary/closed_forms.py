@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
 from tvclin.kernels import limits
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"

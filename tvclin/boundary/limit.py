@@ -18,9 +18,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base import lines
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
@@ -53,7 +54,6 @@ __all__ = [
     "triangular_limit_with_drift",
 ]
 
-FloatArray = NDArray[np.float64]
 
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
@@ -297,7 +297,7 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
         return plain(np.asarray(triangle / true - 1.0))
 
 
-def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
+def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
     """Return the growth rate that decides [1/s], and where a pair of poles has a part in it.
 
     `plant`: as of `unstable_poles`. Returned `rate`: NaN where no mode grows, ``(...)``. Returned

@@ -16,16 +16,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.reaches import least_reaches
 from tvclin.linear.modes import poles_in_words, unstable_poles
 from tvclin.linear.plant import RIGID, Plant
-
-FloatArray = NDArray[np.float64]
 
 MOST_MODES = 2
 """Unstable modes for which the set is known in closed form."""

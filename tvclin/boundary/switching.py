@@ -17,15 +17,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels import heights, switches
 from tvclin.kernels.choice import run
 from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
 """About what a breakpoint of a case takes, in plain Python and as machine code."""
@@ -43,8 +41,8 @@ class Switch:
 
     time: FloatArray
     demand: FloatArray
-    jumps: NDArray[np.bool_]
-    never: NDArray[np.bool_]
+    jumps: BoolArray
+    never: BoolArray
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ class Problem:
             for k in range(len(literal))
         ]
 
-    def largest_trim(self, cases: NDArray[np.bool_]) -> FloatArray:
+    def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim over B alpha_w,max of some cases; zero for the others."""
         found = np.zeros(self.shape)
         winds, which, numbers = self._arrays
@@ -87,9 +85,7 @@ class Problem:
         found.ravel()[some] = out
         return found
 
-    def left_at(
-        self, cases: NDArray[np.intp], heights_: FloatArray, poles: NDArray[Any]
-    ) -> NDArray[Any]:
+    def left_at(self, cases: IndexArray, heights_: FloatArray, poles: AnyArray) -> AnyArray:
         """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
 
         `cases`: places of some cases in the flattened batch, ``(n,)``. `heights_`: of trim to
@@ -103,7 +99,7 @@ class Problem:
         return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property
-    def _arrays(self) -> tuple[Any, NDArray[np.intp], FloatArray]:
+    def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
         """The winds over their peaks, the wind of each case, and the numbers of each."""
         winds, which = rows((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
@@ -111,7 +107,7 @@ class Problem:
         columns = [np.broadcast_to(one, self.shape).ravel() for one in every]
         return winds, which, np.stack(columns, axis=-1)
 
-    def _run(self, function: Any, winds: Any, which: NDArray[np.intp], *arrays: Any) -> None:
+    def _run(self, function: Any, winds: Any, which: IndexArray, *arrays: Any) -> None:
         knots = winds[0].shape[-1] * which.size
         run(
             function,

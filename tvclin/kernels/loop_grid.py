@@ -5,12 +5,10 @@ depends on how fine they are.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.any_loop import AnyLoop
 from tvclin.kernels.stability import Stability, last_frequency
-
-FloatArray = NDArray[np.float64]
 
 _EVEN = 401
 """Logarithmic frequencies over the whole range."""

@@ -10,15 +10,12 @@ so that nothing is discretised, and repeated poles are nothing special.
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.kernels.pieces import Pieces, locate, moved
-
-FloatArray = NDArray[np.float64]
 
 _BATCH = 3
 """Axes of many matrices."""
@@ -34,11 +31,11 @@ class Motion:
     state of system and input at the start of each piece, ``(k, n)``.
     """
 
-    matrix: NDArray[Any]
+    matrix: AnyArray
     knots: FloatArray
-    starts: NDArray[Any]
+    starts: AnyArray
 
-    def at(self, times: FloatArray) -> NDArray[Any]:
+    def at(self, times: FloatArray) -> AnyArray:
         """Return the states at the times ``(m,)``, shape ``(m, n)``; zero before the first knot."""
         index = np.searchsorted(self.knots, times, side="right") - 1
         start = np.where((index < 0)[:, np.newaxis], 0.0, self.starts[np.maximum(index, 0)])
@@ -62,7 +59,7 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     return Motion(matrix, pieces.knots, starts)
 
 
-def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
+def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
     """Return M of the states of a system and of its input within a piece; as `driven`."""
     rates, powers = pieces.rates, pieces.degree + 1
     given = np.zeros((len(A), rates.size * powers))
@@ -72,7 +69,7 @@ def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
     return driven(A, given, blocks)
 
 
-def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None) -> NDArray[Any]:
+def driven(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -> AnyArray:
     """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, ``(..., n + k, n + k)``.
 
     `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``; batches broadcast. `inputs`: Z of z' = Z z,
@@ -105,7 +102,7 @@ def driven_steps(
     return found[..., :n, :n], found[..., :n, n:]
 
 
-def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:
+def inputs_at(pieces: Pieces, times: FloatArray) -> AnyArray:
     """Return the states z of the input at the times ``(m,)``, shape ``(m, size)``."""
     index, u = locate(pieces, times)
     c = moved(pieces.coefficients[index], pieces.rates, np.maximum(u, 0.0))
@@ -114,7 +111,7 @@ def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:
     return np.where((u < 0.0)[:, np.newaxis], 0.0, states)
 
 
-def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
+def exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     """Return e^(matrix step) of one matrix for each of the steps ``(m,)``, or of each with its own.
 
     By Taylor series, scaling and squaring, each with as many squarings as it needs: what it
@@ -145,7 +142,7 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
         return np.asarray(scale[:, np.newaxis] * result / scale)
 
 
-def _countable(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
+def _countable(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     """Return `exponentials`; `InputError` where one of them is beyond all numbers."""
     found = exponentials(matrix, steps)
     if not np.all(np.isfinite(found)):
@@ -156,6 +153,6 @@ def _countable(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
     return found
 
 
-def applied(matrices: NDArray[Any], states: NDArray[Any]) -> NDArray[Any]:
+def applied(matrices: AnyArray, states: AnyArray) -> AnyArray:
     """Return each of the matrices ``(m, n, n)`` on its state, ``(m, n)``."""
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])

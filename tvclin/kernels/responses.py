@@ -16,17 +16,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import prod
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.pieces import Pieces, flat, spread
 from tvclin.kernels.response_cases import MARGINAL, respond, room
 from tvclin.kernels.threads import in_slices
-
-FloatArray = NDArray[np.float64]
 
 _PLAIN = (1e-3, 2e-6)
 """Seconds that plain Python takes for one case, and for one time of one output."""
@@ -44,9 +41,9 @@ class System:
     second input, the wind, is taken off the last output.
     """
 
-    poles: NDArray[Any]
-    gains: NDArray[Any]
-    outputs: NDArray[Any]
+    poles: AnyArray
+    gains: AnyArray
+    outputs: AnyArray
     less_wind: bool = True
 
     def only(self, rows: Sequence[int]) -> "System":
@@ -55,7 +52,7 @@ class System:
         return System(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
 
 
-def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
+def growing(poles: AnyArray) -> BoolArray:
     """Return which of all the poles ``(..., N)`` of a plant grow; those on the axis do not."""
     size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
     return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
@@ -63,7 +60,7 @@ def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
 
 def responses(
     system: System, inputs: tuple[Pieces, Pieces], times: FloatArray, shape: tuple[int, ...]
-) -> tuple[FloatArray, NDArray[np.bool_] | None]:
+) -> tuple[FloatArray, BoolArray | None]:
     """Return the outputs ``(*shape, R, n)``, and for which cases they are not to be used.
 
     `inputs`: deflection and wind. `times`: times [s], ``(n,)``, in any order. `shape`: of the
@@ -103,7 +100,7 @@ def responses(
     return out.reshape(*shape, *out.shape[1:]), near.reshape(shape) if near.any() else None
 
 
-def _which(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> NDArray[np.int64]:
+def _which(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:
     """For each case its positions in the batches, ``(len(batches), cases)``."""
     if not shape:
         return np.zeros((len(batches), 1), np.int64)

@@ -8,14 +8,11 @@ Marshall, IEE Proceedings D 134, 1987): no approximation of the delay enters the
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels.any_loop import AnyLoop
-
-FloatArray = NDArray[np.float64]
 
 _AXIS = 1e-12
 """Nearer to the imaginary axis than this part of the largest pole is on it."""
@@ -38,9 +35,9 @@ class Stability:
     NaN.
     """
 
-    poles: NDArray[Any]
-    unstable_poles: NDArray[np.intp]
-    marginal: NDArray[np.bool_]
+    poles: AnyArray
+    unstable_poles: IndexArray
+    marginal: BoolArray
     crossovers: FloatArray
 
 
@@ -70,7 +67,7 @@ def stability(loop: AnyLoop) -> Stability:
 
 
 def _first_due(
-    poles: NDArray[Any], slack: FloatArray, omega: FloatArray, rising: NDArray[np.bool_]
+    poles: AnyArray, slack: FloatArray, omega: FloatArray, rising: BoolArray
 ) -> FloatArray:
     """The phase [rad] still to be lost by poles that begin on the axis or next to it.
 

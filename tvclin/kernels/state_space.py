@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import FloatArray
+
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 

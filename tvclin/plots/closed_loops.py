@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance
 from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     import control
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 _POINTS, _MOST_POINTS, _PER_TURN = 2001, 20_001, 12
 """Points, the most there may be, and those in a turn of the fastest mode."""

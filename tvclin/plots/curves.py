@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import write_rows
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Of a sum of few terms, over the largest number in sight."""

@@ -7,8 +7,8 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
@@ -19,8 +19,6 @@ from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
-
-FloatArray = NDArray[np.float64]
 
 Flights = Callable[[History, float, float, FloatArray], FloatArray]
 """Takes a wind, a deflection limit [rad], a dead band and times [s], ``(n,)``, and gives the

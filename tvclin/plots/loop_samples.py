@@ -5,8 +5,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -23,8 +23,6 @@ from tvclin.plots.style import literal
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 ON_AXIS = 1e-9
 """Poles nearer to the imaginary axis than this part of the largest one are on it."""
@@ -58,9 +56,9 @@ class LoopSamples:
     loop: Loop
     margins: Margins
     bands: BandMargins | None
-    airframe: ComplexArray
+    airframe: AnyArray
     omega: FloatArray
-    response: NDArray[np.complex128]
+    response: ComplexArray
     phase: FloatArray
     words: str
     pade_order: int
@@ -144,7 +142,7 @@ def _samples(
     loop: Loop,
     margins: Margins,
     bands: BandMargins | None,
-    airframe: ComplexArray,
+    airframe: AnyArray,
     words: str,
     order: int,
 ) -> LoopSamples:

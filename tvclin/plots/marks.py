@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.plots.style import INK
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.text import Annotation
     from matplotlib.transforms import Bbox
 
-FloatArray = NDArray[np.float64]
 
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """How far from its mark a number may stand, in points; the nearest clear place is taken."""

@@ -15,12 +15,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, nonnegative, one_of, plain, positive, together
 from tvclin.base.tables import FileTable
-
-FloatArray = NDArray[np.float64]
 
 RATES = {"qL/2V": 2.0, "qL/V": 1.0}
 """The rates of which tables give the coefficient, and f: of aircraft and DATCOM, of missiles."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, directions, finite, number, positive, together
 
 _STEPS = 8
@@ -13,7 +14,7 @@ _AXIS = 1e-12
 
 def angle_from_speed(
     speed: ArrayLike, velocity: ArrayLike, flight_path_angle: ArrayLike
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the wind angle of attack [rad] of a horizontal wind, eq (B1e).
 
         sin(alpha_w) = (V_w/V_R) sin(gamma)
@@ -48,7 +49,7 @@ def angle_from_speed(
 
 def angle_in_plane(
     speed: ArrayLike, velocity: ArrayLike, attitude: ArrayLike, plane: str
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the angle [rad] of a wind [m/s] that meets a flight along its attitude [rad].
 
     In yaw the wind comes across, at right angles. Raise `InputError` as `angle_from_speed`.

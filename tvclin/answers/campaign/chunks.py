@@ -15,10 +15,10 @@ from time import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.manifest import NAME, Manifest, check_versions, read_manifest
+from tvclin.base.arrays import AnyArray
 from tvclin.base.errors import InputError, imported
 from tvclin.base.files import called, exists, make_directory, write_whole
 from tvclin.kernels.choice import pinned
@@ -52,9 +52,7 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
     return chunk
 
 
-def write_chunk(
-    folder: Path, manifest: Manifest, chunk: int, columns: dict[str, NDArray[Any]]
-) -> None:
+def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str, AnyArray]) -> None:
     """Write the columns of a chunk; what stands in its place and is no file is moved aside.
 
     `InputError` when the folder is not there any more, or the file cannot be written.
@@ -114,7 +112,7 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 
 def read_columns(
     folder: Path, manifest: Manifest, chunk: int, names: Sequence[str]
-) -> dict[str, NDArray[Any]]:
+) -> dict[str, AnyArray]:
     """Return some columns of a chunk.
 
     `InputError` for a file that is missing, damaged, or of another campaign.

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import (
     InputError,
     each,
@@ -23,8 +24,6 @@ from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.file import VEHICLE_TABLE
 from tvclin.vehicle.vehicle import NUMBERS
-
-FloatArray = NDArray[np.float64]
 
 SHAPES = ("normal", "uniform", "truncated")
 WIND = {"wind_peak": "angle", "wind_duration": "time"}
@@ -82,7 +81,7 @@ class Dispersed:
     """
 
     values: dict[str, FloatArray]
-    possible: NDArray[np.bool_]
+    possible: BoolArray
 
 
 @dataclass(frozen=True)
@@ -197,7 +196,7 @@ _POSITIVE = (
     "control_force_slope",
     "wind_duration",
 )
-_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bool_]]], ...] = (
+_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], ...] = (
     (_POSITIVE, lambda value, _: value > 0.0),
     (("normal_force_slope", "axial_force", "pitch_damping"), lambda value, _: value >= 0.0),
     (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),

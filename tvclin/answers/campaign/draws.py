@@ -6,11 +6,9 @@ anyway; a Latin hypercube is laid over the whole campaign, and so needs its size
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of, whole_number
-
-FloatArray = NDArray[np.float64]
 
 METHODS = ("plain", "sobol", "latin")
 _BLOCK = 1024

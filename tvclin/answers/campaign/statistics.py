@@ -4,8 +4,9 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
@@ -13,8 +14,6 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.base.lines import Line, number
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-12
 """A probability that is so near to a confidence is equal to it."""

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.checks import (
     check_angle_of_attack,
@@ -13,8 +12,9 @@ from tvclin.answers.schedules.checks import (
     check_masses,
 )
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.schedules.table import Column
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -108,7 +108,7 @@ def _stability(vehicle: Vehicle) -> tuple[str, ...]:
 
 def _thinned(
     time: FloatArray, values: dict[str, FloatArray], most: int
-) -> tuple[NDArray[np.intp], float]:
+) -> tuple[IndexArray, float]:
     """The rows to keep, and how far straight lines between them are off, in parts of the largest.
 
     All where they are few; else the ends, and again and again the row that is farthest off.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.schedules.table import Column
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, number
 
 _BURNING = 0.05
@@ -45,15 +45,13 @@ class Flight:
         """Return the same with notes more."""
         return replace(self, notes=(*self.notes, *notes))
 
-    def rows(self, index: NDArray[np.intp]) -> Flight:
+    def rows(self, index: IndexArray) -> Flight:
         """Return some rows of it."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
         return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
 
 
-def powered(
-    flight: Flight, begun: NDArray[np.bool_], start: float | None, stop: float | None
-) -> Flight:
+def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float | None) -> Flight:
     """Return the rows of one burn, of which no number is missing.
 
     `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
@@ -105,7 +103,7 @@ def _check_times(flight: Flight) -> None:
         )
 
 
-def _check_complete(flight: Flight, chosen: NDArray[np.intp]) -> None:
+def _check_complete(flight: Flight, chosen: IndexArray) -> None:
     """Refuse rows in which a number is missing, or is none that a flight can have."""
     for name, column in flight.columns.items():
         values = column.values[chosen]
@@ -126,7 +124,7 @@ def _check_complete(flight: Flight, chosen: NDArray[np.intp]) -> None:
 
 
 def _left_out(
-    flight: Flight, twice: NDArray[np.bool_], index: NDArray[np.intp], first: int, last: int
+    flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
 ) -> list[str]:
     """What to say of the rows that were not taken."""
     time = flight["time"][index]

@@ -6,11 +6,11 @@ import re
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
 from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
+from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
 
@@ -206,7 +206,7 @@ def rounded(table: Table, flight: Flight) -> list[str]:
     return told
 
 
-def free(table: Table, flight: Flight) -> NDArray[np.bool_]:
+def free(table: Table, flight: Flight) -> BoolArray:
     """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
     events = [_ROD.search(content) for content in table.text.lines]
     times = [float(one[1]) for one in events if one is not None and _is_number(one[1])]

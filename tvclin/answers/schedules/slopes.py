@@ -9,7 +9,8 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.schedules.table import FloatArray, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.table import Heading, Table, letters, read_table_text
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
 
 LEAST = 0.5

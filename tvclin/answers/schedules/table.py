@@ -8,19 +8,17 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.winds.soundings.text import (
     LATEST_HEADER,
     MOST_COLUMNS,
-    IntArray,
     Text,
     read_lines,
 )
 
-FloatArray = NDArray[np.float64]
 Cells = tuple[str, ...]
 
 _SEPARATORS = ",;\t"

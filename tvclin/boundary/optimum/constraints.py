@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -26,8 +25,6 @@ from tvclin.base.errors import (
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +37,7 @@ class Constraints:
     again; inf if never.
     """
 
-    poles: NDArray[Any]
+    poles: AnyArray
     demands: FloatArray
     horizon: float = np.inf
 
@@ -79,7 +76,7 @@ class Constraints:
         part = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
         return self.in_rows(np.exp(-column * knots[:-1]) * part / column)
 
-    def in_rows(self, values: NDArray[Any]) -> FloatArray:
+    def in_rows(self, values: AnyArray) -> FloatArray:
         """Split values at the poles ``(m, ...)`` into the rows ``(n, ...)`` of real conditions."""
         if self.real:
             return values
@@ -87,7 +84,7 @@ class Constraints:
         wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
         return both[wanted]
 
-    def joined(self, rows: FloatArray) -> NDArray[Any]:
+    def joined(self, rows: FloatArray) -> AnyArray:
         """Return the values ``(m,)`` that `in_rows` splits into the rows ``(n,)``."""
         if self.real:
             return rows
@@ -97,11 +94,11 @@ class Constraints:
         return rows[first] - 1j * second
 
     @cached_property
-    def _rows(self) -> NDArray[np.intp]:
+    def _rows(self) -> IndexArray:
         return np.where(np.imag(self.poles) == 0.0, 1, 2)
 
 
-def conditions(poles: NDArray[Any], demands: NDArray[Any], horizon: float = np.inf) -> Constraints:
+def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
     """Return the conditions of poles ``(m,)``, of each pair the upper one, and their demands."""
     bare = Constraints(poles, np.zeros(0), horizon)
     return Constraints(poles, bare.in_rows(demands), horizon)

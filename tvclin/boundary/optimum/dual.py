@@ -16,13 +16,11 @@ the sum, its gradient is L1 m - d and its Hessian
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.exponential_sums import SignedSum, Window
 from tvclin.boundary.optimum.grid import first_cells, grid_optimum, split, switches_in
-
-FloatArray = NDArray[np.float64]
 
 _NEWTON_STEPS = 60
 """Beyond those that a quadratic end takes, for a start with several small multipliers; where they

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
-
-FloatArray = NDArray[np.float64]
 
 _FADED = 60.0
 """Past this many e-folding times of the slowest real pole a change of sign is not sought."""
@@ -132,7 +130,7 @@ def even_for(decay: float, last: float, count: int) -> FloatArray:
 
 
 def _refined(
-    multipliers: FloatArray, function: object, times: FloatArray, left: NDArray[np.intp]
+    multipliers: FloatArray, function: object, times: FloatArray, left: IndexArray
 ) -> FloatArray:
     """The zeros of lambda . function between ``times[left]`` and the times after them."""
     from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import

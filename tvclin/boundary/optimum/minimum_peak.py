@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.boundary.optimum import two_poles
@@ -16,8 +16,6 @@ from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.linear.deflections import BangBang, HeldDeflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"

@@ -7,12 +7,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.kernels.moments import moments
-
-FloatArray = NDArray[np.float64]
 
 _PEAK, _MOTION, _RATE = "peak", "motion", "rate"
 _MAGNIFIED = 1e8

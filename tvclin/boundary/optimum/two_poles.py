@@ -12,14 +12,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, plain, positive, together, within
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-
-FloatArray = NDArray[np.float64]
 
 _NEVER = 60.0
 """e^(-60) is far below the rounding of any condition: a switch later than this is none."""

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+from tvclin.winds.soundings.text import Text
 
 EARTH_RADIUS = 6_356_766.0
 """m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
@@ -20,7 +20,7 @@ FASTEST = 130.0
 archives."""
 _ROUNDING = 1e-9
 """Of directions and speeds, from components or other units."""
-Faults = list[tuple[NDArray[np.bool_], Callable[[int], str]]]
+Faults = list[tuple[BoolArray, Callable[[int], str]]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -139,7 +139,7 @@ def profile_of(levels: Levels) -> WindProfile:
     )
 
 
-def _rising(levels: Levels, index: NDArray[np.intp]) -> tuple[NDArray[np.intp], list[str]]:
+def _rising(levels: Levels, index: IndexArray) -> tuple[IndexArray, list[str]]:
     """Keep of the levels those that lie above all before them."""
     height = levels.height[index]
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], height]))[:-1]

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.winds.soundings.archive import TOO_FEW, FloatArray, IntArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from tvclin.winds.soundings.archive import TOO_FEW
 from tvclin.winds.soundings.levels import Faults, faults, geometric, towards
 from tvclin.winds.soundings.many import Collected
 
@@ -29,7 +30,7 @@ class Rows:
 
     sounding: IntArray
     line: IntArray
-    broken: NDArray[np.bool_]
+    broken: BoolArray
     pressure: FloatArray
     height: FloatArray
     speed: FloatArray
@@ -79,8 +80,8 @@ def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: 
 
 
 def _rising(
-    sounding: IntArray, height: FloatArray, index: NDArray[np.intp]
-) -> tuple[NDArray[np.intp], int, IntArray]:
+    sounding: IntArray, height: FloatArray, index: IndexArray
+) -> tuple[IndexArray, int, IntArray]:
     """Levels above all before them; how many stand twice; and of which soundings the others are."""
     above = height + _APART * sounding
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], above]))[:-1]
@@ -88,7 +89,7 @@ def _rising(
     return index[~(twice | sunk)], int(twice.sum()), sounding[sunk]
 
 
-def _placed(rows: Rows, index: NDArray[np.intp]) -> tuple[NDArray[np.intp], FloatArray]:
+def _placed(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
     """Of levels without a height those that lie between two with one, and their heights [m]."""
     with np.errstate(invalid="ignore", divide="ignore"):
         up = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))

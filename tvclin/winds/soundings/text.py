@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, read_text
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOST_COLUMNS, LATEST_HEADER = 1000, 1000
 """Columns of a table, and lines up to that with their names: no real one has more."""
@@ -63,7 +60,7 @@ class Text:
             )
         return value
 
-    def require(self, good: NDArray[np.bool_], line: IntArray, say: Callable[[int], str]) -> None:
+    def require(self, good: BoolArray, line: IntArray, say: Callable[[int], str]) -> None:
         """Raise an error about the first line that is not good; `say` gets its index."""
         if not np.all(good):
             first = int(np.argmin(good))
