@@ -9,12 +9,12 @@ begins to where it ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
@@ -53,12 +53,12 @@ _TYPES = {float: np.float64, bool: np.bool_}
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What is flown: all of one shape, which is flattened, but for the plants.
+    """What is flown: all of one shape, which is flattened, but for plants and winds.
 
     Attributes
     ----------
     plant, wind : Plant or FlexiblePlant, History
-        One each or a batch.
+        One each or a batch, which broadcast with the shape; or as `vehicle` and `met` say.
     laws : LawBatch
         Of the flights.
     gain : ndarray
@@ -68,11 +68,14 @@ class Batch:
     actuator : Actuator or None
         One or a batch.
     length, delay : ndarray
-        Of a sample and of computing [s]; they broadcast with the batch.
+        Of a sample and of computing [s]; they broadcast with the plants.
     until : float
         When flights end [s]; infinite for when they are decided.
     shape : tuple of int
         Of the batch.
+    vehicle, met : ndarray of int, optional
+        The vehicle (plant with actuator, samples and delay) and the wind of each flight, by their
+        places in their own batches, ``(m,)``.
     """
 
     plant: AnyPlant
@@ -86,6 +89,56 @@ class Batch:
     delay: FloatArray
     until: float
     shape: tuple[int, ...]
+    vehicle: IntArray | None = None
+    met: IntArray | None = None
+
+    @property
+    def vehicles(self) -> tuple[int, ...]:
+        """The shape of the batch of vehicles."""
+        hardware = () if self.actuator is None else self.actuator.batch
+        return np.broadcast_shapes(self.plant.batch, hardware, self.length.shape, self.delay.shape)
+
+    @property
+    def places(self) -> tuple[IntArray, IntArray]:
+        """The vehicle and the wind of each flight, ``(m,)``."""
+        vehicle, met = self.vehicle, self.met
+        if vehicle is None or met is None:
+            vehicle, met = (_places(a, self.shape) for a in (self.vehicles, self.wind.batch))
+        return vehicle, met
+
+    def only(self, good: NDArray[np.bool_]) -> Batch:
+        """Return those flights of the batch, each vehicle and wind that they need once."""
+        own, where = self.vehicles, np.flatnonzero(good)
+        (fleet, vehicle), (winds, met) = (
+            np.unique(a[where], return_inverse=True) for a in self.places
+        )
+
+        def some(array: ArrayLike, shape: tuple[int, ...], which: IntArray) -> FloatArray:
+            return np.broadcast_to(array, shape).ravel()[which]
+
+        gain, limit, rate_limit = (
+            some(a, self.shape, where) for a in (self.gain, self.limit, self.rate_limit)
+        )
+        actuator = self.actuator
+        if actuator is not None:
+            damping = None if actuator.damping is None else some(actuator.damping, own, fleet)
+            frequency = some(actuator.natural_frequency, own, fleet)
+            actuator = Actuator(natural_frequency=frequency, damping=damping)
+        return replace(
+            self,
+            plant=self.plant.some(fleet, own),
+            wind=self.wind.some(winds, self.wind.batch),
+            laws=replace(self.laws, which=self.laws.which[where]),
+            gain=gain,
+            limit=limit,
+            rate_limit=rate_limit,
+            actuator=actuator,
+            length=some(self.length, own, fleet),
+            delay=some(self.delay, own, fleet),
+            shape=where.shape,
+            vehicle=vehicle,
+            met=met,
+        )
 
 
 def one_flight(
@@ -112,14 +165,11 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     All arrays can be written to: the kernel is compiled anew for those that can not.
     """
     shape, m = batch.shape, int(np.prod(batch.shape))
-    hardware = () if batch.actuator is None else batch.actuator.batch
-    own = np.broadcast_shapes(batch.plant.batch, hardware, batch.length.shape, batch.delay.shape)
-    vehicle = _places(own, shape)
+    own, (vehicle, wind) = batch.vehicles, batch.places
     every = np.arange(int(np.prod(own)))
     plant = batch.plant.system.some(every, own)
     n = len(plant.states)
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
-    wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
     late, rest = delay_parts(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
@@ -132,7 +182,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     fine = joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
-    start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
+    start, end = (a.ravel()[wind] for a in (batch.wind.onset, batch.wind.end))
     h = length[vehicle]
     known = ~np.isnan(judges.reach[place][vehicle])
     waiting, settling = (
