@@ -28,7 +28,7 @@ DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 _LATE = "late_command"
 SEEN = ("attitude_error", "seen_rate", "flight_path_angle", "angle_of_attack", "deflection")
 """What a law sees behind its filters."""
-ASKED = "asked"
+ASKED, INTEGRAL = "asked", "attitude_error_integral"
 
 
 def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> LinearSystem:
@@ -74,21 +74,25 @@ def law_of(
     With a period [s] they are in steps.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
-    integral = np.any(np.asarray(autopilot.integral_gain))
-    size = int(integral)
-    own = LinearSystem(
-        np.zeros((size, size)), np.eye(size, 5), np.eye(size), np.zeros((size, 5)), SEEN,
-        ("attitude_error_integral",)[:size], ("attitude_error_integral",)[:size],
-    )  # fmt: skip
+    integral = bool(np.any(np.asarray(autopilot.integral_gain)))
     gains = {
         SEEN[0]: autopilot.attitude_gain,
         SEEN[1]: autopilot.rate_gain,
         SEEN[3]: autopilot.alpha_gain,
     }
     if integral:
-        gains["attitude_error_integral"] = autopilot.integral_gain
+        gains[INTEGRAL] = autopilot.integral_gain
+    own = integral_of_attitude(integral)
     asked = [gain(SEEN[0], {"attitude_command": -1.0}), gain(ASKED, gains)]
     return [*law_blocks(chains, own, plant.sensed, period), *asked]
+
+
+def integral_of_attitude(there: bool) -> LinearSystem:
+    """Return the integral of the attitude error from `SEEN`, or nothing."""
+    n, name = int(there), (INTEGRAL,) if there else ()
+    return LinearSystem(
+        np.zeros((n, n)), np.eye(n, 5), np.eye(n), np.zeros((n, 5)), SEEN, name, name
+    )
 
 
 def law_blocks(

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.control.autopilot.wiring import SEEN
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]
@@ -76,6 +78,13 @@ class Law(Carded, ABC):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G m. None by default."""
         return np.zeros((0, 0)), np.zeros((0, 5))
+
+    @property
+    def memory(self) -> LinearSystem:
+        """Its own states, which follow what it is shown (`SEEN`)."""
+        F, G = self.states
+        names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
+        return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
 
     @property
     def chains(self) -> Chains:

@@ -48,13 +48,13 @@ def worst_near_rest(batch: Batch) -> complex:
     return complex(growth, abs(np.angle(worst))) / float(batch.length)
 
 
-def swing_near_rest(batch: Batch) -> FloatArray:
+def swing_near_rest(batch: Batch, f: Flights) -> FloatArray:
     """Return the growth rate [1/s] of the worst oscillation of each of many loops, ``(m,)``.
 
     What creeps does not count: a real positive eigenvalue of the step, and one that turns by less
-    than a tenth of the fastest growing pole, as the path does.
+    than a tenth of the fastest growing pole, as the path does. `f` are the flights of the batch, at
+    any sample.
     """
-    f = flights(batch)
     # Flights that differ in their limit alone are of one loop, unless their law looks at it.
     looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.law]
     keys = np.column_stack([f.vehicle, f.law, f.gain, np.where(looks, f.limit, 0.0)])

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, law_blocks
+from tvclin.control.autopilot.wiring import (
+    ASKED,
+    RETURNED,
+    SEEN,
+    integral_of_attitude,
+    law_blocks,
+)
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
@@ -72,11 +78,12 @@ class LawBatch:
 
     def memory(self, lengths: FloatArray) -> Memory:
         """Return what steps [s] ``(m,)`` make of the states of the laws and their filters."""
-        systems = [law.states for law in self.laws] or [self._integral()]
+        integral = any(one is not None and one.first_state for one in self.numbers)
+        systems = [law.memory for law in self.laws] or [integral_of_attitude(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
         size = max(
-            len(F) + sum(one.order for chain in chains for one in chain)
-            for (F, _), chains in zip(systems, self.chains, strict=True)
+            len(own.states) + sum(one.order for chain in chains for one in chain)
+            for own, chains in zip(systems, self.chains, strict=True)
         )
         wide = size + MEASURED + 1
         filtered = any(any(chains) for chains in self.chains)
@@ -87,17 +94,13 @@ class LawBatch:
         moved = np.zeros((lengths.size, size, wide))
         seen = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
         told = np.zeros((lengths.size if filtered else 0, wide))
-        for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
+        for k, (own, chains) in enumerate(zip(systems, self.chains, strict=True)):
             mine = np.flatnonzero(which == k)
-            one = _with_filters(system, chains, lengths[mine], size)
+            one = _with_filters(own, chains, lengths[mine], size)
             moved[mine] = one.moved
             if filtered:
                 seen[mine], told[mine] = one.seen, one.told
         return Memory(moved, seen, told)
-
-    def _integral(self) -> tuple[FloatArray, FloatArray]:
-        some = any(one is not None and one.first_state for one in self.numbers)
-        return np.zeros((int(some), int(some))), np.eye(int(some), MEASURED)
 
 
 def shape_of(law: Any) -> tuple[int, ...]:
@@ -159,16 +162,11 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch((), numbers, [chains], np.broadcast_to(index, shape).ravel())
 
 
-def _with_filters(
-    system: tuple[FloatArray, FloatArray], chains: Chains, lengths: FloatArray, size: int
-) -> Memory:
+def _with_filters(own: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """The memory of one law in steps of the lengths [s] ``(m,)``, with rows for `size` states.
 
     Its own states first, then those of each chain.
     """
-    F, G = system
-    names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
-    own = LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), own, SENSED[:2], lengths)
     law = connect(blocks, (*SENSED, ASKED), (*SEEN, RETURNED))
     n, wide = len(law.states), size + MEASURED + 1

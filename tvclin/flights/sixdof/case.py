@@ -26,7 +26,6 @@ from tvclin.flights.control import Command, ReportControl
 from tvclin.flights.sixdof.airframe import Place, borrowed
 from tvclin.flights.sixdof.departure import Course, course_of
 from tvclin.flights.sixdof.earth import Earth
-from tvclin.flights.sixdof.nozzle import Nozzle
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -146,8 +145,7 @@ class SixDof:
                 f"step must be at most {_PER_SERVO / float(actuator.natural_frequency):.6g} s for"
                 f" an actuator of {actuator.natural_frequency:.6g} rad/s; got {self.step:.6g} s"
             )
-        nozzle = Nozzle(actuator, command.rate_limit, self.step)
-        return by_law(control, nozzle, limit, air.times.size)
+        return by_law(command, limit, self.step, air.times.size)
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""

@@ -17,7 +17,6 @@ from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.falls import has_fallen, watched_until
 from tvclin.flights.sixdof.airframe import borrowed
 from tvclin.flights.sixdof.case import SixDof
-from tvclin.flights.sixdof.steering import memory_step
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
@@ -92,8 +91,8 @@ def _steering(
     law: LawInPlanes, limit: float, step: float
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
     """Return what asks the law at every step, and remembers what it remembers."""
-    kept, learnt = memory_step(law.law, step)
-    memory, most = np.zeros(len(kept), complex), np.array([limit])
+    learning = law.law.memory.to_steps(step)
+    memory, most = np.zeros(len(learning.states), complex), np.array([limit])
 
     def asked(planes: list[Measurement]) -> tuple[float, float]:
         nonlocal memory
@@ -101,7 +100,7 @@ def _steering(
         measured = np.array(pitch) + 1j * np.array(yaw)
         demand = law.demand(measured[np.newaxis], memory[np.newaxis], most)
         (command,), _ = law.limited(demand, most)
-        memory = kept @ memory + learnt @ measured
+        memory = learning.A @ memory + learning.B @ measured
         return float(command.real), float(command.imag)
 
     return asked
