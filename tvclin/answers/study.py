@@ -36,6 +36,7 @@ from tvclin.base.errors import (
     single,
     within,
 )
+from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
@@ -55,6 +56,9 @@ _LEAST_SIZE, _LARGEST_SIZE = 0.01, 1e9
 _SIZES = 5
 """Sizes of a wind at which what its sign changes is computed for dispersed winds."""
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
+STUDY_TABLE = FileTable(
+    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "sign")
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
-from tvclin.answers.study_file.plan import STUDY_TABLE
+from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of

@@ -9,7 +9,7 @@ from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study import Study, pulse_of
-from tvclin.base.declared import count, file_table, quantity, word
+from tvclin.base.declared import count, quantity, word
 from tvclin.base.errors import InputError, between, fraction, instance
 from tvclin.linear.deflections import SWITCHES
 from tvclin.winds.histories import History
@@ -139,8 +139,3 @@ class StudyPlan(Case):
     def study(self) -> Study:
         """Return the study; raise `InputError` as `Study.of`."""
         return Study.of(self, self.dead_band, self.switch, self.sign)
-
-
-STUDY_TABLE = file_table(
-    "[study]", StudyPlan, "model plane dead_band switch sign", words=("vehicle",)
-)
