@@ -12,12 +12,11 @@ from functools import cache
 from math import exp, log1p
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import within
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST = 86_000.0
 """Highest altitude [m]."""

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -37,8 +38,6 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""

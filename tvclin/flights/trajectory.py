@@ -14,8 +14,9 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     LATEST,
     InputError,
@@ -31,8 +32,6 @@ from tvclin.flights.condition import FlightCondition
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.winds.histories import History, Piecewise
 from tvclin.winds.sampled import straight_lines
-
-FloatArray = NDArray[np.float64]
 
 _RTOL = 1e-11
 """Of the solver: the nominal flight enters all others, which are exact to about 1e-9."""

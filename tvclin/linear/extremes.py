@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import keyed
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
 Function = Callable[[FloatArray], FloatArray]
 
 _COARSE, _BETWEEN = 2001, 100

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.motions import axial_acceleration
 
 
-def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], NDArray[np.complex128]]:
+def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], ComplexArray]:
     """Return the names of bending modes and tanks, and their poles in the airframe.
 
     Parameters

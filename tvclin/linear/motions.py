@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.vehicle.structure import SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
-
-FloatArray = NDArray[np.float64]
 
 _LEAST = 1e-12
 """Of the eigenvalues of a mass matrix scaled to a diagonal of about one; rounding leaves 1e-15."""

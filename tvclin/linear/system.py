@@ -16,8 +16,9 @@ from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.kernels import state_space
 from tvclin.kernels.propagation import driven, exponentials
@@ -25,7 +26,6 @@ from tvclin.kernels.propagation import driven, exponentials
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 Names = tuple[str, ...]
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
@@ -67,11 +67,11 @@ class LinearSystem:
         return np.broadcast_shapes(*(one.shape[:-2] for one in self.matrices()))
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """The eigenvalues of A, ``(..., n)``: s [1/s], or z in steps."""
         return np.linalg.eigvals(self.A).astype(complex)
 
-    def response(self, s: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, s: ArrayLike) -> ComplexArray:
         """Return C (s - A)^-1 B + D, ``batch + s.shape + (outputs, inputs)``.
 
         Parameters
@@ -120,7 +120,7 @@ class LinearSystem:
         """Return the system with other names of some inputs."""
         return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
 
-    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> LinearSystem:
+    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
         """Return some of the batch spread to `shape`, ``(k,)``, by their flat positions there."""
 
         def of(array: FloatArray, axes: int) -> FloatArray:
@@ -207,7 +207,7 @@ class LinearSystem:
         return control.StateSpace(*self.matrices(), 0, name=name, **named)
 
 
-def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[IndexArray, FloatArray]:
     """Return the whole samples of a delay, and the rest [s] of it."""
     samples = delay / np.where(period > 0.0, period, 1.0)
     whole = np.floor(samples + WHOLE)

@@ -11,8 +11,8 @@ Digital Control of Dynamic Systems).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.feedback import Feedback
@@ -22,8 +22,6 @@ from tvclin.kernels import state_space
 from tvclin.kernels.state_loop import StateLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect
-
-FloatArray = NDArray[np.float64]
 
 _MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 """The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
@@ -65,14 +63,14 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
     h, late = (np.broadcast_to(one, batch) for one in (period, delay))
 
-    def steps_later(delays: FloatArray, cases: NDArray[np.intp]) -> LinearSystem:
+    def steps_later(delays: FloatArray, cases: IndexArray) -> LinearSystem:
         own, seen = (one.some(cases, batch) for one in (vehicle, law))
         return own.to_steps(h.ravel()[cases], delays).series(seen)
 
-    def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
+    def later(delays: FloatArray, cases: IndexArray) -> StateLoop:
         return _in_plane(steps_later(delays, cases), h.ravel()[cases])
 
-    def closed_later(delays: FloatArray, cases: NDArray[np.intp]) -> NDArray[np.complex128]:
+    def closed_later(delays: FloatArray, cases: IndexArray) -> ComplexArray:
         return steps_later(delays, cases).feedback(RETURNED, COMMAND).poles
 
     open_loop = _in_plane(vehicle.to_steps(h, late).series(law), h)

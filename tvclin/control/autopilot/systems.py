@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     import control
-
-FloatArray = NDArray[np.float64]
 
 
 def wind_response(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.wiring import wind_numerator
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
@@ -18,7 +18,6 @@ from tvclin.linear.flexible import AnyPlant
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
 
-FloatArray = NDArray[np.float64]
 
 _EVEN = 801
 """Logarithmic frequencies from far below the smallest root to far beyond the largest."""

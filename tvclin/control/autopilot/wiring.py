@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Matrices, pade_delay
@@ -20,8 +20,6 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.vehicle.filters import Filter
-
-FloatArray = NDArray[np.float64]
 
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
@@ -22,8 +22,6 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
-
-FloatArray = NDArray[np.float64]
 
 _SHOWN = 3
 """States of the plant that a law is shown."""

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.boundary.stops import PolygonStop, Stop, Vectors, stop_of
 from tvclin.control.laws.law import Law, Measurement
-
-FloatArray = NDArray[np.float64]
 
 SATURATE = ("radial", "each plane")
 
@@ -97,7 +95,7 @@ class LawInPlanes:
         ]
         return np.asarray(turn * self._by_parts(measured * back, states * back, limits))
 
-    def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, NDArray[np.bool_]]:
+    def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
         """Return the demand within the limits [rad], and which of them meet the stop."""
         if self.radial:
             with np.errstate(over="ignore"):  # of the least limit that a number can be

@@ -19,8 +19,8 @@ from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -29,8 +29,6 @@ from tvclin.flights.closed_loop.equations import Equations
 from tvclin.flights.closed_loop.regime_ends import End, ends_of, mode_at, taken_up, touched
 from tvclin.flights.closed_loop.regimes import Loop, Regime
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver, for each step; the second over the peak of the wind."""

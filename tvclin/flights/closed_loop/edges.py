@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, shown, whole_number
 from tvclin.flights.closed_loop.checks import check_samples
 from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Words = NDArray[np.str_]
 
 OK = "ok"

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -23,8 +23,6 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
 from tvclin.kernels.state_space import beside
 from tvclin.linear.system import LinearSystem, connect
-
-FloatArray = NDArray[np.float64]
 
 SENSED = ("sensed_attitude", "sensed_attitude_rate", *SEEN[2:])
 """What the sensors give, as of `Measurement`."""
@@ -69,7 +67,7 @@ class LawBatch:
     laws: tuple[Law, ...]
     numbers: list[LawNumbers | None]
     chains: list[Chains]
-    which: NDArray[np.int64]
+    which: IntArray
 
     @property
     def noise(self) -> list[tuple[float, int]]:
@@ -130,7 +128,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch(every, numbers, chains, np.broadcast_to(index, shape).ravel())
 
 
-def _array(law: Any) -> NDArray[Any]:
+def _array(law: Any) -> AnyArray:
     laws = np.asarray(law, dtype=object)
     if not laws.size or laws.ndim > MOST_AXES or not all(isinstance(one, Law) for one in laws.flat):
         raise InputError(

@@ -18,16 +18,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.flights.closed_loop.growth import step_near_rest
 from tvclin.linear.system import delay_parts
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
 
-FloatArray = NDArray[np.float64]
-Response = Callable[[Any], NDArray[np.complex128]]
+Response = Callable[[Any], ComplexArray]
 
 _FREQUENCIES, _PER_TURN = 1500, 8
 """Angles that are laid by ratio, and in each turn of the delay."""
@@ -113,7 +112,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         more = step(0.0, 2.0) - free
         more_by_command = step(1.0, 2.0) - moved - more
 
-    def response(angles: Any) -> NDArray[np.complex128]:
+    def response(angles: Any) -> ComplexArray:
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, late = np.exp(1j * theta), np.exp(-1j * samples * theta)
         loop = free + late * by_command

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.recoverable import MOST_MODES
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import that_grow
 from tvclin.linear.plant import INPUTS
-
-FloatArray = NDArray[np.float64]
 
 SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
@@ -70,7 +68,7 @@ def judging(plant: AnyPlant) -> Judging:
     )
 
 
-def decidable(plant: AnyPlant) -> NDArray[np.bool_]:
+def decidable(plant: AnyPlant) -> BoolArray:
     """Return which plants of a batch have one or two real unstable poles and a moment."""
     judges = judging(plant)
     return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)

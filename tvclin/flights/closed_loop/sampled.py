@@ -14,8 +14,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
@@ -38,9 +39,6 @@ from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import delay_parts
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LONGEST = 1_000_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
@@ -106,7 +104,7 @@ class Batch:
             vehicle, met = (_places(a, self.shape) for a in (self.vehicles, self.wind.batch))
         return vehicle, met
 
-    def only(self, good: NDArray[np.bool_]) -> Batch:
+    def only(self, good: BoolArray) -> Batch:
         """Return those flights of the batch, each vehicle and wind that they need once."""
         own, where = self.vehicles, np.flatnonzero(good)
         (fleet, vehicle), (winds, met) = (
@@ -339,7 +337,7 @@ def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
     return np.asarray(asked, dtype=float)
 
 
-def _table(laws: list[LawNumbers]) -> NDArray[Any]:
+def _table(laws: list[LawNumbers]) -> AnyArray:
     """The laws as an array with their fields, for machine code."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array([tuple(one) for one in laws], dtype=kinds)

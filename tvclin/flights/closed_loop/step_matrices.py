@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.control.autopilot.actuated import INPUTS
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.kernels.state_space import beside
 from tvclin.linear.system import LinearSystem, connect, rising
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 COARSE = 0.5 + 1e-9
 """Samples of a law are steps of the hardware up to this part of 1/omega of its actuator."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuated import INPUTS, actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
@@ -13,8 +13,6 @@ from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import connect, rising
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 
 def check_track(f: Flights, order: int) -> None:

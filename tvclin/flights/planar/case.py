@@ -12,8 +12,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -33,8 +33,6 @@ from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver, for each step of a flight without a law; angles [rad] are some hundredths."""

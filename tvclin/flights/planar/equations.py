@@ -19,13 +19,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance, one_of, single
 from tvclin.flights.trajectory import NominalFlight
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-
-FloatArray = NDArray[np.float64]
 
 PLANES = ("pitch", "yaw")
 STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "altitude")

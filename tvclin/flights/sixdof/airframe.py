@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from itertools import repeat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
@@ -23,7 +23,6 @@ from tvclin.flights.sixdof.steering import Steering
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
-FloatArray = NDArray[np.float64]
 Place = Earth | Departure | None
 
 _STIFF = 4.0

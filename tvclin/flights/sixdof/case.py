@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     flag,
@@ -31,8 +31,6 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SHORTEST, _LONGEST = 1e-4, 0.02
 """Steps of the engine [s] that are taken."""

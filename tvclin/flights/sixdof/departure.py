@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.vehicle.vehicle import Vehicle
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

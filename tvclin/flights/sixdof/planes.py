@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -20,8 +20,6 @@ from tvclin.flights.sixdof.case import SixDof
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-
-FloatArray = NDArray[np.float64]
 
 
 def planes_verdict(

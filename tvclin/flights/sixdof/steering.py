@@ -10,15 +10,14 @@ from collections.abc import Callable
 from math import copysign
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuated import turning
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.control import ONSET, Command
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
 Steering = Callable[[int, Measurement], float]
 """Takes the number of a step and what is foreseen for its end; gives the deflection [rad]."""
 
