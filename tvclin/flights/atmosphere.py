@@ -36,16 +36,7 @@ _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
 class Air:
     """Air at some altitudes; every field has their shape.
 
-    Attributes
-    ----------
-    temperature : ndarray
-        [K].
-    pressure : ndarray
-        [Pa].
-    density : ndarray
-        [kg/m^3].
-    sound_speed : ndarray
-        [m/s].
+    `temperature`: [K]. `pressure`: [Pa]. `density`: [kg/m^3]. `sound_speed`: [m/s].
     """
 
     temperature: FloatArray

@@ -138,11 +138,8 @@ class FlightBeside:
 def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:
     """Return the least deflection limit [rad] with which a control survives in linear theory.
 
-    Raises
-    ------
-    InputError
-        As `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no limit
-        up to four times the largest trim deflection.
+    `InputError` as `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no
+    limit up to four times the largest trim deflection.
     """
     if isinstance(control, ReportControl):
         found = boundary_limit(plant, wind, control.dead_band, switch="literal")

@@ -240,20 +240,10 @@ def nominal_flight(
 ) -> NominalFlight:
     """Return the nominal flight through a vehicle's state, from `start` to `stop` [s].
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle, with the time to which its numbers belong (zero where it has none).
-    condition : FlightCondition
-        Altitude and specific impulse.
-    start, stop : float
-        The span [s], around the vehicle's time.
-
-    Raises
-    ------
-    InputError
-        For a batch, a span that does not hold the vehicle's time, and one in which the mass is
-        used up or the flight leaves the atmosphere.
+    `vehicle`: one vehicle, with the time to which its numbers belong (zero where it has none).
+    `condition`: altitude and specific impulse. `start`, `stop`: the span [s], around the vehicle's
+    time. `InputError` for a batch, a span that does not hold the vehicle's time, and one in which
+    the mass is used up or the flight leaves the atmosphere.
 
     Examples
     --------

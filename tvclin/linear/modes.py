@@ -98,16 +98,8 @@ def unstable_modes(plant: Plant) -> Modes:
 def unstable_poles(plant: Plant) -> AnyArray:
     """Return the poles of `unstable_modes` alone, which take a third of the time.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant or a batch.
-
-    Returns
-    -------
-    ndarray
-        The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
-        where all are.
+    The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real where
+    all are.
     """
     return that_grow(plant.poles)
 
@@ -128,10 +120,7 @@ def parted(poles: AnyArray) -> AnyArray:
     What two poles ask for together depends on their mean and on the square of their distance, so a
     distance of 2e-6 of their size changes it by some 1e-12, and keeps it from 0/0.
 
-    Parameters
-    ----------
-    poles : ndarray
-        The fastest first, as `unstable_poles` gives them; NaN where there is none.
+    `poles`: the fastest first, as `unstable_poles` gives them; NaN where there is none.
     """
     apart = np.array(poles)
     for i in range(poles.shape[-1] - 1):

@@ -73,19 +73,8 @@ def wind_answer(
 ) -> WindAnswer:
     """Return the answer of x' = A x + B w, y = C x + D w to a wind, from rest.
 
-    Parameters
-    ----------
-    A, B, C, D : ndarray
-        One system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
-    labels : tuple of str
-        Names of the outputs.
-    wind : History
-        One wind [rad].
-
-    Raises
-    ------
-    InputError
-        For a batch of winds.
+    `A`, `B`, `C`, `D`: one system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
+    `labels`: names of the outputs. `wind`: one wind [rad]. `InputError` for a batch of winds.
     """
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)

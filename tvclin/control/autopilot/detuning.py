@@ -219,12 +219,8 @@ def with_modes(
 ) -> FlexiblePlant:
     """Return plants with factors on frequencies, dampings and slopes at the sensors of the modes.
 
-    Parameters
-    ----------
-    plant : FlexiblePlant
-        One or a batch, which broadcasts with the factors.
-    frequency, damping, turned : ndarray
-        Of bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
+    `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`, `turned`: of
+    bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
     """
     structure = plant.structure
     signs = np.ones_like(frequency) if turned is None else turned

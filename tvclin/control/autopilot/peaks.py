@@ -26,16 +26,8 @@ def deflection_peaks(
     The loops are those of `Autopilot.answer`, and exact at every sample; beside the highest sample
     a parabola stands for the motion. For searches: what they find is to be asked of `answer`.
 
-    Parameters
-    ----------
-    autopilot : Feedback
-        A row of gains, ``(m,)``, and one delay.
-    plant : Plant or FlexiblePlant
-        One plant.
-    wind : History
-        One wind that ends.
-    after : float
-        How long the loops are followed behind its end [s].
+    `autopilot`: a row of gains, ``(m,)``, and one delay. `plant`: one plant. `wind`: one wind that
+    ends. `after`: how long the loops are followed behind its end [s].
     """
     A, B, row, through = _closed(autopilot, plant)
     pieces, (m, n) = wind.pieces, A.shape[:2]

@@ -30,19 +30,10 @@ _MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     """Return the loop of an autopilot that has a sample rate.
 
-    Parameters
-    ----------
-    autopilot : Feedback
-        With a sample_rate [Hz]. Its delay is that from the sample to the command at the actuator,
-        up to 25 periods, whole or not.
-    plant : Plant or FlexiblePlant
-        One or a batch.
-
-    Raises
-    ------
-    InputError
-        For a filter whose own frequency is not below half the sample rate, a delay above 25
-        periods, and a vehicle that grows beyond all bounds in one.
+    `autopilot`: with a sample_rate [Hz]. Its delay is that from the sample to the command at the
+    actuator, up to 25 periods, whole or not. `plant`: one or a batch. `InputError` for a filter
+    whose own frequency is not below half the sample rate, a delay above 25 periods, and a vehicle
+    that grows beyond all bounds in one.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = (*plant.sensed, "angle_of_attack")

@@ -24,16 +24,8 @@ def wind_response(
 ) -> control.TimeResponseData:
     """Return a response to a wind alone as `control.TimeResponseData`.
 
-    Parameters
-    ----------
-    times, outputs : ndarray
-        Times [s], ``(m,)``, and the outputs there, ``(n, m)``.
-    wind : History
-        The wind [rad].
-    labels : tuple of str
-        Names of the outputs.
-    name, title : str
-        What responds, and the title of its plot.
+    `times`, `outputs`: times [s], ``(m,)``, and the outputs there, ``(n, m)``, with their names.
+    `name`, `title`: what responds, and the title of its plot.
     """
     from control import TimeResponseData
 

@@ -32,13 +32,8 @@ _PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
 def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
 
-    Parameters
-    ----------
-    plant, autopilot : Plant or FlexiblePlant, Autopilot
-        One each.
+    `plant`, `autopilot`: one each.
 
-    Notes
-    -----
     It is the highest peak of |G(j omega)|, the delay being exact. The peak is bracketed among
     frequencies around all roots and gain crossovers and refined there, so that what is left is
     rounding, about 1e-12 of the value for well separated roots. Of a flexible plant, which has no

@@ -101,17 +101,10 @@ def law_blocks(
 ) -> list[LinearSystem]:
     """Return the states of a law and its filters: from what is sensed to `SEEN`, and from `ASKED`.
 
-    Parameters
-    ----------
-    chains : mapping
-        The filters of each of `CHAINS`.
-    own : LinearSystem
-        Of the law's own states, from `SEEN`.
-    sensed : tuple of str
-        Names of attitude and attitude rate ahead of the filters.
-    period : ndarray, optional
-        With one [s] all are in steps: the filters by the bilinear rule, each exact at its own
-        frequency, the states with what is seen held from sample to sample.
+    `chains`: the filters of each of `CHAINS`. `own`: of the law's own states, from `SEEN`.
+    `sensed`: names of attitude and attitude rate ahead of the filters. `period`: with one [s] all
+    are in steps: the filters by the bilinear rule, each exact at its own frequency, the states with
+    what is seen held from sample to sample.
     """
     ends = ((sensed[0], SEEN[0]), (sensed[1], SEEN[1]), (ASKED, RETURNED))
     blocks = [own if period is None else own.to_steps(period)] if own.states else []
@@ -134,10 +127,7 @@ def in_steps(one: Filter, period: FloatArray, name: str) -> Matrices:
 
     That is the geometric mean of its poles; c = 2/h where it has none. `name` is for messages.
 
-    Raises
-    ------
-    InputError
-        For a filter whose own frequency is not below half the sample rate.
+    `InputError` for a filter whose own frequency is not below half the sample rate.
     """
     if not one.order:
         return one.matrices()

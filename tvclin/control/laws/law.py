@@ -43,12 +43,8 @@ class Chains(NamedTuple):
     They run at the sample rate of the flight, by the bilinear rule, each exact at its own
     frequency.
 
-    Attributes
-    ----------
-    attitude, attitude_rate : tuple of Filter
-        Between a sensor and the law.
-    demand : tuple of Filter
-        Between what the law asks for and the limit.
+    `attitude`, `attitude_rate`: between a sensor and the law. `demand`: between what the law asks
+    for and the limit.
     """
 
     attitude: tuple[Filter, ...] = ()
@@ -120,10 +116,7 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
     `Measurement` has the attitude, its rate and the flight path angle, which are the first states
     of every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
 
-    Raises
-    ------
-    InputError
-        As `unstable_coordinates`, and for a plant whose unstable modes move its speed.
+    `InputError` as `unstable_coordinates`, and for a plant whose unstable modes move its speed.
     """
     modes = unstable_coordinates(plant)
     if np.any(modes.rows[:, _SHOWN:]):

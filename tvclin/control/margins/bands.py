@@ -164,19 +164,9 @@ class BandMargins(Shown):
 def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMargins:
     """Return the margins of a loop by band.
 
-    Parameters
-    ----------
-    loop : Loop
-        Held as matrices, one or a batch ``(...)``.
-    names : tuple of str
-        Names of the modes.
-    poles : ndarray
-        Upper pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop.
-
-    Raises
-    ------
-    InputError
-        For a loop that is held as polynomials.
+    `loop`: held as matrices, one or a batch ``(...)``. `names`: names of the modes. `poles`: upper
+    pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop. `InputError` for a
+    loop that is held as polynomials.
     """
     instance("loop", loop, Loop, "see Autopilot.exact_loop")
     if not isinstance(loop.form, StateLoop):

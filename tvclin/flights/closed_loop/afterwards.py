@@ -35,12 +35,7 @@ _OF_EACH = (
 def swings_on(f: Flights, laws: LawBatch) -> BoolArray:
     """Return which of the flights that were brought back still meet limits long afterwards.
 
-    Parameters
-    ----------
-    f : Flights
-        At their ends.
-    laws : LawBatch
-        Of the flights; those of a law with noise are not flown on.
+    `f`: at their ends. `laws`: of the flights; those of a law with noise are not flown on.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.law]
     left = np.flatnonzero((f.outcome == SURVIVED) & silent & (f.settling > 0))

@@ -57,18 +57,9 @@ class Arc:
 class ContinuousFlight:
     """The equations of one flight.
 
-    Attributes
-    ----------
-    equations, law, wind : Equations, Law, History
-        What flies.
-    limit, rate_limit : float
-        Of the deflection [rad] and its rate [rad/s].
-    actuator : Actuator or None
-        What lies between command and deflection.
-    farthest : float
-        Attitude [rad] from the nominal at which the flight ends.
-    gain : float
-        Factor on what the law asks for.
+    `equations`, `law`, `wind`: what flies. `limit`, `rate_limit`: of the deflection [rad] and its
+    rate [rad/s]. `actuator`: what lies between command and deflection. `farthest`: attitude [rad]
+    from the nominal at which the flight ends. `gain`: factor on what the law asks for.
     """
 
     equations: Equations

@@ -33,14 +33,8 @@ class Memory(NamedTuple):
 
     Each row acts on the states, then on what is sensed, five numbers, and what a law asks for.
 
-    Attributes
-    ----------
-    moved : ndarray
-        The next states, ``(l, s, s + 6)``.
-    seen : ndarray
-        What the laws see, ``(l, 5, s + 6)``; of no length without filters.
-    told : ndarray
-        What the limit is told, ``(l, s + 6)``; likewise.
+    `moved`: the next states, ``(l, s, s + 6)``. `seen`: what the laws see, ``(l, 5, s + 6)``; of no
+    length without filters. `told`: what the limit is told, ``(l, s + 6)``; likewise.
     """
 
     moved: FloatArray
@@ -52,16 +46,9 @@ class Memory(NamedTuple):
 class LawBatch:
     """The laws of m flights.
 
-    Attributes
-    ----------
-    laws : tuple of Law
-        Those that there are; none where a batch of gains stands for them.
-    numbers : list of LawNumbers or None
-        Of each; None where Python must be asked.
-    chains : list of Chains
-        The filters of each law; of all at once where a batch of gains stands for them.
-    which : ndarray of int
-        The law of each flight, ``(m,)``.
+    `laws`: those that there are; none where a batch of gains stands for them. `numbers`: of each;
+    None where Python must be asked. `chains`: the filters of each law; of all at once where a batch
+    of gains stands for them. `which`: the law of each flight, ``(m,)``.
     """
 
     laws: tuple[Law, ...]
@@ -111,10 +98,7 @@ def shape_of(law: Any) -> tuple[int, ...]:
 def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     """Return the laws of a batch of flights of this shape.
 
-    Raises
-    ------
-    InputError
-        For what is no law, and for an autopilot with an actuator or a delay.
+    `InputError` for what is no law, and for an autopilot with an actuator or a delay.
     """
     if isinstance(law, Autopilot):
         return _gains(law, shape)

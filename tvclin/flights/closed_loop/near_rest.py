@@ -42,14 +42,8 @@ _EXACT = 4.0 * np.finfo(float).eps
 def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, float]:
     """Return by how much to divide, and to multiply, until the loop grows; infinite for never.
 
-    Parameters
-    ----------
-    batch : Batch
-        One flight, whose loop does not grow.
-    name : {"gain", "effectiveness"}
-        What is multiplied.
-    pace : float
-        The fastest unstable pole of the plant [1/s].
+    `batch`: one flight, whose loop does not grow. `name`: what is multiplied. `pace`: the fastest
+    unstable pole of the plant [1/s].
     """
     samples, rest = delay_parts(batch.delay, batch.length)
     loop = _response(replace(batch, delay=rest), name, float(samples))
@@ -66,15 +60,9 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
 def delay_at_growth(batch: Batch, pace: float) -> float:
     """Return the least delay [s], beyond that of the loop, with which it grows.
 
-    Parameters
-    ----------
-    batch : Batch
-        One flight, whose loop does not grow.
-    pace : float
-        The fastest unstable pole of the plant [1/s].
+    `batch`: one flight, whose loop does not grow. `pace`: the fastest unstable pole of the plant
+    [1/s].
 
-    Notes
-    -----
     With a fraction f of a sample in l, as many whole samples n bring a mode to the circle as arg l
     = n theta where ``|l| = 1``; f is the one with which n is whole.
     """

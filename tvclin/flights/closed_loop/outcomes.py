@@ -21,18 +21,12 @@ WAITING = 60.0
 class Judging(NamedTuple):
     """What judges the flights of plants ``(p,)`` with states ``(n,)``.
 
-    Attributes
-    ----------
-    rows : ndarray
-        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states, of
-        the deflection and its rate; zeros for no second.
-    reach : ndarray
-        Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
-        two real unstable poles, so that nothing can be said of its flights.
-    ratio : ndarray
-        The slow pole over the fast one; zero where there is one, ``(p,)``.
-    settling, waiting : ndarray
-        How long a flight must be settled to be saved, and may be open [s], ``(p,)``.
+    `rows`: of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states,
+    of the deflection and its rate; zeros for no second. `reach`: of the coordinates, over the
+    deflection limit, ``(p,)``. NaN where a plant has not one or two real unstable poles, so that
+    nothing can be said of its flights. `ratio`: the slow pole over the fast one; zero where there
+    is one, ``(p,)``. `settling`, `waiting`: how long a flight must be settled to be saved, and may
+    be open [s], ``(p,)``.
     """
 
     rows: FloatArray

@@ -53,27 +53,13 @@ _TYPES = {float: np.float64, bool: np.bool_}
 class Batch:
     """What is flown: all of one shape, which is flattened, but for plants and winds.
 
-    Attributes
-    ----------
-    plant, wind : Plant or FlexiblePlant, History
-        One each or a batch, which broadcast with the shape; or as `vehicle` and `met` say.
-    laws : LawBatch
-        Of the flights.
-    gain : ndarray
-        Factor on what each asks for, of the shape of the batch.
-    limit, rate_limit : ndarray
-        Of the deflection, of the shape of the batch.
-    actuator : Actuator or None
-        One or a batch.
-    length, delay : ndarray
-        Of a sample and of computing [s]; they broadcast with the plants.
-    until : float
-        When flights end [s]; infinite for when they are decided.
-    shape : tuple of int
-        Of the batch.
-    vehicle, met : ndarray of int, optional
-        The vehicle (plant with actuator, samples and delay) and the wind of each flight, by their
-        places in their own batches, ``(m,)``.
+    `plant`, `wind`: one each or a batch, which broadcast with the shape; or as `vehicle` and `met`
+    say. `laws`: of the flights. `gain`: factor on what each asks for, of the shape of the batch.
+    `limit`, `rate_limit`: of the deflection, of the shape of the batch. `actuator`: one or a batch.
+    `length`, `delay`: of a sample and of computing [s]; they broadcast with the plants. `until`:
+    when flights end [s]; infinite for when they are decided. `vehicle`, `met`: the vehicle (plant
+    with actuator, samples and delay) and the wind of each flight, by their places in their own
+    batches, ``(m,)``.
     """
 
     plant: AnyPlant

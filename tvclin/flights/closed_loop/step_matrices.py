@@ -34,12 +34,8 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
 
     One where the samples of the law are as close as the nozzle needs; more where they are not.
 
-    Parameters
-    ----------
-    frequencies : ndarray
-        Of the nozzles [rad/s], ``(p,)``.
-    lengths : ndarray
-        Of a step and its parts [s], ``(p, 1 + parts)``.
+    `frequencies`: of the nozzles [rad/s], ``(p,)``. `lengths`: of a step and its parts [s], ``(p, 1
+    + parts)``.
     """
     turns = frequencies[:, np.newaxis] * lengths
     wanted = np.maximum(np.ceil(SUBSTEPS * turns[:, 1:] - 1e-9), 1.0)

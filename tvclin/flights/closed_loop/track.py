@@ -30,14 +30,8 @@ def between_samples(
 ) -> FloatArray:
     """Return the states of the plant and the deflection at times ``(n,)``, zero before the start.
 
-    Parameters
-    ----------
-    f : Flights
-        One flight, flown with its track.
-    plant, actuator, wind : Plant or FlexiblePlant, Actuator or None, History
-        What flew.
-    times : ndarray
-        Times [s] up to its end.
+    `f`: one flight, flown with its track. `plant`, `actuator`, `wind`: what flew. `times`: times
+    [s] up to its end.
     """
     bare, whole = plant.system, actuated(plant, actuator).select(INPUTS[:1], ())
     n, N, order = len(bare.states), f.y.shape[1], len(whole.states)

@@ -44,13 +44,9 @@ _FURTHER = 1e-6
 class Flown:
     """A flight.
 
-    Attributes
-    ----------
-    rows : callable
-        Takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
-        NaN after the end.
-    end : float
-        When the attitude left the range of the model [s]; infinite if it did not.
+    `rows`: takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
+    NaN after the end. `end`: when the attitude left the range of the model [s]; infinite if it did
+    not.
     """
 
     rows: Callable[[FloatArray], FloatArray]
@@ -61,14 +57,8 @@ class Flown:
 class PlanarCase:
     """What is flown, checked; make it with `planar_case`.
 
-    Attributes
-    ----------
-    motion : PlanarMotion
-        The equations.
-    wind : History
-        One wind that ends.
-    span : tuple of float
-        Beginning and end of the flight [s].
+    `motion`: the equations. `wind`: one wind that ends. `span`: beginning and end of the flight
+    [s].
     """
 
     motion: PlanarMotion
@@ -78,10 +68,7 @@ class PlanarCase:
     def flown(self, command: Command, limit: float) -> Flown:
         """Return the flight of a command from rest, within a limit [rad].
 
-        Raises
-        ------
-        InputError
-            For noise, and a rate limit without an actuator.
+        `InputError` for noise, and a rate limit without an actuator.
         """
         control, actuator, rate_limit = command.control, command.actuator, command.rate_limit
         if isinstance(control, History):

@@ -44,17 +44,9 @@ _PER_SERVO = 0.5
 class Air:
     """A wind as it is flown.
 
-    Attributes
-    ----------
-    wind : History
-        The wind angle [rad].
-    times : ndarray
-        Times of the steps [s], ``(n,)``; the first lies before the flight.
-    angles, speeds : ndarray
-        Means over each step: wind angle [rad], and wind speed [m/s] along the flight or to its
-        right.
-    course : Course or None
-        The nominal flight where parameters vary.
+    `wind`: the wind angle [rad]. `times`: times of the steps [s], ``(n,)``; the first lies before
+    the flight. `angles`, `speeds`: means over each step: wind angle [rad], and wind speed [m/s]
+    along the flight or to its right. `course`: the nominal flight where parameters vary.
     """
 
     wind: History
@@ -68,10 +60,7 @@ class Air:
 class SixDof:
     """What is flown, checked.
 
-    Parameters
-    ----------
-    vehicle, plane, drift, step, earth, condition
-        As of `fly_sixdof`.
+    `vehicle`, `plane`, `drift`, `step`, `earth`, `condition`: as of `fly_sixdof`.
     """
 
     vehicle: Vehicle
@@ -127,10 +116,7 @@ class SixDof:
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return what turns the nozzle within a limit [rad], step by step.
 
-        Raises
-        ------
-        InputError
-            For a step too large for the actuator.
+        `InputError` for a step too large for the actuator.
         """
         control, actuator = command.control, command.actuator
         if isinstance(control, History):

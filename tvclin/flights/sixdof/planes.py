@@ -35,21 +35,10 @@ def planes_verdict(
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
 
-    Parameters
-    ----------
-    vehicle, frozen, drift, step
-        As of `fly_sixdof`; parameters are frozen over a flat planet.
-    wind : PlaneWind
-        One wind that ends, from t = 0 on.
-    control : Law or Autopilot
-        For both planes, as of `fly_planes`.
-    stop, saturate
-        As of `fly_planes`.
-
-    Raises
-    ------
-    InputError
-        For what is no law, a flight that is not frozen, and as `fly_sixdof` and `fly_planes`.
+    `vehicle`, `frozen`, `drift`, `step`: as of `fly_sixdof`; parameters are frozen over a flat
+    planet. `wind`: one wind that ends, from t = 0 on. `control`: for both planes, as of
+    `fly_planes`. `stop`, `saturate`: as of `fly_planes`. `InputError` for what is no law, a flight
+    that is not frozen, and as `fly_sixdof` and `fly_planes`.
     """
     if isinstance(control, Autopilot):
         control = SaturatedLaw(control)

@@ -43,20 +43,9 @@ class TrimThenHold:
 
     Without a dead band the wind alone says when.
 
-    Parameters
-    ----------
-    trim : TrimLaw
-        Trim, and the feedback that holds what it leaves.
-    limit : float
-        Deflection limit [rad], positive.
-    dead_band : float
-        K.
-    wind : History
-        One wind.
-    times : ndarray
-        Times of the steps [s], even, ``(n,)``.
-    step : float
-        Step [s].
+    `trim`: trim, and the feedback that holds what it leaves. `limit`: deflection limit [rad],
+    positive. `dead_band`: K. `wind`: one wind. `times`: times of the steps [s], even, ``(n,)``.
+    `step`: step [s].
     """
 
     def __init__(
@@ -103,16 +92,8 @@ class TrimThenHold:
 def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     """Return what asks a law at every step, within its limits; an actuator follows in the steps.
 
-    Parameters
-    ----------
-    command : Command
-        The law, its actuator and the rate limit of its servo; the stop stands outside it.
-    limit : float
-        Deflection limit [rad], positive.
-    step : float
-        Step [s].
-    count : int
-        Number of steps.
+    `command`: the law, its actuator and the rate limit of its servo; the stop stands outside it.
+    `limit`, `step`, `count`: deflection limit [rad], length [s] and number of the steps.
     """
     assert isinstance(command.control, Law)
     asked, most = _command(command.control, limit, step, count), command.rate_limit
