@@ -14,7 +14,7 @@ from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
-from tvclin.cli.options import LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
+from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -34,16 +34,16 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 
 def autopilot(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
+    blows: WindOptions = GROUP,
     limit: Given = LIMIT,
     gains: Given = GAINS,
-    loop: LoopOptions = LoopOptions(),
+    loop: LoopOptions = GROUP,
     samples: Given = SAMPLE_RATE,
-    criteria: CriteriaOptions = CriteriaOptions(),
-    least: LeastOptions = LeastOptions(),
+    criteria: CriteriaOptions = GROUP,
+    least: LeastOptions = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
-    shown: Shown = Shown(),
+    shown: Shown = GROUP,
 ) -> None:
     """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
 

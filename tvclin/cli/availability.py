@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import MODEL, TIME_HELP, AsJson, Given, Gust, Plot
+from tvclin.cli.options import GROUP, GUST, MODEL, TIME_HELP, AsJson, Given, Plot, asked, switch
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
@@ -24,27 +24,15 @@ if TYPE_CHECKING:
 class ArchiveOptions:
     """Which soundings of an archive count; `grouped` gives the options."""
 
-    month: Annotated[
-        list[int] | None,
-        typer.Option(help="Only this month, from 1 to 12; may be given several times."),
-    ] = None
-    years: Annotated[
-        tuple[int, int] | None, typer.Option(metavar="FIRST LAST", help="Only these years.")
-    ] = None
-    station: Annotated[
-        str | None, typer.Option(help="Only this station, where there are several.")
-    ] = None
-    in_order: Annotated[
-        bool,
-        typer.Option(
-            "--in-order",
-            help="Take files without a date in the order of their names, one a day from 2000-01-01"
-            " on; of what month they are is then not known.",
-        ),
-    ] = False
-    utc_offset: Annotated[
-        float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
-    ] = 0.0
+    month: list[int] | None = asked("Only this month, from 1 to 12; may be given several times.")
+    years: tuple[int, int] | None = asked("Only these years.", metavar="FIRST LAST")
+    station: str | None = asked("Only this station, where there are several.")
+    in_order: bool = switch(
+        "--in-order",
+        "Take files without a date in the order of their names, one a day from 2000-01-01"
+        " on; of what month they are is then not known.",
+    )
+    utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
 
     def read(self, archive: list[Path]) -> "Soundings":
         """Return these soundings."""
@@ -66,33 +54,20 @@ class ArchiveOptions:
 class JudgedOptions:
     """How soundings are judged, and the balloon of today; `grouped` gives the options."""
 
-    stop: Annotated[
-        str,
-        typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
-    ] = "round"
-    persistence_deg: Annotated[
-        float | None,
-        typer.Option(help="Angle added for the change of wind until launch, in deg."),
-    ] = None
-    persistence_hours: Annotated[
-        float | None,
-        typer.Option(
-            help="In place of --persistence-deg, the hours from balloon to launch. Added is the"
-            " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
-            " these hours."
-        ),
-    ] = None
-    gust: Gust = None
-    today: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
-    ] = None
-    today_time: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
-        ),
-    ] = None
+    stop: str = asked("Stop of the nozzle: round (root of the sum of squares) or square.", "round")
+    persistence_deg: float | None = asked(
+        "Angle added for the change of wind until launch, in deg."
+    )
+    persistence_hours: float | None = asked(
+        "In place of --persistence-deg, the hours from balloon to launch. Added is the"
+        " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
+        " these hours."
+    )
+    gust: tuple[float, float] | None = GUST
+    today: Path | None = asked("Also judge this balloon of today: go or no go?", metavar="FILE")
+    today_time: str | None = asked(
+        f"Which balloon of a --today that holds several, {TIME_HELP}", metavar="TIME"
+    )
 
     def availability(
         self, flight: "FlightSchedule", soundings: "Soundings", **told: Any
@@ -158,26 +133,17 @@ def availability(
     question: Given = Given(
         "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
     ),
-    only: ArchiveOptions = ArchiveOptions(),
-    begin: Annotated[
-        float | None,
-        typer.Option(
-            "--from", help="First flight time that counts, in s.", show_default="the first"
-        ),
-    ] = None,
-    end: Annotated[
-        float | None,
-        typer.Option("--to", help="Last flight time that counts, in s.", show_default="the last"),
-    ] = None,
-    judged: JudgedOptions = JudgedOptions(),
+    only: ArchiveOptions = GROUP,
+    begin: float | None = asked(
+        "First flight time that counts, in s.", flag="--from", shown="the first"
+    ),
+    end: float | None = asked("Last flight time that counts, in s.", flag="--to", shown="the last"),
+    judged: JudgedOptions = GROUP,
     as_json: AsJson = False,
-    csv: Annotated[
-        Path | None,
-        typer.Option(
-            help="Also write what every sounding needs into this file: need_deg (empty where"
-            " --limit-deg is not judged), and its bounds, least_deg and most_deg."
-        ),
-    ] = None,
+    csv: Path | None = asked(
+        "Also write what every sounding needs into this file: need_deg (empty where"
+        " --limit-deg is not judged), and its bounds, least_deg and most_deg."
+    ),
     plot: Plot = None,
 ) -> None:
     """Say on how many days of an archive of soundings the nozzle is enough.

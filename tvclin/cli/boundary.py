@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import case_of, chosen
-from tvclin.cli.options import MOTION, SOURCE_HELP, AsJson, Given, Plot, Shape
+from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
 
 if TYPE_CHECKING:
@@ -23,18 +23,12 @@ def boundary(
             help=f"{SOURCE_HELP} Without one the flight path is held fixed.",
         ),
     ] = None,
-    wind: Shape = None,
-    tau_beta: Annotated[
-        list[float] | None,
-        typer.Option(
-            help="Duration of the wind times beta (with damping, times the pole); may be given"
-            " several times."
-        ),
-    ] = None,
-    dead_band: Annotated[
-        list[float] | None,
-        typer.Option(help="Dead band K from 0 to 1; may be given several times."),
-    ] = None,
+    wind: str | None = SHAPE,
+    tau_beta: list[float] | None = asked(
+        "Duration of the wind times beta (with damping, times the pole); may be given"
+        " several times."
+    ),
+    dead_band: list[float] | None = asked("Dead band K from 0 to 1; may be given several times."),
     motion: Given = MOTION,
     as_json: AsJson = False,
     plot: Plot = None,

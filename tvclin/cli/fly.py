@@ -1,7 +1,7 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -10,6 +10,7 @@ from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
+    GROUP,
     LIMIT,
     PLANE,
     RATE_LIMIT,
@@ -20,6 +21,8 @@ from tvclin.cli.options import (
     ShownCurves,
     Source,
     Until,
+    asked,
+    switch,
 )
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -34,29 +37,19 @@ _LONGEST = 20.0
 class WhatFlies:
     """The engine, the law and its dead band; `grouped` gives the options to a command."""
 
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            help="planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
-            " linear: linear equations with bending and slosh, a sampled law and an actuator.",
-            show_default="linear for a flexible vehicle, else planar",
-        ),
-    ] = None
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
-            " recoverable-attitude.",
-            show_default="autopilot for --engine linear, else report",
-        ),
-    ] = None
-    dead_band: Annotated[
-        float | None,
-        typer.Option(
-            help="Dead band K of the laws report and dead-band.",
-            show_default="1 for report, 0.5 for dead-band",
-        ),
-    ] = None
+    engine: str | None = asked(
+        "planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
+        " linear: linear equations with bending and slosh, a sampled law and an actuator.",
+        shown="linear for a flexible vehicle, else planar",
+    )
+    law: str | None = asked(
+        "Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
+        " recoverable-attitude.",
+        shown="autopilot for --engine linear, else report",
+    )
+    dead_band: float | None = asked(
+        "Dead band K of the laws report and dead-band.", shown="1 for report, 0.5 for dead-band"
+    )
 
     def __post_init__(self) -> None:
         from tvclin.base.errors import one_of
@@ -84,28 +77,22 @@ class WhatFlies:
 
 def fly(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    flies: WhatFlies = WhatFlies(),
+    blows: WindOptions = GROUP,
+    flies: WhatFlies = GROUP,
     limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
     rate_limit: Given = RATE_LIMIT,
     samples: Given = SAMPLE_RATE,
     gains: Given = GAINS,
-    loop: LoopOptions = LoopOptions(),
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    along_trajectory: Annotated[
-        bool,
-        typer.Option(
-            "--along-trajectory", help="Let mass, speed and dynamic pressure change in flight."
-        ),
-    ] = False,
-    boundary: Annotated[
-        bool,
-        typer.Option("--boundary", help="Also find, by flights, the least limit that survives."),
-    ] = False,
+    along_trajectory: bool = switch(
+        "--along-trajectory", "Let mass, speed and dynamic pressure change in flight."
+    ),
+    boundary: bool = switch("--boundary", "Also find, by flights, the least limit that survives."),
     plane: Given = PLANE,
     until: Until = 2.0,
     points: Points = 401,
-    shown: ShownCurves = ShownCurves(),
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
 

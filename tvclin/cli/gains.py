@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import only_with
-from tvclin.cli.options import DESIGN, Given
+from tvclin.cli.options import DESIGN, Given, asked
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
@@ -38,21 +38,12 @@ LowPassHz = Annotated[
 class LoopOptions:
     """What stands about any law: filters, actuator and delay; `grouped` gives them to a command."""
 
-    actuator_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
-            show_default="25.1",
-        ),
-    ] = None
-    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
-    actuator_damping: Annotated[
-        float | None, typer.Option(help="Damping ratio of the actuator.", show_default="0.7")
-    ] = None
-    delay_ms: Annotated[
-        float | None,
-        typer.Option(help="Delay between sensors and actuator, in ms.", show_default="0.0"),
-    ] = None
+    actuator_frequency: float | None = asked(
+        "Natural frequency of the actuator, in rad/s; 0: no actuator.", shown="25.1"
+    )
+    actuator_hz: float | None = asked("The same in Hz.")
+    actuator_damping: float | None = asked("Damping ratio of the actuator.", shown="0.7")
+    delay_ms: float | None = asked("Delay between sensors and actuator, in ms.", shown="0.0")
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 

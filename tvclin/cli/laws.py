@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
+    GROUP,
     MOTION,
     RATE_LIMIT,
     SAMPLE_RATE,
@@ -17,6 +16,7 @@ from tvclin.cli.options import (
     Rigid,
     Shown,
     Source,
+    asked,
 )
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
@@ -34,24 +34,21 @@ if TYPE_CHECKING:
 
 def laws(
     vehicle: Source = "configuration-i",
-    blows: BlowingOptions = BlowingOptions(),
-    wind: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
-            " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
-            " 'flip to 0.3', 'full reversal'.",
-            show_default="all",
-        ),
-    ] = None,
-    cuts: Annotated[int, typer.Option(help="Also fly each wind cut off at so many instants.")] = 0,
+    blows: BlowingOptions = GROUP,
+    wind: list[str] | None = asked(
+        "Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
+        " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
+        " 'flip to 0.3', 'full reversal'.",
+        shown="all",
+    ),
+    cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
     samples: Given = SAMPLE_RATE,
     rate_limit: Given = RATE_LIMIT,
     motion: Given = MOTION,
     gains: Given = GAINS,
-    loop: LoopOptions = LoopOptions(),
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    shown: Shown = Shown(),
+    shown: Shown = GROUP,
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 

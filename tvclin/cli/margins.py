@@ -1,7 +1,7 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -11,7 +11,18 @@ from tvclin.cli.flown import flown_found, print_flown
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
-from tvclin.cli.options import BOTH_LIMITS, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
+    Rigid,
+    Shown,
+    Source,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
 
@@ -28,33 +39,25 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 def margins(
     vehicle: Source = "configuration-i",
     gains: Given = GAINS,
-    loop: LoopOptions = LoopOptions(),
-    criteria: CriteriaOptions = CriteriaOptions(),
+    loop: LoopOptions = GROUP,
+    criteria: CriteriaOptions = GROUP,
     rigid: Rigid = False,
-    detuned: Annotated[
-        bool,
-        typer.Option(
-            "--detuned",
-            help="Also print the margins with the frequency of each mode off by up to 20 percent,"
-            " with half its damping, and with the signs of its slopes at the sensors reversed.",
-        ),
-    ] = False,
+    detuned: bool = switch(
+        "--detuned",
+        "Also print the margins with the frequency of each mode off by up to 20 percent,"
+        " with half its damping, and with the signs of its slopes at the sensors reversed.",
+    ),
     box: Box = None,
     motion: Given = MOTION,
-    chart: Annotated[
-        str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
-    ] = "nichols",
-    flown: Annotated[
-        bool,
-        typer.Option(
-            "--flown",
-            help="Also fly the wind with --limit-deg, and print what may change before it is lost.",
-        ),
-    ] = False,
+    chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
+    flown: bool = switch(
+        "--flown",
+        "Also fly the wind with --limit-deg, and print what may change before it is lost.",
+    ),
     limits: Given = BOTH_LIMITS,
-    blows: WindOptions = WindOptions(),
+    blows: WindOptions = GROUP,
     samples: Given = SAMPLE_RATE,
-    shown: Shown = Shown(),
+    shown: Shown = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 

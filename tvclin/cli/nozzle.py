@@ -1,6 +1,6 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -9,12 +9,14 @@ from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
+    GROUP,
     MOTION,
     SAMPLE_RATE,
     Given,
     Rigid,
     ShownCurves,
     Source,
+    asked,
 )
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
@@ -28,22 +30,19 @@ if TYPE_CHECKING:
 
 def nozzle(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
+    blows: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-            " half-relief or recoverable-attitude. It needs a deflection limit.",
-            show_default="none is flown",
-        ),
-    ] = None,
+    law: str | None = asked(
+        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
+        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        shown="none is flown",
+    ),
     samples: Given = SAMPLE_RATE,
     gains: Given = GAINS,
-    loop: LoopOptions = LoopOptions(),
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
-    shown: ShownCurves = ShownCurves(),
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
 

@@ -1,11 +1,11 @@
 """`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import MOTION, RATE_LIMIT, Given, ShownCurves, Source
+from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, ShownCurves, Source, asked
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
 
@@ -17,20 +17,14 @@ if TYPE_CHECKING:
 
 def optimum(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    start: Annotated[
-        float | None,
-        typer.Option(
-            help="Start of the control, in s; negative: before the wind.",
-            show_default="the onset of the wind",
-        ),
-    ] = None,
-    horizon: Annotated[
-        float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
-    ] = None,
+    blows: WindOptions = GROUP,
+    start: float | None = asked(
+        "Start of the control, in s; negative: before the wind.", shown="the onset of the wind"
+    ),
+    horizon: float | None = asked("Time after which the deflection must be zero again, in s."),
     rate_limit: Given = RATE_LIMIT,
     motion: Given = MOTION,
-    shown: ShownCurves = ShownCurves(),
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the least peak deflection that survives a wind known beforehand.
 

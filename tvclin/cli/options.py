@@ -1,7 +1,7 @@
 """The options that several commands share, and those that are made of declared fields."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, wraps
 from importlib import import_module
 from inspect import Parameter, Signature, signature
@@ -27,36 +27,10 @@ SOURCE_HELP = (
 )
 
 Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
-PeakDeg = Annotated[
-    float | None, typer.Option(help="Peak wind angle of attack, in deg.", show_default="5")
-]
-PeakSpeed = Annotated[
-    float | None, typer.Option(help="Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e).")
-]
-Planes = Annotated[
-    str | None,
-    typer.Option(
-        help="Plane of the motion: pitch, yaw, or both with one stop.", show_default="pitch"
-    ),
-]
 STOPS_HELP = "round, round-each-plane, square or square-45."
-WindDirectionDeg = Annotated[
-    float | None,
-    typer.Option(
-        help="Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size"
-        " of the wind's vector in both planes. Needs --azimuth-deg."
-    ),
-]
-AzimuthDeg = Annotated[
-    float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
-]
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
-Shape = Annotated[
-    str | None,
-    typer.Option(help="Shape of the wind: triangular or rectangular.", show_default="triangular"),
-]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]
 Plot = Annotated[
@@ -65,26 +39,19 @@ Plot = Annotated[
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
 ]
-Gust = Annotated[
-    tuple[float, float] | None,
-    typer.Option(
-        metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
-    ),
-]
-GustSpeed = Annotated[
-    tuple[float, float] | None,
-    typer.Option(metavar="M/S S", help="The same by its peak wind speed, in m/s, by eq (B1e)."),
-]
-GustPlateau = Annotated[
-    float | None,
-    typer.Option(
-        help="Part of its duration that a gust stays at its peak, in s.", show_default="0"
-    ),
-]
-GustAt = Annotated[
-    float | None,
-    typer.Option(help="When the gust peaks, in s.", show_default="when it asks for most"),
-]
+
+
+def asked(
+    help: str, default: Any = None, *, shown: str = "", flag: str = "", metavar: str | None = None
+) -> Any:
+    """Return the option of a parameter: its help, and what stands for its default there."""
+    named = [flag] if flag else []
+    return typer.Option(default, *named, help=help, show_default=shown or True, metavar=metavar)
+
+
+def switch(flag: str, help: str) -> Any:
+    """Return the option of a parameter that is false unless it is given."""
+    return typer.Option(False, flag, help=help)
 
 
 @dataclass(frozen=True)
@@ -193,6 +160,10 @@ def _option(name: str, one: "Declared", shown: Mapping[str, str]) -> Parameter:
     )
 
 
+GROUP: Any = object()
+"""The default of a parameter that is a dataclass of options."""
+SHAPE = asked("Shape of the wind: triangular or rectangular.", shown="triangular")
+GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S")
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"
@@ -238,18 +209,18 @@ class ShownCurves(Shown, _Csv):
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options of each parameter that is a group of them, in its place.
 
-    A group is a `Given`, or a dataclass of options; the default of its parameter is one of these.
+    A group is a dataclass of options, or a `Given`, which is the default of its parameter.
     """
     shown: list[Parameter] = []
     groups: dict[str, Callable[[dict[str, Any]], Any]] = {}
     for name, parameter in signature(command).parameters.items():
-        group = parameter.default
+        group, kind = parameter.default, parameter.annotation
         if isinstance(group, Given):
             shown += group.parameters()
             groups[name] = group.taken
-        elif is_dataclass(group):
-            shown += (options := signature(type(group)).parameters.values())
-            groups[name] = partial(_made, type(group), [one.name for one in options])
+        elif group is GROUP:
+            shown += (options := signature(kind).parameters.values())
+            groups[name] = partial(_made, kind, [one.name for one in options])
         else:
             shown.append(parameter)
 

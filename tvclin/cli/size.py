@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
-from tvclin.cli.options import LIMIT, MODEL, STOPS_HELP, STUDY, TIME_HELP, AsJson, Given, Plot
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MODEL,
+    STOPS_HELP,
+    STUDY,
+    TIME_HELP,
+    AsJson,
+    Given,
+    Plot,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, azimuth_of
@@ -34,17 +46,13 @@ _SOURCE = (
 class FlightOptions(ShapedOptions):
     """A pulse whose peak meets each flight time, and soundings."""
 
-    winds: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
-    ] = None
-    winds_time: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="TIME",
-            help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
-        ),
-    ] = None
+    winds: list[Path] | None = asked(
+        "A sounding to fly through; may be given several times.", metavar="FILE"
+    )
+    winds_time: list[str] | None = asked(
+        f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
+        metavar="TIME",
+    )
 
     def soundings(self) -> "dict[str, SoundingAsked]":
         """Return the soundings of the files by name, and by the time that was asked for."""
@@ -102,37 +110,25 @@ def size(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
     ] = "configuration-i",
-    blows: FlightOptions = FlightOptions(),
+    blows: FlightOptions = GROUP,
     model: Given = MODEL,
-    plane: Annotated[
-        str | None,
-        typer.Option(
-            help="Plane of the motion: pitch, yaw, or both with one stop.", show_default="pitch"
-        ),
-    ] = None,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SHAPE",
-            help=f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
-            show_default="round",
-        ),
-    ] = None,
+    plane: str | None = asked(
+        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
+    ),
+    stop: str | None = asked(
+        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+        shown="round",
+        metavar="SHAPE",
+    ),
     sign: Given = Given(STUDY, "sign"),
     limit: Given = LIMIT,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Find what dispersions add from 2000 cases at the worst time, as tvclin study"
-            " --disperse.",
-        ),
-    ] = False,
+    disperse: bool = switch(
+        "--disperse",
+        "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
+    ),
     as_json: AsJson = False,
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write every flight time and wind into this file.")
-    ] = None,
+    csv: Path | None = asked("Also write every flight time and wind into this file."),
     plot: Plot = None,
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.

@@ -2,12 +2,23 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from tvclin.cli.inputs import case_of, changed
-from tvclin.cli.options import LIMIT, STOPS_HELP, STUDY, AsJson, Given, Plot, Source
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    STOPS_HELP,
+    STUDY,
+    AsJson,
+    Given,
+    Plot,
+    Source,
+    asked,
+    switch,
+)
 from tvclin.cli.output import print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
@@ -40,30 +51,22 @@ def _beside(stop: str | None, disperse: bool, plan: "StudyPlan") -> "StudyPlan":
 
 def study(
     source: Source = "configuration-i",
-    blows: ShapedOptions = ShapedOptions(),
+    blows: ShapedOptions = GROUP,
     question: Given = Given(STUDY, "dead_band switch sign model plane"),
     limit: Given = LIMIT,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SHAPE",
-            help=f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
-            " limit survives is then that of the wind's vector; without, that of its part in"
-            " --plane. Needs --wind-direction-deg.",
-        ),
-    ] = None,
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Also find the deflection that covers dispersed vehicles and winds, with assumed"
-            " dispersions where no study file gives them.",
-        ),
-    ] = False,
+    stop: str | None = asked(
+        f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
+        " limit survives is then that of the wind's vector; without, that of its part in"
+        " --plane. Needs --wind-direction-deg.",
+        metavar="SHAPE",
+    ),
+    disperse: bool = switch(
+        "--disperse",
+        "Also find the deflection that covers dispersed vehicles and winds, with assumed"
+        " dispersions where no study file gives them.",
+    ),
     drawn: DisperseOptions = DisperseOptions(STUDY, "cases seed"),
-    explain: Annotated[
-        bool, typer.Option("--explain", help="Explain each symbol in one line.")
-    ] = False,
+    explain: bool = switch("--explain", "Explain each symbol in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
