@@ -397,6 +397,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
         ),
+        "CampaignResults.to_csv": Door(results.to_csv, {"path": folder / "campaign.csv"}),
         "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
         "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
         "Climb": Door(
