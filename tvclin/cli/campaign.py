@@ -98,7 +98,7 @@ def run(
 
 @campaign.command()
 @grouped
-def resume(folder: Folder, work: WorkOptions = WorkOptions()) -> None:
+def resume(folder: Folder, work: WorkOptions = GROUP) -> None:
     """Continue a campaign; chunks that are damaged or of another one are named and computed again.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
