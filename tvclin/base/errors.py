@@ -253,6 +253,18 @@ def number(
     return float(array)
 
 
+def unlimited(
+    name: str,
+    value: ArrayLike,
+    check: Callable[..., NDArray[np.float64]] = positive,
+    unit: str = "",
+) -> float:
+    """Return a limit as a float: infinite, or one number that passes the check."""
+    if isinstance(value, float) and value == np.inf:
+        return np.inf
+    return number(name, value, check, unit)
+
+
 def directions(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:
     """Return directions [rad]; `InputError` beyond one turn, where degrees were meant."""
     return within(name, value, -2.0 * np.pi, 2.0 * np.pi, unit)

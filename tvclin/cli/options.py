@@ -72,7 +72,13 @@ Shape = Annotated[
     str | None,
     typer.Option(help="Shape of the wind: triangular or rectangular.", show_default="triangular"),
 ]
-RateLimitDeg = Annotated[float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")]
+RateLimitDeg = Annotated[
+    float | None,
+    typer.Option(
+        help="Limit of the deflection rate, in deg/s. The laws trim and recoverable-attitude suit"
+        " it: one by its gain, the other by how far it turns the nozzle."
+    ),
+]
 SampleRate = Annotated[
     float | None,
     typer.Option(
