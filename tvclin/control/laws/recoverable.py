@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     between,
     instance,
@@ -23,8 +23,6 @@ from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import nonnegative, number, small_angle, unlimited
 from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
