@@ -54,11 +54,7 @@ _EITHER = {
     "weight": ("mass",),
     "aerodynamic_arm": ("gravity_station", "pressure_station"),
     "control_arm": ("gravity_station", "gimbal_station"),
-    "normal_force_slope": (
-        "dynamic_pressure",
-        "reference_area",
-        "normal_force_coefficient_slope",
-    ),
+    "normal_force_slope": ("dynamic_pressure", "reference_area", "normal_force_coefficient_slope"),
     "axial_force": ("dynamic_pressure", "reference_area", "axial_force_coefficient"),
 }
 """What stands in the place of a quantity."""

@@ -12,12 +12,7 @@ import numpy as np
 from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
-from tvclin.winds.soundings.text import (
-    LATEST_HEADER,
-    MOST_COLUMNS,
-    Text,
-    read_lines,
-)
+from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text, read_lines
 
 Cells = tuple[str, ...]
 
