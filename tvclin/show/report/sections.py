@@ -65,10 +65,8 @@ def inputs(found: Findings) -> Section:
         rate = _typed("question.rate_limit", plan.nozzle.rate_limit, "deg/s")
         case.append(("deflection rate limit", rate))
     blocks = (
-        tables.vehicle(s),
         *([] if plan.vehicle.structure is None else given(plan.vehicle.structure)),
         quantities("Wind and question", case),
-        tables.coefficients(s),
         tables.poles(s),
     )
     return Section("inputs", "Inputs", blocks)
