@@ -9,7 +9,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Line, degrees, number, significant, text
+from tvclin.base.lines import Line, degrees, significant, text
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.record import DIGITS, factor_to
 

@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
 from tvclin.kernels import limits
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"
@@ -35,14 +33,8 @@ _LARGEST = 1e9
 class TriangularLimit:
     """Solutions of eq (18), every field of shape ``(...)``.
 
-    Attributes
-    ----------
-    limit : float or ndarray
-        y_BR.
-    switch : float or ndarray
-        a/tau = y_BR K/2, eq (11): when the dead band is left.
-    status : str or ndarray of str
-        "ok", or in words what is wrong with the element.
+    `switch`: a/tau = y_BR K/2, eq (11): when the dead band is left. `status`: "ok", or in words
+    what is wrong with the element.
     """
 
     limit: Any

@@ -39,12 +39,8 @@ _waits: ContextVar[bool] = ContextVar("_waits", default=True)
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel as it is, or as machine code where that pays.
 
-    Parameters
-    ----------
-    function : callable
-        Marked by `kernels.source.kernel`.
-    seconds : float
-        About what it would take in plain Python.
+    `function`: marked by `kernels.source.kernel`. `seconds`: about what it would take in plain
+    Python.
     """
     wanted = _pinned.get()
     name = f"{function.__module__}.{function.__name__}"
@@ -76,16 +72,9 @@ def run(
 ) -> None:
     """Call a kernel that does the cases from a first up to a last one, its last two arguments.
 
-    Parameters
-    ----------
-    function : callable
-        Marked by `kernels.source.kernel`.
-    arguments : tuple
-        All others.
-    cases : int
-        How many there are.
-    seconds, compiled_seconds : float
-        About what all of them take in plain Python, and as machine code in one thread.
+    `function`: marked by `kernels.source.kernel`. `cases`: how many there are. `seconds`,
+    `compiled_seconds`: about what all of them take in plain Python, and as machine code in one
+    thread.
     """
     taken = swiftest(function, seconds)
     if taken is function:

@@ -60,16 +60,9 @@ class LawNumbers(NamedTuple):
 def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
     """Return the deflection asked for [rad].
 
-    Parameters
-    ----------
-    law : LawNumbers
-        Or a row of an array with its fields.
-    measured : sequence of float
-        Attitude, rate, flight path angle and angle of attack, as of `laws.Measurement`.
-    states : sequence of float
-        The law's own.
-    limit : float
-        The deflection limit [rad].
+    `law`: or a row of an array with its fields. `measured`: attitude, rate, flight path angle and
+    angle of attack, as of `laws.Measurement`. `states`: the law's own. `limit`: the deflection
+    limit [rad].
     """
     if law.leans:
         if law.estimates:

@@ -119,22 +119,12 @@ def respond(
 ) -> None:
     """Answer the cases from `first` up to `last`.
 
-    Parameters
-    ----------
-    times : ndarray
-        Times, rising, ``(n,)``.
-    plants : tuple
-        Poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P, N, R)``, and whether the wind is taken
-        off the last of these.
-    deflections, winds : tuple of ndarray
-        Knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``.
-    which : ndarray
-        The plant, the deflection and the wind of each case, ``(3, cases)``.
-    out, near : ndarray
-        Written: ``(cases, R, n)``, and whether two poles are too near for modes to be told apart,
-        ``(cases,)``; such a case is not answered.
-    room : tuple
-        As from `room`; nobody else may use it meanwhile.
+    `times`: times, rising, ``(n,)``. `plants`: poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P,
+    N, R)``, and whether the wind is taken off the last of these. `deflections`, `winds`: knots
+    ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: the plant, the
+    deflection and the wind of each case, ``(3, cases)``. `out`, `near`: written: ``(cases, R, n)``,
+    and whether two poles are too near for modes to be told apart, ``(cases,)``; such a case is not
+    answered. `room`: as from `room`; nobody else may use it meanwhile.
     """
     whole, span, table = room
     step, off = grid(times)

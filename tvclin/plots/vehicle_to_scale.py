@@ -76,6 +76,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     axes.set_title(literal(curves.parameters))
     axes.set_aspect("equal")
     axes.set_ylim((-4.2 if below > -3.0 * radius else -6.2) * radius, top)
+    axes.set(xticks=[], yticks=[])
     axes.set_axis_off()
     return control_plot(lines, axes, curves)
 
@@ -96,10 +97,8 @@ def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     length = fore - aft
     radius, tip = _SLIM * length, fore + 2.0 * _NOSE * length
     shoulder = fore + _NOSE * length
-    drawn = {
-        "body": [(aft, radius), (aft, -radius), (shoulder, -radius), (tip, 0.0)]
-        + [(shoulder, radius), (aft, radius)]
-    }
+    side = [(aft, radius), (shoulder, radius), (tip, 0.0)]
+    drawn = {"body": [*side, *((x, -y) for x, y in reversed(side)), side[0]]}
     bell = [(0.0, 0.3), (-1.0, 0.8), (-1.0, -0.8), (0.0, -0.3)]
     for side in (1.0,) if limit is None else (1.0, -1.0):
         angle = side * (limit or 0.0)

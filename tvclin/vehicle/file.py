@@ -147,10 +147,7 @@ def build_vehicle(
 ) -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
-    Raises
-    ------
-    InputError
-        As `load_vehicle`, but for the file.
+    `InputError` as `load_vehicle`, but for the file.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
     values = _weighed(damping_of(table.read(given), table), table)

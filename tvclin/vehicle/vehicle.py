@@ -6,8 +6,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import (
     Faults,
@@ -28,7 +29,6 @@ from tvclin.vehicle.structure import Structure
 STANDARD_GRAVITY = 9.80665
 """g [m/s^2]: the mass of a vehicle is its weight over this."""
 
-FloatArray = NDArray[np.float64]
 
 _SMALLEST, _LARGEST = 1e-9, 1e18
 _MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -60,9 +60,7 @@ def equivalent_triangle(wind: History) -> History:
     return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle
 
 
-def _check_area(
-    area: NDArray[np.float64], peak: NDArray[np.float64], least: NDArray[np.float64]
-) -> None:
+def _check_area(area: FloatArray, peak: FloatArray, least: FloatArray) -> None:
     area, peak, least = np.broadcast_arrays(area, peak, least)
     bad = np.sign(peak) * area <= least
     if np.any(bad):

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.campaign.chunks import chunk_file, read_columns
@@ -24,13 +23,12 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, imported, number, one_of, path, small_angle, whole_number
 
 if TYPE_CHECKING:
     import xarray
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +109,7 @@ class CampaignResults(Shown):
         """Those of `angles` that are deflections, with which a limit is compared."""
         return tuple(name for name in self.angles if name not in MOTIONS)
 
-    def column(self, name: str) -> NDArray[Any]:
+    def column(self, name: str) -> AnyArray:
         """Return one column of all finished cases, in the order of the cases.
 
         Parameters
@@ -247,7 +245,7 @@ class CampaignResults(Shown):
         good = ~np.isnan(values)
         return sensitivities(self._inputs(good), values[good]) if np.any(good) else {}
 
-    def _inputs(self, which: NDArray[np.bool_]) -> dict[str, FloatArray]:
+    def _inputs(self, which: BoolArray) -> dict[str, FloatArray]:
         """What was dispersed, of some cases."""
         return {name: self.column(name)[which] for name in self.campaign.dispersions.parameters}
 
@@ -257,7 +255,7 @@ class CampaignResults(Shown):
         sizes = sorted({max(found.size >> k, 1) for k in range(5)}) if found.size else []
         return tuple(quantile_bound(found[:n], *self._asked(None, None)) for n in sizes)
 
-    def worst(self, count: int = 5, output: str | None = None) -> NDArray[np.int64]:
+    def worst(self, count: int = 5, output: str | None = None) -> IntArray:
         """Return the numbers of the cases that need the most, the worst first."""
         most = whole_number("count", count)
         values = self.column(self._output(output))

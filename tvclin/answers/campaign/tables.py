@@ -65,11 +65,8 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
     They stand in [study] or in [campaign], so that one file serves both.
 
-    Raises
-    ------
-    InputError
-        For an unknown table, one that is none, a wrong one that only studies read, a vehicle or its
-        table that is missing, and what is given twice.
+    `InputError` for an unknown table, one that is none, a wrong one that only studies read, a
+    vehicle or its table that is missing, and what is given twice.
     """
     if not document:
         raise InputError(

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.checks import (
     check_angle_of_attack,
@@ -13,8 +12,9 @@ from tvclin.answers.schedules.checks import (
     check_masses,
 )
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.schedules.table import Column
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -33,22 +33,11 @@ def schedule_of_flight(
 ) -> FlightSchedule:
     """Return the schedule of a powered flight.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are known.
-    columns : dict of str to Column
-        The fields of a vehicle but its name and time, and altitude and nominal deflection where
-        they are known, for the same rows.
-    name : str
-        What to call the vehicle.
-    most_rows : int
-        More rows than that are thinned.
-
-    Raises
-    ------
-    InputError
-        For what is silently wrong; see `checks`.
+    `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
+    known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
+    deflection where they are known, for the same rows. `name`: what to call the vehicle.
+    `most_rows`: more rows than that are thinned. `InputError` for what is silently wrong; see
+    `checks`.
     """
     most = whole_number("most_rows", most_rows)
     if most < 2:
@@ -119,7 +108,7 @@ def _stability(vehicle: Vehicle) -> tuple[str, ...]:
 
 def _thinned(
     time: FloatArray, values: dict[str, FloatArray], most: int
-) -> tuple[NDArray[np.intp], float]:
+) -> tuple[IndexArray, float]:
     """The rows to keep, and how far straight lines between them are off, in parts of the largest.
 
     All where they are few; else the ends, and again and again the row that is farthest off.

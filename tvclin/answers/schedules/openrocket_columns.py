@@ -6,11 +6,11 @@ import re
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
 from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
+from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
 
@@ -55,19 +55,9 @@ def table_of(path: str | PathLike[str]) -> Table:
 def columns_of(table: Table, ground: float | None, own_slope: bool) -> dict[str, Column]:
     """Return the columns of an export by name, in SI units.
 
-    Parameters
-    ----------
-    table : Table
-        The rows.
-    ground : float, optional
-        Elevation of the launch site [m].
-    own_slope : bool
-        Whether the slope of the normal force coefficient is to be read too.
-
-    Raises
-    ------
-    InputError
-        For a column that is not there, is there twice, or has no known unit.
+    `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
+    coefficient is to be read too. `InputError` for a column that is not there, is there twice, or
+    has no known unit.
     """
     found = {name: _column(table, name) for name in _NEEDED}
     found |= _air(table) | _attitude(table) | _altitude(table, ground) | _damping(table)
@@ -171,12 +161,7 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 
     OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows.
-    exit_arm : Column
-        l_e [m].
+    `exit_arm`: l_e [m].
     """
     if "damping" not in flight.columns:
         return {}, []
@@ -221,7 +206,7 @@ def rounded(table: Table, flight: Flight) -> list[str]:
     return told
 
 
-def free(table: Table, flight: Flight) -> NDArray[np.bool_]:
+def free(table: Table, flight: Flight) -> BoolArray:
     """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
     events = [_ROD.search(content) for content in table.text.lines]
     times = [float(one[1]) for one in events if one is not None and _is_number(one[1])]

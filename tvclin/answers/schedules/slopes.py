@@ -9,7 +9,8 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.schedules.table import FloatArray, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.table import Heading, Table, letters, read_table_text
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
 
 LEAST = 0.5
@@ -34,10 +35,7 @@ class SlopeOverMach:
     def at(self, mach: FloatArray) -> FloatArray:
         """Return the slope [1/rad] at Mach numbers.
 
-        Raises
-        ------
-        InputError
-            For Mach numbers beyond the table.
+        `InputError` for Mach numbers beyond the table.
         """
         if self.mach.size == 1:
             return np.full(mach.shape, self.slope[0])
@@ -54,10 +52,7 @@ class SlopeOverMach:
 def slope_over_mach(given: Slope) -> SlopeOverMach:
     """Return the slope over Mach of a number, a pair of rows, or a file.
 
-    Raises
-    ------
-    InputError
-        For rows that are no Mach numbers with a slope each, and files as `read_slopes`.
+    `InputError` for rows that are no Mach numbers with a slope each, and files as `read_slopes`.
     """
     if isinstance(given, str | PathLike):
         return read_slopes(given)
@@ -81,10 +76,7 @@ def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
     zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
     the column of the whole rocket.
 
-    Raises
-    ------
-    InputError
-        For a file that is neither, and one that holds a coefficient but no slope.
+    `InputError` for a file that is neither, and one that holds a coefficient but no slope.
     """
     table = read_table_text(path, "a table of slopes over Mach", _over_mach)
     if table is None:

@@ -8,19 +8,17 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.winds.soundings.text import (
     LATEST_HEADER,
     MOST_COLUMNS,
-    IntArray,
     Text,
     read_lines,
 )
 
-FloatArray = NDArray[np.float64]
 Cells = tuple[str, ...]
 
 _SEPARATORS = ",;\t"
@@ -38,14 +36,9 @@ _LONGEST_NAME = 200
 class Heading:
     """The name of a column.
 
-    Attributes
-    ----------
-    index : int
-        Which column.
-    text : str
-        As it stands in the file, without letters that cannot be seen.
-    name, unit : str
-        What stands before and in its last parentheses or brackets; a unit of None without.
+    `index`: which column. `text`: as it stands in the file, without letters that cannot be seen.
+    `name`, `unit`: what stands before and in its last parentheses or brackets; a unit of None
+    without.
     """
 
     index: int
@@ -71,16 +64,8 @@ class Column:
 class Table:
     """The rows of a file below its line of names.
 
-    Attributes
-    ----------
-    text : Text
-        The file.
-    headings : tuple of Heading
-        The names of its columns.
-    line : ndarray of int
-        The line of each row.
-    cells : tuple of tuple of str
-        The cells of each row.
+    `headings`: the names of its columns. `line`: the line of each row. `cells`: the cells of each
+    row.
     """
 
     text: Text
@@ -98,10 +83,7 @@ class Table:
 
         A column of the very name counts before those that have a symbol behind it.
 
-        Raises
-        ------
-        InputError
-            Where two columns have it.
+        `InputError` where two columns have it.
         """
         for name in names:
             named = [one for one in self.headings if letters(name) in one.names]
@@ -119,19 +101,8 @@ class Table:
     ) -> Column:
         """Return the numbers of a column in SI units.
 
-        Parameters
-        ----------
-        heading : Heading
-            The column.
-        dimension : str
-            What it measures, of `WRITTEN`.
-        known : dict of str to float, optional
-            Units in place of those of `WRITTEN`.
-
-        Raises
-        ------
-        InputError
-            For a unit that is missing or unknown, and for a cell that is no number.
+        `dimension`: what it measures, of `WRITTEN`. `known`: units in place of those of `WRITTEN`.
+        `InputError` for a unit that is missing or unknown, and for a cell that is no number.
         """
         unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
         cells = [row[heading.index] for row in self.cells]
@@ -162,22 +133,12 @@ def read_table_text(
 ) -> Table | None:
     """Return the table of a file; None where no line has the names that are looked for.
 
-    Parameters
-    ----------
-    path : str or path
-        The file; a byte order mark, comments, quotes, and letters of another encoding are legal.
-    kind : str
-        What it should be, for messages.
-    is_header : callable
-        Whether headings are those of the table.
-
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, a row with more or fewer cells than there are names, decimal
-        commas that semicolons do not tell from others, a table without a row, and names that no
-        table has: more than a thousand, below the first thousand lines, or of more than 200
-        letters.
+    `path`: the file; a byte order mark, comments, quotes, and letters of another encoding are
+    legal. `kind`: what it should be, for messages. `is_header`: whether headings are those of the
+    table. `InputError` for a file that cannot be read, a row with more or fewer cells than there
+    are names, decimal commas that semicolons do not tell from others, a table without a row, and
+    names that no table has: more than a thousand, below the first thousand lines, or of more than
+    200 letters.
     """
     text = read_lines(path, kind, errors="replace")
     for i, content in enumerate(text.lines[:LATEST_HEADER]):

@@ -96,8 +96,8 @@ def boundaries(found: Findings) -> Section:
     )
     if s.sign_factors:
         words += (
-            " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets in"
-            " them, all others that of calm air."
+            " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets"
+            " in them, all others that of calm air."
         )
     blocks = (tables.boundaries(s), figure, Paragraph((words,)))
     return Section("boundaries", "Boundaries", blocks)

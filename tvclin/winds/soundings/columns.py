@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called
 from tvclin.base.units import UNITS
@@ -15,8 +16,6 @@ from tvclin.winds.soundings.levels import Levels, checked_towards
 from tvclin.winds.soundings.text import (
     LATEST_HEADER,
     MOST_COLUMNS,
-    FloatArray,
-    IntArray,
     Text,
 )
 

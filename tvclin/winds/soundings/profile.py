@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     InputError,
@@ -24,8 +25,6 @@ from tvclin.winds.histories import Piecewise
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.sampled import SampledWind, straight_lines
 from tvclin.winds.soundings.passage import Flown, angles_along
-
-FloatArray = NDArray[np.float64]
 
 RANGES = {
     "height": (-1e4, 1e6, "m"),
