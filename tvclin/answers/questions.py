@@ -164,8 +164,9 @@ def _rate(found: Findings) -> Question:
     line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.needed_rate):
         line = ("with this limit no rate is enough",)
-    need, rates = front.needed * found.study.of_both, (front.needed_rate, front.rate_limit)
-    measure = Measure(*np.degrees(rates).tolist(), unit="deg/s")
+    need = front.needed * found.study.of_both
+    needed, there = np.degrees([front.needed_rate, front.rate_limit or np.nan])
+    measure = Measure(float(needed), float(there), "deg/s")
     return Question(name, front.enough, line, need, "at this rate any control needs", measure)
 
 

@@ -97,8 +97,8 @@ def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     length = fore - aft
     radius, tip = _SLIM * length, fore + 2.0 * _NOSE * length
     shoulder = fore + _NOSE * length
-    side = [(aft, radius), (shoulder, radius), (tip, 0.0)]
-    drawn = {"body": [*side, *((x, -y) for x, y in reversed(side)), side[0]]}
+    half = [(aft, radius), (shoulder, radius), (tip, 0.0)]
+    drawn = {"body": [*half, *((x, -y) for x, y in reversed(half)), half[0]]}
     bell = [(0.0, 0.3), (-1.0, 0.8), (-1.0, -0.8), (0.0, -0.3)]
     for side in (1.0,) if limit is None else (1.0, -1.0):
         angle = side * (limit or 0.0)
