@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -103,7 +103,7 @@ class Vehicle:
     time: float | FloatArray | None = None
     control_force_slope: float | FloatArray | None = None
     pitch_damping: float | FloatArray = 0.0
-    numbers_from: str = ""
+    numbers_from: str = field(default="", compare=False)
     structure: Structure | None = None
 
     def __post_init__(self) -> None:
