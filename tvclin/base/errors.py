@@ -249,15 +249,16 @@ def number(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = finite, unit: str = ""
 ) -> float:
     """Return `value` as a float; `InputError` unless it passes the check and is no array."""
-    array = check(name, value, unit)
+    array = np.asarray(check(name, value, unit))
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
     return float(array)
 
 
 def directions(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
-    """Return directions [rad]; `InputError` beyond one turn, where degrees were meant."""
-    return within(name, value, -2.0 * np.pi, 2.0 * np.pi, unit)
+    """Return directions, in rad or deg; `InputError` beyond one turn, where degrees were meant."""
+    turn = 360.0 if unit == "deg" else 2.0 * np.pi
+    return within(name, value, -turn, turn, unit)
 
 
 def bearing(name: str, value: ArrayLike) -> float:
@@ -266,7 +267,7 @@ def bearing(name: str, value: ArrayLike) -> float:
 
 
 def small_angle(what: str, check: _Check = finite) -> _Check:
-    """Return a check of angles [rad], for `number` too: within 90 degrees, in radians.
+    """Return a check of angles, for `number` too: within 90 degrees; in radians, or "deg".
 
     `what`: what the angle is, as "a deflection". `check`: what else it must pass.
     """
@@ -274,7 +275,9 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
         array = check(name, value, unit)
         most = np.abs(array).max(initial=0.0)
-        if most >= np.pi / 2:
+        if unit == "deg" and most >= 90.0:
+            raise InputError(f"{name} must be {what} within 90 degrees; got {most:.6g} deg")
+        if unit != "deg" and most >= np.pi / 2:
             degrees = f" ({np.degrees(most):.4g} deg)" if most < LATEST else ""
             raise InputError(
                 f"{name} must be {what} within 90 degrees, in radians; got {most:.6g} rad{degrees}"
@@ -284,9 +287,9 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     return checked
 
 
-def fraction(name: str, value: ArrayLike) -> float:
+def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
     """Return `value` as a float; `InputError` unless it is one number above 0 and below 1."""
-    part = number(name, value)
+    part = number(name, value, unit=unit)
     if not 0.0 < part < 1.0:
         raise InputError(f"{name} must be above 0 and below 1; got {part:.6g}")
     return part

@@ -4,17 +4,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import degrees, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
-from tvclin.cli.options import MotionOptions, Rigid, SampleRate, Shown, Source, grouped
+from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -32,21 +32,18 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
 
 
-@grouped
 def autopilot(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
-    ] = None,
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
-    sample_rate: SampleRate = None,
-    criteria: CriteriaOptions = CriteriaOptions(),
-    least: LeastOptions = LeastOptions(),
+    blows: WindOptions = GROUP,
+    limit: Given = LIMIT,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
+    samples: Given = SAMPLE_RATE,
+    criteria: CriteriaOptions = GROUP,
+    least: LeastOptions = GROUP,
     rigid: Rigid = False,
-    motion: MotionOptions = MotionOptions(),
-    shown: Shown = Shown(),
+    motion: Given = MOTION,
+    shown: Shown = GROUP,
 ) -> None:
     """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
 
@@ -61,9 +58,8 @@ def autopilot(
     from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.control.comparison.trim import compare_with_trim
 
-    own = CaseOptions(limit_deg, None, sample_rate, rigid).over
-    changes = own, motion.over, criteria.over, least.over, gains.over, loop.over
-    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",))
+    changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid)
     with waiting("seeking gains"):
         sought = least.found(case, case.held_to)
     wind = case.history

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import SOURCE_HELP, AsJson, Model, Plot, Shape
+from tvclin.cli.inputs import case_of, chosen
+from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
 
 if TYPE_CHECKING:
@@ -23,22 +23,13 @@ def boundary(
             help=f"{SOURCE_HELP} Without one the flight path is held fixed.",
         ),
     ] = None,
-    wind: Shape = None,
-    tau_beta: Annotated[
-        list[float] | None,
-        typer.Option(
-            help="Duration of the wind times beta (with damping, times the pole); may be given"
-            " several times."
-        ),
-    ] = None,
-    dead_band: Annotated[
-        list[float] | None,
-        typer.Option(help="Dead band K from 0 to 1; may be given several times."),
-    ] = None,
-    model: Model = None,
-    plane: Annotated[
-        str | None, typer.Option(help="Plane of the vehicle.", show_default="pitch")
-    ] = None,
+    wind: str | None = SHAPE,
+    tau_beta: list[float] | None = asked(
+        "Duration of the wind times beta (with damping, times the pole); may be given"
+        " several times."
+    ),
+    dead_band: list[float] | None = asked("Dead band K from 0 to 1; may be given several times."),
+    motion: Given = MOTION,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -52,7 +43,7 @@ def boundary(
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, plant, plane, own = _subject(vehicle, model, plane)
+    name, plant, plane, own = _subject(vehicle, motion)
     wind = chosen(wind, own)
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
     # one unit of peak is enough: the boundary limit does not depend on it
@@ -72,18 +63,16 @@ def boundary(
     say_notes(_notes(axis, x, K, limits.status))
 
 
-def _subject(
-    vehicle: str | None, model: str | None, plane: str | None
-) -> "tuple[str, Plant, str, str]":
+def _subject(vehicle: str | None, motion: Given) -> "tuple[str, Plant, str, str]":
     """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.coefficients import Coefficients
 
     if vehicle is None:
-        only_with("a vehicle", model=model, plane=plane)
+        motion.only_with("a vehicle")
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, told=("boundary",), model=model, plane=plane)
+    case = case_of(vehicle, motion.over, told=("boundary",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import AsJson, grouped
+from tvclin.cli.options import GROUP, AsJson, asked, grouped
 from tvclin.cli.output import print_tables, say
 from tvclin.cli.progress import bar
 
@@ -35,15 +35,9 @@ Output = Annotated[
 class WorkOptions:
     """What computes, and which part; `grouped` gives the options to a command."""
 
-    workers: Annotated[
-        int | None, typer.Option(help="Number of worker processes. Without it: none but this one.")
-    ] = None
-    scheduler: Annotated[
-        str | None, typer.Option(help="A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
-    ] = None
-    shard: Annotated[
-        str | None, typer.Option(help="Compute part i of n of the chunks, i/n; for job arrays.")
-    ] = None
+    workers: int | None = asked("Number of worker processes. Without it: none but this one.")
+    scheduler: str | None = asked("A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
+    shard: str | None = asked("Compute part i of n of the chunks, i/n; for job arrays.")
 
     @contextmanager
     def told(self, folder: Path) -> Iterator[dict[str, Any]]:
@@ -88,11 +82,10 @@ def init(
 def run(
     file: Annotated[Path, typer.Argument(help="The campaign file (see: tvclin campaign init).")],
     folder: Annotated[Path, typer.Option("-o", "--folder", help="Folder for the results.")],
-    work: WorkOptions = WorkOptions(),
-    until_converged: Annotated[
-        float | None,
-        typer.Option(help="Stop when both bounds lie within this percentage of the answer."),
-    ] = None,
+    work: WorkOptions = GROUP,
+    until_converged: float | None = asked(
+        "Stop when both bounds lie within this percentage of the answer."
+    ),
 ) -> None:
     """Run a campaign; in a folder where it has begun already, continue it.
 
@@ -131,16 +124,11 @@ def resume(folder: Folder, work: WorkOptions = WorkOptions()) -> None:
 def show(
     folder: Folder,
     output: Output = None,
-    limit_deg: Annotated[
-        float | None,
-        typer.Option(help="Also print how probable it is that this limit, in deg, is enough."),
-    ] = None,
-    probability: Annotated[
-        float | None, typer.Option(help="Fraction of all flights to be covered, below 1.")
-    ] = None,
-    confidence: Annotated[
-        float | None, typer.Option(help="Confidence of every bound, below 1.")
-    ] = None,
+    limit_deg: float | None = asked(
+        "Also print how probable it is that this limit, in deg, is enough."
+    ),
+    probability: float | None = asked("Fraction of all flights to be covered, below 1."),
+    confidence: float | None = asked("Confidence of every bound, below 1."),
     as_json: AsJson = False,
 ) -> None:
     """Print what a campaign has found so far.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import only_with
+from tvclin.cli.options import DESIGN, Given, asked
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
@@ -37,21 +38,12 @@ LowPassHz = Annotated[
 class LoopOptions:
     """What stands about any law: filters, actuator and delay; `grouped` gives them to a command."""
 
-    actuator_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
-            show_default="25.1",
-        ),
-    ] = None
-    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
-    actuator_damping: Annotated[
-        float | None, typer.Option(help="Damping ratio of the actuator.", show_default="0.7")
-    ] = None
-    delay_ms: Annotated[
-        float | None,
-        typer.Option(help="Delay between sensors and actuator, in ms.", show_default="0.0"),
-    ] = None
+    actuator_frequency: float | None = asked(
+        "Natural frequency of the actuator, in rad/s; 0: no actuator.", shown="25.1"
+    )
+    actuator_hz: float | None = asked("The same in Hz.")
+    actuator_damping: float | None = asked("Damping ratio of the actuator.", shown="0.7")
+    delay_ms: float | None = asked("Delay between sensors and actuator, in ms.", shown="0.0")
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
@@ -86,41 +78,19 @@ class LoopOptions:
 
 
 @dataclass(frozen=True)
-class GainOptions:
-    """The gains, or a rule for them; `grouped` gives them to a command."""
-
-    design: Annotated[
-        str | None,
-        typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
-            " lqr or least-nozzle.",
-            show_default="canonical",
-        ),
-    ] = None
-    natural_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the closed loop, in rad/s; the rule is then poles."
-        ),
-    ] = None
-    damping: Annotated[
-        float | None,
-        typer.Option(help="Damping ratio of the closed loop, for poles.", show_default="0.7"),
-    ] = None
-    attitude_gain: Annotated[float | None, typer.Option(help="Gain a0, in place of a rule.")] = None
-    rate_gain: Annotated[float | None, typer.Option(help="Gain a1, in s, in place of a rule.")] = (
-        None
-    )
-    alpha_gain: Annotated[float | None, typer.Option(help="Gain b0 on the angle of attack.")] = None
-    integral_gain: Annotated[
-        float | None,
-        typer.Option(help="Gain aI on the integrated attitude, in 1/s.", show_default="0.0"),
-    ] = None
+class GainOptions(Given):
+    """The gains, or a rule for them."""
 
     def over(self, plan: "StudyPlan") -> "StudyPlan":
         """Return a plan with these gains, or with this rule for them."""
-        own = {name: one for name, one in vars(self).items() if one is not None}
-        return replace(plan, design=with_gains(plan.asked, **own)) if own else plan
+        given = self.values
+        return replace(plan, design=with_gains(plan.asked, **given)) if given else plan
+
+
+GAINS = GainOptions(
+    DESIGN,
+    "design natural_frequency damping attitude_gain rate_gain alpha_gain integral_gain",
+)
 
 
 def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "AutopilotDesign":

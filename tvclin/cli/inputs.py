@@ -1,7 +1,7 @@
 """What several commands make of their options."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.cli.output import say
@@ -35,49 +35,18 @@ def only_with(needed: str, **options: Any) -> None:
         raise InputError(f"{named} {needed}")
 
 
-@dataclass(frozen=True)
-class CaseOptions:
-    """Options of several commands that change a case each by one value; None leaves its own."""
-
-    limit_deg: float | None = None
-    rate_limit_deg: float | None = None
-    sample_rate: float | None = None
-    rigid: bool = False
-    model: str | None = None
-    plane: str | None = None
-    stop: str | None = None
-
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
-        """Return a plan with these options in place of what it says."""
-        from math import radians
-
-        from tvclin.base.errors import number, positive
-
-        if self.rigid:
-            plan = without_structure(plan)
-        rate, samples, design = self.rate_limit_deg, self.sample_rate, None
-        if rate is not None:
-            rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
-        if samples is not None:
-            samples = number("--sample-rate", samples, positive, "Hz")
-            design = changed(plan.asked, sample_rate=samples)
-        limit = radians_of("--limit-deg", self.limit_deg)
-        nozzle = changed(plan.nozzle, limit=limit, rate_limit=rate, stop=self.stop)
-        return changed(plan, model=self.model, plane=self.plane, nozzle=nozzle, design=design)
-
-
 def case_of(
     source: str,
     *changes: "Callable[[StudyPlan], StudyPlan]",
     blows: "Callable[[StudyPlan, str], StudyPlan] | None" = None,
     told: tuple[str, ...] = (),
-    **options: Any,
+    rigid: bool = False,
 ) -> "StudyPlan":
     """Return the case that a study file or a vehicle asks for, with options in its place.
 
-    Groups of options are changes, as `GainOptions.over`, and `options` are those of `CaseOptions`;
-    `PulseOptions.over` has the wind. What questions leave out of the case is told on stderr, and so
-    is what is odd in the vehicle; a question that is wholly of the rigid vehicle is given that.
+    Groups of options are changes, as `GainOptions.over`; `PulseOptions.over` has the wind. What
+    questions leave out of the case is told on stderr, and so is what is odd in the vehicle; a
+    question that is wholly of the rigid vehicle is given that.
     """
     from tvclin.answers.parts import wholly_rigid
     from tvclin.answers.study_file.read import load_study
@@ -85,7 +54,9 @@ def case_of(
     plan = load_study(source)
     if "study" not in told:  # which has them among its own notes
         note_doubts(plan.vehicle)
-    for change in (CaseOptions(**options).over, *changes):
+    if rigid:
+        plan = without_structure(plan)
+    for change in changes:
         plan = change(plan)
     if blows is not None:
         plan = blows(plan, source)

@@ -2,23 +2,21 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.bands import parts_line
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    MODEL_DEFAULT,
-    MODELS_HELP,
-    Plane,
-    RateLimitDeg,
+    GROUP,
+    MOTION,
+    RATE_LIMIT,
+    SAMPLE_RATE,
+    Given,
     Rigid,
-    SampleRate,
     Shown,
     Source,
-    grouped,
+    asked,
 )
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
@@ -34,34 +32,23 @@ if TYPE_CHECKING:
     from tvclin.winds.histories import History
 
 
-@grouped
 def laws(
     vehicle: Source = "configuration-i",
-    blows: BlowingOptions = BlowingOptions(),
-    wind: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
-            " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
-            " 'flip to 0.3', 'full reversal'.",
-            show_default="all",
-        ),
-    ] = None,
-    cuts: Annotated[int, typer.Option(help="Also fly each wind cut off at so many instants.")] = 0,
-    sample_rate: SampleRate = None,
-    rate_limit_deg: RateLimitDeg = None,
-    model: Annotated[
-        str | None,
-        typer.Option(
-            help=f"Model with one or two real unstable poles: {MODELS_HELP}",
-            show_default=MODEL_DEFAULT,
-        ),
-    ] = None,
-    plane: Plane = None,
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
+    blows: BlowingOptions = GROUP,
+    wind: list[str] | None = asked(
+        "Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
+        " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
+        " 'flip to 0.3', 'full reversal'.",
+        shown="all",
+    ),
+    cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
+    samples: Given = SAMPLE_RATE,
+    rate_limit: Given = RATE_LIMIT,
+    motion: Given = MOTION,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    shown: Shown = Shown(),
+    shown: Shown = GROUP,
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 
@@ -83,11 +70,11 @@ def laws(
     if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     within("--cuts", cuts, 0, 1000)
-    own = CaseOptions(None, rate_limit_deg, sample_rate, rigid, model, plane).over
-    changes = own, _beside_boundaries, partial(_with_gains, gains), loop.over
-    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",))
+    changes = [one.over for one in (rate_limit, samples, motion)]
+    changes += [_beside_boundaries, partial(_with_gains, gains), loop.over]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid)
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
-    if case.laws is not None and sample_rate is None:
+    if case.laws is not None and not samples.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
     peak, duration, winds = _winds(blows, wind, case)
@@ -161,12 +148,12 @@ def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 
 
-def _with_gains(gains: GainOptions, plan: "StudyPlan") -> "StudyPlan":
+def _with_gains(gains: Given, plan: "StudyPlan") -> "StudyPlan":
     """Return a plan with the gains of options; `InputError` where no law of its file has them."""
     from tvclin.control.laws.registry import AUTOPILOT
 
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
-        only_with("the law autopilot in the table [laws]", **vars(gains))
+        gains.only_with("the law autopilot in the table [laws]")
     return gains.over(plan)
 
 

@@ -1,12 +1,11 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
+from tvclin.cli.options import asked, switch
 from tvclin.cli.output import print_tables, say, say_notes
 
 if TYPE_CHECKING:
@@ -23,35 +22,19 @@ _DURATIONS = (1.0, 0.5, 2.0)
 class LeastOptions:
     """The options in one place; `grouped` gives them to a command."""
 
-    least: Annotated[
-        bool,
-        typer.Option(
-            "--least",
-            help="Find the gains that need the least deflection of all that meet the criteria: in"
-            " the wind, and in winds half and twice as long.",
-        ),
-    ] = False
-    three_gains: Annotated[
-        bool,
-        typer.Option("--three-gains", help="With --least: also feed back the angle of attack."),
-    ] = False
-    crossover: Annotated[
-        float | None, typer.Option(help="With --least: highest gain crossover, in rad/s.")
-    ] = None
-    limits: Annotated[
-        bool,
-        typer.Option(
-            "--limits",
-            help="With --least: find the least limit that flights survive, not the least peak.",
-        ),
-    ] = False
-    stops: Annotated[
-        int | None,
-        typer.Option(
-            help="With --least --limits: number of sudden ends of each wind to survive as well.",
-            show_default="0",
-        ),
-    ] = None
+    least: bool = switch(
+        "--least",
+        "Find the gains that need the least deflection of all that meet the criteria: in"
+        " the wind, and in winds half and twice as long.",
+    )
+    three_gains: bool = switch("--three-gains", "With --least: also feed back the angle of attack.")
+    crossover: float | None = asked("With --least: highest gain crossover, in rad/s.")
+    limits: bool = switch(
+        "--limits", "With --least: find the least limit that flights survive, not the least peak."
+    )
+    stops: int | None = asked(
+        "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
+    )
 
     def over(self, plan: "StudyPlan") -> "StudyPlan":
         """Return a plan of these gains, where they are asked for."""

@@ -1,17 +1,28 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
-from tvclin.cli.flown import FlownOptions, print_flown
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.flown import flown_found, print_flown
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
-from tvclin.cli.options import MotionOptions, Rigid, SampleRate, Shown, Source, grouped
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
+    Rigid,
+    Shown,
+    Source,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
 
@@ -25,30 +36,28 @@ if TYPE_CHECKING:
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
-@grouped
 def margins(
     vehicle: Source = "configuration-i",
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
-    criteria: CriteriaOptions = CriteriaOptions(),
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
+    criteria: CriteriaOptions = GROUP,
     rigid: Rigid = False,
-    detuned: Annotated[
-        bool,
-        typer.Option(
-            "--detuned",
-            help="Also print the margins with the frequency of each mode off by up to 20 percent,"
-            " with half its damping, and with the signs of its slopes at the sensors reversed.",
-        ),
-    ] = False,
+    detuned: bool = switch(
+        "--detuned",
+        "Also print the margins with the frequency of each mode off by up to 20 percent,"
+        " with half its damping, and with the signs of its slopes at the sensors reversed.",
+    ),
     box: Box = None,
-    motion: MotionOptions = MotionOptions(),
-    chart: Annotated[
-        str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
-    ] = "nichols",
-    flown: FlownOptions = FlownOptions(),
-    blows: WindOptions = WindOptions(),
-    sample_rate: SampleRate = None,
-    shown: Shown = Shown(),
+    motion: Given = MOTION,
+    chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
+    flown: bool = switch(
+        "--flown",
+        "Also fly the wind with --limit-deg, and print what may change before it is lost.",
+    ),
+    limits: Given = BOTH_LIMITS,
+    blows: WindOptions = GROUP,
+    samples: Given = SAMPLE_RATE,
+    shown: Shown = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
@@ -69,19 +78,20 @@ def margins(
     from tvclin.control.autopilot.rules import LEAST_NOZZLE
 
     one_of("--chart", chart, _CHARTS)
-    own = CaseOptions(flown.limit_deg, flown.rate_limit_deg, sample_rate, rigid).over
-    changes = own, motion.over, criteria.over, gains.over, loop.over
-    case = case_of(vehicle, *changes, blows=blows.over)
+    if not flown:
+        limits.only_with("--flown")
+    changes = [one.over for one in (limits, samples, motion, criteria, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
-    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown.flown)
-    if not (flown.flown or box or case.asked.design == LEAST_NOZZLE):
+    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
+    if not (flown or box or case.asked.design == LEAST_NOZZLE):
         only_with("--flown or --box", **vars(blows))
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
     autopilot = autopilot_asked(case, case.history, case.held_to)
     found = MarginsFound.of(autopilot, case.plant, case.held_to)
     moved = found.detuned if detuned else None
-    in_wind = flown.found(case, autopilot) if flown.flown and found.whole.stable else None
+    in_wind = flown_found(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
     answer = _Answer(case, found, blows.name(case), moved, in_wind, in_box)

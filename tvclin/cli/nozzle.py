@@ -1,21 +1,22 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from tvclin.cli.fly_linear import LinearCase
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    LimitDeg,
-    MotionOptions,
-    RateLimitDeg,
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
     Rigid,
-    SampleRate,
     ShownCurves,
     Source,
-    grouped,
+    asked,
 )
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
@@ -27,26 +28,21 @@ if TYPE_CHECKING:
     from tvclin.boundary.rates import RateFront
 
 
-@grouped
 def nozzle(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    limit_deg: LimitDeg = None,
-    rate_limit_deg: RateLimitDeg = None,
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-            " half-relief or recoverable-attitude. It needs a deflection limit.",
-            show_default="none is flown",
-        ),
-    ] = None,
-    sample_rate: SampleRate = None,
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
+    blows: WindOptions = GROUP,
+    limits: Given = BOTH_LIMITS,
+    law: str | None = asked(
+        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
+        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        shown="none is flown",
+    ),
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    motion: MotionOptions = MotionOptions(),
-    shown: ShownCurves = ShownCurves(),
+    motion: Given = MOTION,
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
 
@@ -60,13 +56,13 @@ def nozzle(
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None:
-        only_with("--law", **vars(gains), **vars(loop), sample_rate=sample_rate)
+        for one in (gains, samples):
+            one.only_with("--law")
+        only_with("--law", **vars(loop))
     elif one_of("--law", law, LAWS) != AUTOPILOT:
-        only_with(f"--law {AUTOPILOT}", **vars(gains))
-    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid).over
-    case = case_of(
-        vehicle, own, motion.over, gains.over, loop.over, blows=blows.over, told=("nozzle",)
-    )
+        gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, samples, motion, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     flown, given = _flown(case, law, blows.name(case)), case.nozzle
     with waiting("angle over rate"):
         front = rate_front(

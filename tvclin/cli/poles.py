@@ -1,11 +1,9 @@
 """`tvclin poles`: where the poles are, and how strongly the inputs excite the unstable ones."""
 
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import AsJson, Plane, Plot, Source
+from tvclin.cli.options import PLANE, AsJson, Given, Plot, Source, asked
 from tvclin.cli.output import draw, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -14,11 +12,8 @@ if TYPE_CHECKING:
 
 def poles(
     vehicle: Source = "configuration-i",
-    model: Annotated[
-        str,
-        typer.Option(help="fixed-path, drift, drift-exact, drift-and-speed, or all."),
-    ] = "all",
-    plane: Plane = None,
+    model: str = asked("fixed-path, drift, drift-exact, drift-and-speed, or all.", "all"),
+    within: Given = PLANE,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -30,7 +25,7 @@ def poles(
     from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
-    case = case_of(vehicle, told=("poles",), plane=plane)
+    case = case_of(vehicle, within.over, told=("poles",))
     loaded, plane = case.vehicle, case.plane
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}

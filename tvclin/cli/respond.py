@@ -1,13 +1,21 @@
 """`tvclin respond`: how the attitude of one vehicle answers a wind, exactly."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import CaseOptions, case_of, chosen
-from tvclin.cli.options import MotionOptions, Points, ShownCurves, Source, Until, grouped
+from tvclin.cli.inputs import case_of, chosen
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MOTION,
+    Given,
+    Points,
+    ShownCurves,
+    Source,
+    Until,
+    asked,
+)
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
 
@@ -22,29 +30,20 @@ _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
 
 
-@grouped
 def respond(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    dead_band: Annotated[
-        float | None,
-        typer.Option(
-            help="Dead band K, from 0 to 1: trim up to K times the limit.", show_default="1.0"
-        ),
-    ] = None,
-    capability: Annotated[
-        float | None,
-        typer.Option(
-            help="Deflection limit over what is required: 1 is the boundary.", show_default="1"
-        ),
-    ] = None,
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection limit, in deg, in place of --capability.")
-    ] = None,
-    motion: MotionOptions = MotionOptions(),
+    blows: WindOptions = GROUP,
+    dead_band: float | None = asked(
+        "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
+    ),
+    capability: float | None = asked(
+        "Deflection limit over what is required: 1 is the boundary.", shown="1"
+    ),
+    limit: Given = LIMIT,
+    motion: Given = MOTION,
     until: Until = 3.0,
     points: Points = 301,
-    files: ShownCurves = ShownCurves(),
+    files: ShownCurves = GROUP,
 ) -> None:
     """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
 
@@ -57,9 +56,8 @@ def respond(
 
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    own = CaseOptions(limit_deg).over
-    asked = case_of(vehicle, own, motion.over, blows=blows.over, told=("respond",))
-    if capability is not None and limit_deg is None:
+    asked = case_of(vehicle, limit.over, motion.over, blows=blows.over, told=("respond",))
+    if capability is not None and not limit.values:
         asked = replace(asked, nozzle=replace(asked.nozzle, limit=None))
     K = chosen(dead_band, asked.dead_band)
     case = held(asked, blows.name(asked), K, capability, until)

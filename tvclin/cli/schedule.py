@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.options import grouped
+from tvclin.cli.options import GROUP, asked, grouped
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
@@ -31,20 +31,14 @@ Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from th
 class Site:
     """The slope of the normal force, and the launch site; `grouped` gives the options."""
 
-    cn_alpha_per_rad: Annotated[
-        float | None, typer.Option(help="Slope of the normal force coefficient, per rad.")
-    ] = None
-    cn_alpha: Annotated[
-        Path | None,
-        typer.Option(
-            "--cn-alpha",
-            help="The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
-        ),
-    ] = None
-    ground_m: Annotated[
-        float | None,
-        typer.Option(help="Elevation of the launch site above the sea, in m, from -450 to 9000."),
-    ] = None
+    cn_alpha_per_rad: float | None = asked("Slope of the normal force coefficient, per rad.")
+    cn_alpha: Path | None = asked(
+        "The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
+        flag="--cn-alpha",
+    )
+    ground_m: float | None = asked(
+        "Elevation of the launch site above the sea, in m, from -450 to 9000."
+    )
 
     @property
     def told(self) -> dict[str, Any]:
@@ -62,12 +56,9 @@ class Site:
 class Rows:
     """The options of which rows are taken."""
 
-    start: Annotated[float | None, typer.Option("--from", help="Earliest time, in s.")] = None
-    stop: Annotated[float | None, typer.Option("--to", help="Latest time, in s.")] = None
-    most_rows: Annotated[
-        int,
-        typer.Option(help="Most rows to write; a longer flight is thinned to straight lines."),
-    ] = 200
+    start: float | None = asked("Earliest time, in s.", flag="--from")
+    stop: float | None = asked("Latest time, in s.", flag="--to")
+    most_rows: int = asked("Most rows to write; a longer flight is thinned to straight lines.", 200)
 
 
 @source.command()
@@ -76,14 +67,11 @@ def openrocket(
     file: File,
     gimbal_station_m: Gimbal,
     output: Output,
-    site: Site = Site(),
-    reference_area_m2: Annotated[
-        float | None,
-        typer.Option(
-            help="Reference area of a given slope, in m^2.", show_default="that of the file"
-        ),
-    ] = None,
-    rows: Rows = Rows(),
+    site: Site = GROUP,
+    reference_area_m2: float | None = asked(
+        "Reference area of a given slope, in m^2.", shown="that of the file"
+    ),
+    rows: Rows = GROUP,
 ) -> None:
     """Read the data that OpenRocket exports of a simulation without wind.
 
@@ -114,8 +102,8 @@ def rasaero(
             help="A time, in s, and the moment of inertia at it; give two or more.",
         ),
     ],
-    site: Site = Site(),
-    rows: Rows = Rows(),
+    site: Site = GROUP,
+    rows: Rows = GROUP,
 ) -> None:
     """Read the flight that RASAero II exports, of a simulation without wind.
 
@@ -146,7 +134,7 @@ def table(
         Path,
         typer.Option(help='TOML file with a table named columns: weight = "Gross weight (lbf)".'),
     ],
-    rows: Rows = Rows(),
+    rows: Rows = GROUP,
 ) -> None:
     """Read any table with a line of column names, with --columns to say which is which.
 

@@ -1,21 +1,23 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from functools import partial
+from typing import TYPE_CHECKING
 
 import typer
 
-from tvclin.cli.inputs import CaseOptions, case_of, changed, only_with
+from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
     STOPS_HELP,
+    STUDY,
     AsJson,
-    LimitDeg,
-    Model,
-    Plane,
+    Given,
     Plot,
-    Sign,
     Source,
-    grouped,
+    asked,
+    switch,
 )
 from tvclin.cli.output import print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
@@ -27,81 +29,44 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class QuestionOptions:
-    """What a study is held to; `grouped` gives the options."""
-
-    dead_band: Annotated[
-        float | None,
-        typer.Option(
-            help="Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.",
-            show_default="1",
-        ),
-    ] = None
-    switch: Annotated[
-        str | None,
-        typer.Option(
-            help="What is compared with the dead band, in the boundaries shown: trim (literal) or"
-            " the wind (report).",
-            show_default="literal",
-        ),
-    ] = None
-    sign: Sign = None
+class DisperseOptions(Given):
+    """The number of dispersed cases and their seed."""
 
     def over(self, plan: "StudyPlan") -> "StudyPlan":
-        """Return a plan with what these options ask."""
-        return changed(plan, **vars(self))
-
-
-@dataclass(frozen=True)
-class DisperseOptions:
-    """What is dispersed; `grouped` gives the options."""
-
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Also find the deflection that covers dispersed vehicles and winds, with assumed"
-            " dispersions where no study file gives them.",
-        ),
-    ] = False
-    cases: Annotated[
-        int | None, typer.Option(help="Number of cases of --disperse.", show_default="2000")
-    ] = None
-    seed: Annotated[int | None, typer.Option(help="Seed of --disperse.", show_default="0")] = None
-
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
-        """Return a plan with the dispersions of its file, or with assumed ones."""
-        if self.disperse and plan.dispersions is None:
-            from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
-
-            plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
+        """Return a plan with these numbers; `InputError` where nothing is dispersed."""
         if plan.dispersions is None:
-            needed = "--disperse, or a study file with dispersions"
-            only_with(needed, cases=self.cases, seed=self.seed)
-        return changed(plan, cases=self.cases, seed=self.seed)
+            self.only_with("--disperse, or a study file with dispersions")
+        return super().over(plan)
 
 
-@grouped
+def _beside(stop: str | None, disperse: bool, plan: "StudyPlan") -> "StudyPlan":
+    """Return a plan with the stop of an option, and dispersions that are assumed if it has none."""
+    plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
+    if not disperse or plan.dispersions is not None:
+        return plan
+    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
+    return replace(plan, dispersions=DEFAULT_DISPERSIONS)
+
+
 def study(
     source: Source = "configuration-i",
-    blows: ShapedOptions = ShapedOptions(),
-    question: QuestionOptions = QuestionOptions(),
-    limit_deg: LimitDeg = None,
-    model: Model = None,
-    plane: Plane = None,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SHAPE",
-            help=f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
-            " limit survives is then that of the wind's vector; without, that of its part in"
-            " --plane. Needs --wind-direction-deg.",
-        ),
-    ] = None,
-    drawn: DisperseOptions = DisperseOptions(),
-    explain: Annotated[
-        bool, typer.Option("--explain", help="Explain each symbol in one line.")
-    ] = False,
+    blows: ShapedOptions = GROUP,
+    question: Given = Given(STUDY, "dead_band switch sign model plane"),
+    limit: Given = LIMIT,
+    stop: str | None = asked(
+        f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
+        " limit survives is then that of the wind's vector; without, that of its part in"
+        " --plane. Needs --wind-direction-deg.",
+        metavar="SHAPE",
+    ),
+    disperse: bool = switch(
+        "--disperse",
+        "Also find the deflection that covers dispersed vehicles and winds, with assumed"
+        " dispersions where no study file gives them.",
+    ),
+    drawn: DisperseOptions = DisperseOptions(STUDY, "cases seed"),
+    explain: bool = switch("--explain", "Explain each symbol in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -117,11 +82,11 @@ def study(
     from tvclin.answers.questions import all_yes, questioned
     from tvclin.base.errors import InputError
 
-    own = CaseOptions(limit_deg, model=model, plane=plane, stop=stop).over
-    plan = case_of(source, own, question.over, drawn.over, blows=blows.over, told=("study",))
+    own = limit.over, partial(_beside, stop, disperse), question.over, drawn.over
+    plan = case_of(source, *own, blows=blows.over, told=("study",))
     with bar("answers") as progress:
         found = find(questioned(plan), progress)
-    if drawn.disperse and found.dispersed is None:
+    if disperse and found.dispersed is None:
         raise InputError(found.reasons["dispersed"])
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
@@ -149,7 +114,8 @@ def _print_json(found: "Findings") -> None:
 def _print(found: "Findings", source: str, explain: bool) -> None:
     """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
     from tvclin.answers import study_tables as tables
-    from tvclin.answers.questions import question_table, questions, sufficient
+    from tvclin.answers.asked_table import asked_table
+    from tvclin.answers.questions import questions, sufficient
     from tvclin.vehicle.file import as_written
 
     s, d, each = found.study, found.dispersed, questions(found)
@@ -170,7 +136,7 @@ def _print(found: "Findings", source: str, explain: bool) -> None:
     if len(each) < 2:
         return
     say("")
-    print_tables(question_table(each))
+    print_tables(asked_table(found))
     others = ", ".join(one.name for one in each if one.yes is not True)
     said = {
         True: "SUFFICIENT in all",

@@ -2,23 +2,10 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.inputs import chosen, only_with
-from tvclin.cli.options import (
-    TIME_HELP,
-    AzimuthDeg,
-    Gust,
-    GustAt,
-    GustPlateau,
-    GustSpeed,
-    PeakDeg,
-    PeakSpeed,
-    Shape,
-    WindDirectionDeg,
-)
+from tvclin.cli.options import GUST, SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
@@ -38,17 +25,24 @@ _WINDOW = 20.0
 class PulseOptions:
     """All but the shape of a pulse; `grouped` gives them to a command."""
 
-    duration: Annotated[
-        float | None, typer.Option(help="Duration of the wind, in s.", show_default="7.5")
-    ] = None
-    peak_deg: PeakDeg = None
-    peak_speed: PeakSpeed = None
-    gust: Gust = None
-    gust_speed: GustSpeed = None
-    gust_plateau: GustPlateau = None
-    gust_at: GustAt = None
-    wind_direction_deg: WindDirectionDeg = None
-    azimuth_deg: AzimuthDeg = None
+    duration: float | None = asked("Duration of the wind, in s.", shown="7.5")
+    peak_deg: float | None = asked("Peak wind angle of attack, in deg.", shown="5")
+    peak_speed: float | None = asked(
+        "Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e)."
+    )
+    gust: tuple[float, float] | None = GUST
+    gust_speed: tuple[float, float] | None = asked(
+        "The same by its peak wind speed, in m/s, by eq (B1e).", metavar="M/S S"
+    )
+    gust_plateau: float | None = asked(
+        "Part of its duration that a gust stays at its peak, in s.", shown="0"
+    )
+    gust_at: float | None = asked("When the gust peaks, in s.", shown="when it asks for most")
+    wind_direction_deg: float | None = asked(
+        "Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size of"
+        " the wind's vector in both planes. Needs --azimuth-deg."
+    )
+    azimuth_deg: float | None = asked("Direction of flight, in deg from north, clockwise.")
 
     def __post_init__(self) -> None:
         from tvclin.base.errors import InputError
@@ -121,35 +115,26 @@ class PulseOptions:
 class ShapedOptions(PulseOptions):
     """A pulse; `grouped` gives its options to a command."""
 
-    wind: Shape = None
+    wind: str | None = SHAPE
 
 
 @dataclass(frozen=True)
 class BlowingOptions(PulseOptions):
     """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
 
-    winds: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A sounding, in place of a pulse: what the vehicle's flight meets of it around its"
-            " own time. Needs --azimuth-deg.",
-        ),
-    ] = None
-    winds_time: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME", help=f"Which sounding of a file that holds several, {TIME_HELP}"
-        ),
-    ] = None
-    window: Annotated[
-        float | None,
-        typer.Option(
-            help="Length of the part of the sounding that counts, about the vehicle's own time of"
-            " flight, in s.",
-            show_default="20",
-        ),
-    ] = None
+    winds: Path | None = asked(
+        "A sounding, in place of a pulse: what the vehicle's flight meets of it around its"
+        " own time. Needs --azimuth-deg.",
+        metavar="FILE",
+    )
+    winds_time: str | None = asked(
+        f"Which sounding of a file that holds several, {TIME_HELP}", metavar="TIME"
+    )
+    window: float | None = asked(
+        "Length of the part of the sounding that counts, about the vehicle's own time of"
+        " flight, in s.",
+        shown="20",
+    )
 
     def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""

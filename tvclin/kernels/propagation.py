@@ -86,22 +86,6 @@ def driven(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -> AnyArray
     return whole
 
 
-def driven_steps(
-    A: FloatArray, B: FloatArray, lengths: FloatArray, inputs: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return e^(A t) and P(t) of x(t) = e^(A t) x + P(t) z, for x' = A x + B z.
-
-    `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``. `lengths`: times t [s], ``(..., m)``, whose batch
-    is that of the others. `inputs`: as of `driven`, also ``(..., m, k, k)``; without it z is held.
-    Returned: ``(..., m, n, n)`` and ``(..., m, n, k)``.
-    """
-    whole, n = driven(A[..., np.newaxis, :, :], B[..., np.newaxis, :, :], inputs), A.shape[-1]
-    every = np.broadcast_to(whole, (*lengths.shape, *whole.shape[-2:]))
-    found = exponentials(every.reshape(-1, *whole.shape[-2:]), lengths.ravel())
-    found = found.reshape(every.shape)
-    return found[..., :n, :n], found[..., :n, n:]
-
-
 def inputs_at(pieces: Pieces, times: FloatArray) -> AnyArray:
     """Return the states z of the input at the times ``(m,)``, shape ``(m, size)``."""
     index, u = locate(pieces, times)

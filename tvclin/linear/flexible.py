@@ -16,8 +16,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
@@ -34,7 +35,6 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
@@ -155,7 +155,7 @@ class FlexiblePlant(Shown):
         """Those of the rigid vehicle."""
         return self.rigid.coefficients
 
-    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> FlexiblePlant:
+    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> FlexiblePlant:
         """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
         return replace(
             self,
@@ -206,7 +206,7 @@ class FlexiblePlant(Shown):
         return (*self.rigid.states, *moving, *lags)
 
     @cached_property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """Poles of the airframe [1/s], the fastest growing first, ``(..., n)``.
 
         Those of the sensors, which hang on it, are not among them.

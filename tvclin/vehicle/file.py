@@ -36,7 +36,9 @@ _MASS = {"mass": "mass"}
 """In place of the weight."""
 
 VEHICLE_TABLE = FileTable(
-    "[vehicle]", _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS, words=("name",)
+    "[vehicle]",
+    _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS,
+    words=("name", "numbers_from"),
 )
 COEFFICIENTS = "coefficients"
 """The table of files that hold no vehicle, see `load_any_vehicle`."""

@@ -17,7 +17,7 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.linear.flexible import FlexiblePlant, plant_of
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.models import flexible_model
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
@@ -118,8 +118,8 @@ def _flexible(
     """The flexible plant of vehicles, with the modes that were drawn; None of a rigid campaign."""
     if vehicle.structure is None:
         return None
-    plant = plant_of(vehicle, flexible_model(vehicle, campaign.model), campaign.plane)
-    assert isinstance(plant, FlexiblePlant)
+    model = flexible_model(vehicle, campaign.model)
+    plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
     return dispersed_modes(plant, values)
 
 

@@ -8,15 +8,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import between, instance, nonnegative, number, positive, small_angle
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

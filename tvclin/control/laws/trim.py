@@ -6,15 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import nonnegative, number
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
@@ -20,9 +20,6 @@ from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import InDecibels, Margins, margins_of
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable"
 
@@ -164,22 +161,12 @@ class BandMargins(Shown):
     _keys = "whole_loop=whole.status rigid_body=rigid mode=modes"
 
 
-def band_margins(loop: Loop, names: tuple[str, ...], poles: ComplexArray) -> BandMargins:
+def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMargins:
     """Return the margins of a loop by band.
 
-    Parameters
-    ----------
-    loop : Loop
-        Held as matrices, one or a batch ``(...)``.
-    names : tuple of str
-        Names of the modes.
-    poles : ndarray
-        Upper pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop.
-
-    Raises
-    ------
-    InputError
-        For a loop that is held as polynomials.
+    `loop`: held as matrices, one or a batch ``(...)``. `names`: names of the modes. `poles`: upper
+    pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop. `InputError` for a
+    loop that is held as polynomials.
     """
     instance("loop", loop, Loop, "see Autopilot.exact_loop")
     if not isinstance(loop.form, StateLoop):
@@ -209,7 +196,7 @@ def _rigid(terms: Terms, found: LoopFindings) -> dict[str, Any]:
     return dict(zip((field.name for field in fields(RigidBand)), pairs, strict=True))
 
 
-def _mode(terms: Terms, found: LoopFindings, k: int, closed: ComplexArray) -> dict[str, Any]:
+def _mode(terms: Terms, found: LoopFindings, k: int, closed: AnyArray) -> dict[str, Any]:
     pole = terms.plant[:, k]
     phases, factors = _owned(terms, found, k)
     highest, where = peak(terms, k)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -23,8 +24,6 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.step_matrices import SUBSTEPS, frequency
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 LOST = 1e100
 """A state beyond this is not flown on."""
@@ -108,7 +107,7 @@ def check_pace(plant: AnyPlant, length: float) -> None:
         )
 
 
-def paces(plant: AnyPlant) -> NDArray[np.float64]:
+def paces(plant: AnyPlant) -> FloatArray:
     """Return the size of the fastest pole [1/s] of each plant."""
     return np.asarray(np.abs(plant.poles).max(axis=-1))
 

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, shown, whole_number
 from tvclin.flights.closed_loop.checks import check_samples
 from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Words = NDArray[np.str_]
 
 OK = "ok"
@@ -58,12 +57,7 @@ class Edge:
 def edge_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> Edge:
     """Return the edge above the highest value that does not survive.
 
-    Parameters
-    ----------
-    survives : callable
-        The status of values, ``(n,)``.
-    scan : ndarray
-        Values in even steps, rising.
+    `survives`: the status of values, ``(n,)``. `scan`: values in even steps, rising.
     """
     values, found = scan, survives(scan)
     bottom, top = float(scan[0]), float(scan[-1])
@@ -102,12 +96,8 @@ def edges_above_losses(
     Values are tried every `STRIDE` from `low` to `high`; above the highest that is lost every
     `FINE`, until a range of `AHEAD` is clean; and the step that is left in `LAST_PARTS`.
 
-    Parameters
-    ----------
-    lost : callable
-        Which of the values ``(k, n)``, a column for each case, are lost.
-    low, high : ndarray
-        Positive values between which the edges are sought, ``(n,)``.
+    `lost`: which of the values ``(k, n)``, a column for each case, are lost. `low`, `high`:
+    positive values between which the edges are sought, ``(n,)``.
     """
     span = np.log(np.maximum(high / low, 1.0))
     count = max(int(np.ceil(span.max(initial=0.0) / STRIDE)), 1)
@@ -148,16 +138,8 @@ def in_all(
 ) -> Words:
     """Return the status over all winds of many flights: the first not survived counts.
 
-    Parameters
-    ----------
-    winds : sequence of History
-        Flown one after the other.
-    status : callable
-        Of the flights chosen by a mask, in a wind.
-    size : int
-        Number of flights.
-    flown : callable
-        Is called after each wind.
+    `winds`: flown one after the other. `status`: of the flights chosen by a mask, in a wind.
+    `size`: number of flights. `flown`: is called after each wind.
     """
     found = np.full(size, SURVIVED, dtype=object)
     for one in winds:
@@ -171,10 +153,8 @@ def in_all(
 def stopped_winds(wind: History, cuts: int, length: float) -> list[History]:
     """Return the wind, and the same with so many sudden stops, at even instants.
 
-    Raises
-    ------
-    InputError
-        For cuts that are not a whole number up to 1000, or make too many samples of a length [s].
+    `InputError` for cuts that are not a whole number up to 1000, or make too many samples of a
+    length [s].
     """
     stops = whole_number("cuts", cuts)
     if stops > _MOST_CUTS:

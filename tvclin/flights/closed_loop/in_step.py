@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -20,8 +20,6 @@ from tvclin.kernels.flights import LOOK
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-
-FloatArray = NDArray[np.float64]
 
 _LONGEST = 20_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
@@ -64,8 +62,8 @@ class Course:
     attitude: FloatArray
     deflection: FloatArray
     saturated: FloatArray
-    ended: NDArray[np.int64]
-    outcome: NDArray[np.int64]
+    ended: IntArray
+    outcome: IntArray
     shown: list[tuple[complex, complex]]
 
 

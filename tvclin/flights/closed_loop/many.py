@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     LATEST,
@@ -38,8 +39,6 @@ from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
@@ -215,7 +214,7 @@ def fly_many(
     return _flown_cases(f, good, _rings(some, f))
 
 
-def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
+def _rings(batch: Batch, f: Flights) -> BoolArray:
     """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
     grows = swing_near_rest(batch, f) > _RINGING
     if batch.plant.structure is None:
@@ -223,9 +222,7 @@ def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
     return grows | swings_on(f, batch.laws)
 
 
-def _flown_cases(
-    f: Flights | None, good: NDArray[np.bool_], rings: NDArray[np.bool_]
-) -> FlownCases:
+def _flown_cases(f: Flights | None, good: BoolArray, rings: BoolArray) -> FlownCases:
     """What came of the flights; None where there were none."""
     outcome = np.full(good.shape, len(STATUS) - 1)
     if f is None:

@@ -14,8 +14,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
@@ -26,7 +27,6 @@ from tvclin.flights.closed_loop.step_matrices import (
     even_steps,
     frequency,
     joint_steps,
-    parts_of,
     quickness,
     sensed_rows,
     substeps_of,
@@ -37,10 +37,8 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.system import delay_parts
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LONGEST = 1_000_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
@@ -55,27 +53,13 @@ _TYPES = {float: np.float64, bool: np.bool_}
 class Batch:
     """What is flown: all of one shape, which is flattened, but for plants and winds.
 
-    Attributes
-    ----------
-    plant, wind : Plant or FlexiblePlant, History
-        One each or a batch, which broadcast with the shape; or as `vehicle` and `met` say.
-    laws : LawBatch
-        Of the flights.
-    gain : ndarray
-        Factor on what each asks for, of the shape of the batch.
-    limit, rate_limit : ndarray
-        Of the deflection, of the shape of the batch.
-    actuator : Actuator or None
-        One or a batch.
-    length, delay : ndarray
-        Of a sample and of computing [s]; they broadcast with the plants.
-    until : float
-        When flights end [s]; infinite for when they are decided.
-    shape : tuple of int
-        Of the batch.
-    vehicle, met : ndarray of int, optional
-        The vehicle (plant with actuator, samples and delay) and the wind of each flight, by their
-        places in their own batches, ``(m,)``.
+    `plant`, `wind`: one each or a batch, which broadcast with the shape; or as `vehicle` and `met`
+    say. `laws`: of the flights. `gain`: factor on what each asks for, of the shape of the batch.
+    `limit`, `rate_limit`: of the deflection, of the shape of the batch. `actuator`: one or a batch.
+    `length`, `delay`: of a sample and of computing [s]; they broadcast with the plants. `until`:
+    when flights end [s]; infinite for when they are decided. `vehicle`, `met`: the vehicle (plant
+    with actuator, samples and delay) and the wind of each flight, by their places in their own
+    batches, ``(m,)``.
     """
 
     plant: AnyPlant
@@ -106,7 +90,7 @@ class Batch:
             vehicle, met = (_places(a, self.shape) for a in (self.vehicles, self.wind.batch))
         return vehicle, met
 
-    def only(self, good: NDArray[np.bool_]) -> Batch:
+    def only(self, good: BoolArray) -> Batch:
         """Return those flights of the batch, each vehicle and wind that they need once."""
         own, where = self.vehicles, np.flatnonzero(good)
         (fleet, vehicle), (winds, met) = (
@@ -166,20 +150,20 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     """
     shape, m = batch.shape, int(np.prod(batch.shape))
     own, (vehicle, wind) = batch.vehicles, batch.places
-    A, inputs, C, D = (_spread(a, own, 2) for a in batch.plant.matrices())
-    n = A.shape[-1]
+    every = np.arange(int(np.prod(own)))
+    plant = batch.plant.system.some(every, own)
+    n = len(plant.states)
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
-    late, lengths = parts_of(length, delay)
-    whole = actuated(batch.plant, batch.actuator)
-    moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
+    late, rest = delay_parts(delay, length)
+    parts = [length - rest, rest] if np.any(rest) else [length]
+    lengths = np.stack([length, *parts], axis=-1)
     pace = np.minimum(_spread(quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(batch.actuator), own, 0), lengths)
     short = lengths[:, 1:] / substeps
-    joint = joint_steps(moving, driven, n, lengths[:, 1:], pieces.shape[2])
-    fine = joint
-    if np.any(substeps > 1):
-        fine = joint_steps(moving, driven, n, short, pieces.shape[2])
+    moving, terms = actuated(batch.plant, batch.actuator).some(every, own), pieces.shape[2]
+    joint = joint_steps(moving, n, lengths[:, 1:], terms)
+    fine = joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
     start, end = (a.ravel()[wind] for a in (batch.wind.onset, batch.wind.end))
@@ -193,7 +177,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     finish, ends = (_samples(a - start, h) for a in (np.full(m, batch.until), end))
     memory = batch.laws.memory(h)
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
-    N, states, terms = joint.shape[2], memory.moved.shape[1], pieces.shape[2]
+    N, states = joint.shape[2], memory.moved.shape[1]
     rows = int(substeps.sum() * finish.max()) if track else 0
     return Flights(
         vehicle=vehicle,
@@ -202,14 +186,14 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         joint=joint,
         fine=fine,
         substeps=substeps,
-        ramp=even_steps(A, inputs, short),
+        ramp=even_steps(plant, short),
         lengths=lengths,
         quick=np.where(short > 0.0, pace * short, 0.0),
-        late=late,
-        shown=sensed_rows(batch.plant, C, D),
-        A=A,
-        gust=np.ascontiguousarray(inputs[..., 1]),
-        fastest=np.abs(np.linalg.eigvals(A)).max(axis=-1),
+        late=late.astype(np.int64),
+        shown=sensed_rows(plant),
+        A=plant.A,
+        gust=np.ascontiguousarray(plant.B[..., 1]),
+        fastest=np.abs(plant.poles).max(axis=-1),
         judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
@@ -339,7 +323,7 @@ def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
     return np.asarray(asked, dtype=float)
 
 
-def _table(laws: list[LawNumbers]) -> NDArray[Any]:
+def _table(laws: list[LawNumbers]) -> AnyArray:
     """The laws as an array with their fields, for machine code."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array([tuple(one) for one in laws], dtype=kinds)

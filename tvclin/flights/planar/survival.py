@@ -29,17 +29,10 @@ def planar_verdict(
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its planar flight survives.
 
-    Parameters
-    ----------
-    vehicle, wind, control, plane, drift, condition, actuator, rate_limit
-        As of `fly_planar`; the wind ends.
-    frozen : bool
-        Whether parameters are frozen; if not, they vary along the nominal flight of `condition`.
-
-    Raises
-    ------
-    InputError
-        As `fly_planar`, and for an aerodynamically stable vehicle.
+    `vehicle`, `wind`, `control`, `plane`, `drift`, `condition`, `actuator`, `rate_limit`: as of
+    `fly_planar`; the wind ends. `frozen`: whether parameters are frozen; if not, they vary along
+    the nominal flight of `condition`. `InputError` as `fly_planar`, and for an aerodynamically
+    stable vehicle.
     """
     check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)

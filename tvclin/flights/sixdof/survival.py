@@ -31,10 +31,8 @@ def sixdof_verdict(
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
 
-    Parameters
-    ----------
-    step, earth
-        As of `fly_sixdof`, which says what is refused; all others as of `planar_verdict`.
+    `step`, `earth`: as of `fly_sixdof`, which says what is refused; all others as of
+    `planar_verdict`.
     """
     check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
