@@ -117,6 +117,7 @@ class Findings:
 
 def _known(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """What is given: the seals of what could be asked before stay what they were."""
+    pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it
     return {key: value for key, value in pairs if value is not None or key not in _LATER}
 
 

@@ -114,7 +114,8 @@ def _print_json(found: "Findings") -> None:
 def _print(found: "Findings", source: str, explain: bool) -> None:
     """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
     from tvclin.answers import study_tables as tables
-    from tvclin.answers.questions import question_table, questions, sufficient
+    from tvclin.answers.asked_table import asked_table
+    from tvclin.answers.questions import questions, sufficient
     from tvclin.vehicle.file import as_written
 
     s, d, each = found.study, found.dispersed, questions(found)
@@ -135,7 +136,7 @@ def _print(found: "Findings", source: str, explain: bool) -> None:
     if len(each) < 2:
         return
     say("")
-    print_tables(question_table(each))
+    print_tables(asked_table(found))
     others = ", ".join(one.name for one in each if one.yes is not True)
     said = {
         True: "SUFFICIENT in all",
