@@ -152,7 +152,8 @@ def _with_gains(gains: Given, plan: StudyPlan) -> StudyPlan:
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     """The laws that are asked for, designed for a peak [rad], with the filters of the case."""
-    every = standard_laws(plant, peak, autopilot_asked(case, case.history, case.held_to))
+    own = autopilot_asked(case, case.history, case.held_to)
+    every = standard_laws(plant, peak, own, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.asked)
         for name, law in every.items()

@@ -6,9 +6,10 @@ from functools import partial
 import typer
 
 from tvclin.answers import study_tables as tables
+from tvclin.answers.asked_table import asked_table
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 from tvclin.answers.findings import Findings, find
-from tvclin.answers.questions import all_yes, question_table, questioned, questions, sufficient
+from tvclin.answers.questions import all_yes, questioned, questions, sufficient
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
@@ -124,7 +125,7 @@ def _print(found: Findings, source: str, explain: bool) -> None:
     if len(each) < 2:
         return
     say("")
-    print_tables(question_table(each))
+    print_tables(asked_table(found))
     others = ", ".join(one.name for one in each if one.yes is not True)
     said = {
         True: "SUFFICIENT in all",

@@ -168,7 +168,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
     sign = study.counts[0]
-    needs = "required" if sign == FROZEN else f"required, {sign} wind"
+    needs = "required, both planes" if study.in_both else "required"
+    needs += "" if sign == FROZEN else f", {sign} wind"
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)
     trim = float(np.degrees(study.trim_deflection))
     axes.axhline(trim, color="0.4", lw=1.0, ls=":", label="trim, no drift")

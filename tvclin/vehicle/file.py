@@ -38,7 +38,7 @@ _MASS = {"mass": "mass"}
 VEHICLE_TABLE = FileTable(
     "[vehicle]",
     _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS,
-    words=("name",),
+    words=("name", "numbers_from"),
 )
 COEFFICIENTS = "coefficients"
 """The table of files that hold no vehicle, see `load_any_vehicle`."""

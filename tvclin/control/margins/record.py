@@ -46,9 +46,13 @@ class MarginRow(NamedTuple):
     frequency: Any
 
 
+DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
+"""Behind the point of margins, by unit."""
+
+
 def margin(name: str, value: Any, unit: str) -> Line:
     """Return a margin with the digits of its unit."""
-    return number(name, value, {"dB": 2, "deg": 2, "ms": 1, "": 3}[unit], unit)
+    return number(name, value, DIGITS[unit], unit)
 
 
 def factor_to(unit: str) -> float:
