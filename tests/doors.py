@@ -690,6 +690,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "design_peak": 0.09,
                 "trust": 0.8,
                 "dead_band": 0.0,
+                "rate_limit": 0.01,
                 "estimator": estimator,
             },
         ),
@@ -802,6 +803,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "TriangularWind": Door(tv.TriangularWind, pulse),
         "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
+        "TrimLaw.suited": Door(
+            tv.TrimLaw.suited, {"plant": plant, "peak": 0.09, "rate_limit": 0.01}
+        ),
         "Vehicle": Door(
             tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
         ),
@@ -1294,9 +1298,13 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "standard_laws": Door(
-            tv.answers.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
+            tv.answers.standard_laws,
+            {"plant": plant, "peak": 0.09, "autopilot": autopilot, "rate_limit": 0.01},
         ),
-        "design_law": Door(tv.control.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
+        "design_law": Door(
+            tv.control.design_law,
+            {"name": "trim", "plant": plant, "peak": 0.09, "rate_limit": 0.01},
+        ),
         "standard_winds": Door(tv.answers.standard_winds, pulse),
         "steady_climb": Door(
             tv.winds.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}

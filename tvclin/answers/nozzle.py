@@ -75,7 +75,8 @@ class Nozzle:
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
         both planes are judged, which share it.
     rate_limit : float, optional
-        Limit of the deflection rate [rad/s]; it counts in flights.
+        Limit of the deflection rate [rad/s]; it counts in flights, and the laws trim and
+        recoverable-attitude suit it.
     actuator : Actuator or None
         Between command and deflection.
     data : NozzleData, optional

@@ -12,11 +12,7 @@ DEGREE = pi / 180
 
 UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE},
-    "inertia": {
-        "kg_m2": 1.0,
-        "slug_ft2": POUND_FORCE * FOOT,
-        "lb_ft2": POUND * FOOT**2,
-    },
+    "inertia": {"kg_m2": 1.0, "slug_ft2": POUND_FORCE * FOOT, "lb_ft2": POUND * FOOT**2},
     "mass": {"kg": 1.0, "lb": POUND, "slug": POUND_FORCE / FOOT},
     "force slope": {
         "N_per_rad": 1.0,

@@ -15,13 +15,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
-from tvclin.boundary.stops import (
-    CircularStop,
-    Stop,
-    Vectors,
-    along,
-    vectors,
-)
+from tvclin.boundary.stops import CircularStop, Stop, Vectors, along, vectors
 from tvclin.kernels.searches import lowest
 
 STATES = ("moving", "centred", "stuck", "out")

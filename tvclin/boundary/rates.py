@@ -25,7 +25,15 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, between, number, one_row, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    number,
+    one_row,
+    positive,
+    small_angle,
+    unlimited,
+)
 from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
@@ -248,9 +256,7 @@ def rate_front(
     >>> (front.limits / front.least_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = acceleration_limit
-    if not (isinstance(c, float) and np.isposinf(c)):
-        c = number("acceleration_limit", c, between(*_RATES), "rad/s2")
+    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATES), "rad/s2")
     angle, turning = small_angle("a deflection", positive), between(*_RATES)
     most = None if limit is None else number("limit", limit, angle, "rad")
     there = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")

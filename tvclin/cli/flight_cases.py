@@ -57,6 +57,7 @@ class Flying:
             return ReportControl(**own)
         if self.law == AUTOPILOT:
             own = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
+        own["rate_limit"] = self.case.hardware["rate_limit"]
         return design_law(self.law, plant, float(self.wind.peak), **own)
 
 

@@ -163,7 +163,8 @@ def _laws(case: "StudyPlan", plant: "Plant", peak: float) -> "dict[str, Law]":
     from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.answers.trials import standard_laws
 
-    every = standard_laws(plant, peak, autopilot_asked(case, case.history, case.held_to))
+    own = autopilot_asked(case, case.history, case.held_to)
+    every = standard_laws(plant, peak, own, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.asked)
         for name, law in every.items()

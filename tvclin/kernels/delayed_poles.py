@@ -23,11 +23,7 @@ _STEPS, _ASIDE, _NEAR = 12, 1e-6, 1e-5
 
 
 def rightmost_poles(
-    A: FloatArray,
-    B: FloatArray,
-    C: FloatArray,
-    delay: float,
-    loop: Callable[[AnyArray], AnyArray],
+    A: FloatArray, B: FloatArray, C: FloatArray, delay: float, loop: Callable[[AnyArray], AnyArray]
 ) -> AnyArray:
     """Return the closed-loop poles [1/s] that are furthest right, falling, as many as are sure.
 

@@ -31,14 +31,7 @@ from tvclin.kernels.terms import future
 
 @kernel
 def at_heights(
-    winds: Any,
-    which: Any,
-    numbers: Any,
-    poles: Any,
-    heights: Any,
-    out: Any,
-    first: int,
-    last: int,
+    winds: Any, which: Any, numbers: Any, poles: Any, heights: Any, out: Any, first: int, last: int
 ) -> None:
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 

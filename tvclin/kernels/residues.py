@@ -16,10 +16,7 @@ _ROUNDINGS = 32.0
 
 
 def residues(
-    poles: AnyArray,
-    gains: tuple[AnyArray, ...],
-    inputs: tuple[Pieces, ...],
-    start: FloatArray,
+    poles: AnyArray, gains: tuple[AnyArray, ...], inputs: tuple[Pieces, ...], start: FloatArray
 ) -> tuple[AnyArray, FloatArray]:
     """Return the residue at each pole, with the time counted from `start`, and its rounding.
 

@@ -124,12 +124,7 @@ def _figure(
 
 
 def _panel(
-    panel: str,
-    name: str,
-    K: float,
-    x: FloatArray,
-    durations: Sequence[FloatArray],
-    engine: str,
+    panel: str, name: str, K: float, x: FloatArray, durations: Sequence[FloatArray], engine: str
 ) -> list[Column]:
     c = Coefficients.from_vehicle(load_vehicle(name))
     found = {

@@ -34,9 +34,7 @@ _TALL = 1.15
 
 
 def root_locus_chart(
-    autopilot: Autopilot | Loop,
-    plant: AnyPlant | None = None,
-    gains: ArrayLike | None = None,
+    autopilot: Autopilot | Loop, plant: AnyPlant | None = None, gains: ArrayLike | None = None
 ) -> ControlPlot:
     """Draw where the closed-loop poles go when a factor multiplies the loop gain.
 

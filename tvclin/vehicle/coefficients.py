@@ -152,13 +152,7 @@ class Coefficients:
         )
 
     @classmethod
-    def from_beta(
-        cls,
-        *,
-        beta: float | FloatArray,
-        B: float | FloatArray,
-        **others: Any,
-    ) -> Self:
+    def from_beta(cls, *, beta: float | FloatArray, B: float | FloatArray, **others: Any) -> Self:
         """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
 
         Parameters

@@ -323,8 +323,4 @@ _OF_SLOSH = (
     ("pendulum_length", _size, "m"),
     ("frequency", _size, "rad/s"),
 )
-_OF_ENGINES = (
-    ("mass", _size, "kg"),
-    ("arm", _any, "m"),
-    ("moment_of_inertia", _inertia, "kg m^2"),
-)
+_OF_ENGINES = (("mass", _size, "kg"), ("arm", _any, "m"), ("moment_of_inertia", _inertia, "kg m^2"))

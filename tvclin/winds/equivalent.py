@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    instance,
-)
+from tvclin.base.errors import InputError, instance
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
 

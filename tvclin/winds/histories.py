@@ -18,13 +18,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    real,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, finite, real, shown, whole_number
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces

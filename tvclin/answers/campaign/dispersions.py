@@ -9,16 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    each,
-    finite,
-    flag,
-    instance,
-    number,
-    one_of,
-    positive,
-)
+from tvclin.base.errors import InputError, each, finite, flag, instance, number, one_of, positive
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
@@ -205,12 +196,7 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], 
 MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
 """Factors on the modes of a flexible vehicle, on all; of one mode as in bending_2_frequency."""
 _ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
-PARAMETERS = (
-    *(name for name in NUMBERS if name != "time"),
-    *WIND,
-    *GAINS,
-    *MODES,
-)
+PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MODES)
 """What can be dispersed, beside a single mode."""
 
 

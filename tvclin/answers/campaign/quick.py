@@ -21,13 +21,7 @@ from tvclin.answers.study import Study
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    fraction,
-    instance,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 
@@ -210,11 +204,7 @@ def disperse_study(
 
 
 def _campaign(
-    study: Study,
-    dispersions: Dispersions,
-    cases: int,
-    seed: int,
-    method: str,
+    study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
 ) -> Campaign:
     instance("study", study, Study, "see Study.from_vehicle")
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:

@@ -12,11 +12,7 @@ from tvclin.answers.campaign.dispersions import UNITS_OF
 from tvclin.answers.campaign.outputs import columns, law_of
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.documents import picked
-from tvclin.base.errors import (
-    InputError,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly

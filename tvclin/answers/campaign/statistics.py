@@ -8,11 +8,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    fraction,
-    whole_number,
-)
+from tvclin.base.errors import InputError, fraction, whole_number
 from tvclin.base.lines import Line, number
 
 _ROUNDING = 1e-12

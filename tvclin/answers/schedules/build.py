@@ -12,11 +12,12 @@ from tvclin.answers.schedules.checks import (
     check_masses,
 )
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column
+from tvclin.answers.schedules.sheet import Column
+from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 MOST_ROWS = 200
 """Rows of a schedule, where not asked for otherwise."""
@@ -51,16 +52,13 @@ def schedule_of_flight(
     check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
     kept, off = _thinned(time, values, most)
-    thin = (
-        (f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent",)
-        if kept.size < time.size
-        else ()
-    )
+    thin = f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent"
+    thinned = (thin,) if kept.size < time.size else ()
     beside = {key: values.pop(key)[kept] for key in _BESIDE if key in values}
     numbers: dict[str, Any] = {key: one[kept] for key, one in values.items()}
     vehicle = Vehicle(name=name, time=time[kept], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]
-    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thin, *_stability(vehicle))
+    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle))
     return FlightSchedule(vehicle, **beside, notes=notes)
 
 
@@ -75,6 +73,18 @@ def control_arm_of(flight: Flight, gimbal: Column) -> Column:
     gravity = flight.columns["gravity_station"]
     check_gimbal(flight, gimbal.values, gravity.values)
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
+
+
+def weight_of(flight: Flight) -> Column:
+    """Return the weight [N] of the mass at each row."""
+    mass = flight.columns["mass"]
+    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+
+
+def given_slope(flight: Flight, given: Slope) -> Column:
+    """Return the slope that is given [1/rad] at the Mach number of each row."""
+    slopes = slope_over_mach(given)
+    return Column(slopes.at(flight["mach"]), slopes.origin)
 
 
 def given_gimbal(flight: Flight, station: float) -> Column:
@@ -93,7 +103,7 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
 
 
-def _stability(vehicle: Vehicle) -> tuple[str, ...]:
+def _stable(vehicle: Vehicle) -> tuple[str, ...]:
     arm = np.asarray(vehicle.aerodynamic_arm)
     if np.all(arm > 0.0):
         return ()

@@ -16,12 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    number,
-    single,
-)
+from tvclin.base.errors import InputError, instance, number, single
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History

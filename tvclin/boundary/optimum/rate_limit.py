@@ -13,13 +13,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    between,
-    number,
-    positive,
-    shown,
-)
+from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.exponential_sums import even_for
 from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection

@@ -26,11 +26,7 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.sampled import SampledWind, straight_lines
 from tvclin.winds.soundings.passage import Flown, angles_along
 
-RANGES = {
-    "height": (-1e4, 1e6, "m"),
-    "east": (-1e3, 1e3, "m/s"),
-    "north": (-1e3, 1e3, "m/s"),
-}
+RANGES = {"height": (-1e4, 1e6, "m"), "east": (-1e3, 1e3, "m/s"), "north": (-1e3, 1e3, "m/s")}
 """What can be meant, generously."""
 _THINNEST, _THICKEST = 1e-3, 1e6
 

@@ -15,12 +15,7 @@ from os import PathLike
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.base.errors import (
-    InputError,
-    bearing,
-    each,
-    number,
-)
+from tvclin.base.errors import InputError, bearing, each, number
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.text import Text, read_lines
 

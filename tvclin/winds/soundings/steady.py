@@ -7,14 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    LATEST,
-    InputError,
-    between,
-    instance,
-    number,
-    single,
-)
+from tvclin.base.errors import LATEST, InputError, between, instance, number, single
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.soundings.passage import checked_flight
 
