@@ -45,6 +45,7 @@ ANSWERS = {
     "LeastGains",
     "LeastSchedule",
     "LeftOver",
+    "LoadFront",
     "MarginBounds",
     "Margins",
     "ModeBand",
@@ -1161,6 +1162,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.02,
                 "rate_limit": 0.1,
                 "acceleration_limit": 5.0,
+            },
+        ),
+        "load_front": Door(
+            tv.boundary.load_front,
+            {
+                **history,
+                "loads": [0.08, 0.09],
+                "limit": 0.02,
+                "load": 0.09,
+                "rate_limit": 0.1,
+                "moment_ratio": 0.5,
             },
         ),
         "optimum_deflection": Door(
