@@ -177,7 +177,8 @@ def test_a_millionth_beyond_each_margin_the_step_of_a_flight_grows(plant, hertz,
         plant.coefficients, natural_frequency=1.0, damping=0.9, filters=(shelf,) * (plant is BENDS)
     )
     nozzle, late = tv.Actuator(natural_frequency=2.0 * np.pi * hertz), 0.3 / rate
-    m = replace(gains, actuator=nozzle, sample_rate=rate, delay=late).margins(plant)
+    sampled = replace(gains, actuator=nozzle, sample_rate=rate, delay=late)
+    m = tv.control.loop_margins(sampled.exact_loop(plant))
     assert m.stable
     law = tv.SaturatedLaw(gains)
 
