@@ -45,6 +45,7 @@ ANSWERS = {
     "LeastGains",
     "LeastSchedule",
     "LeftOver",
+    "LoadFront",
     "MarginBounds",
     "Margins",
     "ModeBand",
@@ -397,6 +398,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
         ),
+        "CampaignResults.to_csv": Door(results.to_csv, {"path": folder / "campaign.csv"}),
         "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
         "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
         "Climb": Door(
@@ -689,6 +691,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "design_peak": 0.09,
                 "trust": 0.8,
                 "dead_band": 0.0,
+                "rate_limit": 0.01,
                 "estimator": estimator,
             },
         ),
@@ -801,6 +804,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "TriangularWind": Door(tv.TriangularWind, pulse),
         "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
+        "TrimLaw.suited": Door(
+            tv.TrimLaw.suited, {"plant": plant, "peak": 0.09, "rate_limit": 0.01}
+        ),
         "Vehicle": Door(
             tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
         ),
@@ -1158,6 +1164,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 "acceleration_limit": 5.0,
             },
         ),
+        "load_front": Door(
+            tv.boundary.load_front,
+            {
+                **history,
+                "loads": [0.08, 0.09],
+                "limit": 0.02,
+                "load": 0.09,
+                "rate_limit": 0.1,
+                "moment_ratio": 0.5,
+            },
+        ),
         "optimum_deflection": Door(
             tv.optimum_deflection, {**history, "start": 0.0, "horizon": 20.0}
         ),
@@ -1282,9 +1299,13 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "standard_laws": Door(
-            tv.answers.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
+            tv.answers.standard_laws,
+            {"plant": plant, "peak": 0.09, "autopilot": autopilot, "rate_limit": 0.01},
         ),
-        "design_law": Door(tv.control.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
+        "design_law": Door(
+            tv.control.design_law,
+            {"name": "trim", "plant": plant, "peak": 0.09, "rate_limit": 0.01},
+        ),
         "standard_winds": Door(tv.answers.standard_winds, pulse),
         "steady_climb": Door(
             tv.winds.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}

@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.report_responses import triangular_attitude
 from tvclin.cli.app import app
-from tvclin.linear.closed_responses import triangular_attitude
 from tvclin.linear.loads import wind_loads
 
 mpl.use("Agg")

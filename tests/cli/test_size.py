@@ -276,7 +276,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
         (("configuration-i", "--every", "0"), "every must be positive"),
         (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
         (("configuration-i", "--count", "K=1", *FAST), "count must be one of trim"),
-        (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be between"),
+        (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be positive"),
         (("configuration-i", "--reserve", "1", *FAST), "reserve must be a part of the limit"),
         (("configuration-i", "--wind", "square"), "wind must be one of"),
         (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),

@@ -6,9 +6,9 @@ import sympy as sp
 from mpmath import exp, lambertw, mpf, workdps
 
 import tvclin
+from tests.report_responses import rectangular_attitude, triangular_attitude
 from tests.symbolic import equal, exponentials, from_then_on, s, solved, t, transform
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.linear.closed_responses import rectangular_attitude, triangular_attitude
 
 beta, B, y, K, tau, peak, a = sp.symbols("beta B y K tau peak a", positive=True)
 MODEL = -(beta**2 / B) / (s**2 - beta**2)  # eq (5)

@@ -11,8 +11,8 @@ import sympy as sp
 from mpmath import mp, mpf, workdps
 
 import tvclin
+from tests.report_responses import triangular_attitude_with_drift
 from tests.symbolic import equal, from_then_on, s, t, transform
-from tvclin.linear.closed_responses import triangular_attitude_with_drift
 
 beta, B, y, K, tau, peak, a, b1, b2 = sp.symbols("beta B y K tau peak a b1 b2", positive=True)
 MODEL = -(beta**2 / B) / (s * (s**2 - beta**2))  # eq (B8), corrected

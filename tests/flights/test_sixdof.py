@@ -11,6 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.planar import random_vehicle
+from tests.report_responses import triangular_attitude
 from tests.turns import by_turns
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
@@ -21,7 +22,6 @@ from tvclin.flights.sixdof.departure import course_of
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
 from tvclin.flights.trajectory import nominal_flight
-from tvclin.linear.closed_responses import triangular_attitude
 
 pytest.importorskip("jsbsim")
 

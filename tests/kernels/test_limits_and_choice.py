@@ -120,6 +120,12 @@ def test_without_a_compiler_plain_python_runs(monkeypatch):
         assert choice.swiftest(small_roots, 80.0) is small_roots
 
 
+def test_what_runs_does_not_depend_on_what_was_called_before(monkeypatch):
+    monkeypatch.setattr(choice, "available", lambda: True)
+    for _ in range(1000):
+        assert choice.swiftest(small_roots, 0.01) is small_roots
+
+
 def test_little_work_does_not_load_the_compiler():
     code = (
         "import sys, numpy as np\n"

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from tests.ledger.computed import Value
+from tests.report_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.boundary.limit import boundary_limit
-from tvclin.linear.closed_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle

@@ -23,8 +23,8 @@ from tests.ledger.cases import (
     zero,
 )
 from tests.ledger.computed import Computed, Value, rounds_to
+from tests.report_responses import rectangular_attitude
 from tvclin.boundary.closed_forms import rectangular_limit
-from tvclin.linear.closed_responses import rectangular_attitude
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses

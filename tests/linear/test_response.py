@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.linear.closed_responses import (
+from tests.report_responses import (
     rectangular_attitude,
     triangular_attitude,
     triangular_attitude_with_drift,

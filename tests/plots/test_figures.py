@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.report_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin import plots
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.linear.closed_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.plots.curves import Column, Curves, curves_of
 from tvclin.plots.style import Look, draw
 from tvclin.show.reproduce import FIGURES

@@ -125,6 +125,7 @@ CHARTS = {
     "step": loop(plots.step_chart),
     "wind": loop(lambda one, plant: plots.wind_chart(one, plant, WIND)),
     "sizing": sizing,
+    "vehicle": lambda vehicle: plots.vehicle_chart(vehicle, np.radians(5.0)),
     "flight": flight,
     "rates": lambda vehicle: plots.rate_chart(
         tv.boundary.rate_front(rigid(vehicle), WIND, limit=np.radians(0.8), rate_limit=0.05)

@@ -8,8 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.asked_table import asked_table
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import all_yes, questions, sufficient
+from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.show.report import verdict
 
@@ -47,6 +49,20 @@ def test_a_limit_that_covers_the_wind_alone_is_not_enough_for_a_probability() ->
     assert headline(wide).startswith("Enough")
 
 
+def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
+    found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
+    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in asked_table(found).rows}
+    parts = {one.name: one.measure.needed / one.measure.there for one in questions(found)}
+    ranks = [(rows[name][0] != "no", -parts[name]) for name in rows]
+    assert ranks == sorted(ranks)
+    for one in questions(found):
+        needed, there, left = (float(cell.split()[0]) for cell in rows[one.name][1:4])
+        assert left == pytest.approx(there - needed, abs=1.01e-3)
+        if one.needs == one.needs:  # a deflection
+            assert needed == pytest.approx(float(np.degrees(one.needs)), abs=5.01e-4)
+            assert there == 0.4
+
+
 def test_too_few_cases_are_no_yes() -> None:
     found = found_for(
         3.0, dispersions=SPREAD, model="fixed-path"
@@ -77,9 +93,9 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert f"more than the {needs:.3f} deg that this autopilot needs" in headline(found)
     wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
-    (said,) = (one.text for one in questions(wide) if one.name == "autopilot")
-    assert f"needs {needs:.3f} deg as a stop, flown" in said
-    assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said
+    (said,) = (one for one in questions(wide) if one.name == "autopilot")
+    assert said.measure.needed == pytest.approx(needs, rel=1e-12)
+    assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said.text
 
 
 def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights() -> None:

@@ -153,7 +153,7 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found
 def test_the_whole_page_holds_the_section_and_what_went_in(page):
     html, found = page
     assert 'id="flexible"' in html
-    assert html.count("<svg") == 5
+    assert html.count("<svg") == 6
     inputs = numbers(sections.inputs(found))
     assert inputs["structure.bending.0.modal_mass"] == 5e4
     assert inputs["structure.slosh.0.station"] == 12.0

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
-from tvclin.base.errors import InputError, between, instance, number, one_of, shown
+from tvclin.base.declared import checked, word
+from tvclin.base.errors import InputError, between, instance, number, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL, flexible_model, usual_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, whole_vehicle
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -37,8 +38,10 @@ class Case:
     ----------
     vehicle : Vehicle or LinearVehicle
         The vehicle, one, with its structure; `vehicle.rigid` leaves that out.
-    model, plane : str
-        The model, `usual_model` of the vehicle where it is not given, and the plane of motion.
+    model : str
+        Model of the motion.
+    plane : str
+        Plane of the motion.
     wind : ShapedWind, WindEnsemble or History
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
         given. An ensemble is for campaigns, and any other history for flights.
@@ -54,8 +57,12 @@ class Case:
     """
 
     vehicle: AnyVehicle
-    model: str = ""
-    plane: str = "pitch"
+    model: str = word(
+        MODELS,
+        "",
+        shown=f"{USUAL_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
+    )
+    plane: str = word(PLANES, "pitch")
     wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None
@@ -65,8 +72,7 @@ class Case:
             instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         if isinstance(self.model, str) and not self.model:
             object.__setattr__(self, "model", usual_model(self.vehicle))
-        one_of("model", self.model, MODELS)
-        one_of("plane", self.plane, PLANES)
+        checked(self)
         if not isinstance(self.wind, ShapedWind | WindEnsemble | History):
             raise InputError(
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"

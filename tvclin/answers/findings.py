@@ -117,6 +117,7 @@ class Findings:
 
 def _known(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """What is given: the seals of what could be asked before stay what they were."""
+    pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it
     return {key: value for key, value in pairs if value is not None or key not in _LATER}
 
 
@@ -204,9 +205,10 @@ def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawT
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
     plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
-    laws = standard_laws(plant.rigid, peak, None if plan.design is None else loop()[1])
-    winds = standard_winds(peak, study.wind.duration)
     nozzle = plan.hardware | {"sample_rate": asked.sample_rate}
+    own = None if plan.design is None else loop()[1]
+    laws = standard_laws(plant.rigid, peak, own, nozzle["rate_limit"])
+    winds = standard_winds(peak, study.wind.duration)
     if plan.vehicle.structure is None:  # beside boundaries, which have none
         nozzle |= {"actuator": None, "delay": 0.0}
     else:

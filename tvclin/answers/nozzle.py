@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.errors import (
-    finite,
     instance,
     nonnegative,
     number,
@@ -15,7 +15,6 @@ from tvclin.base.errors import (
     single,
     small_angle,
 )
-from tvclin.base.tables import FileTable
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.vehicle.structure import Engine
@@ -23,25 +22,7 @@ from tvclin.vehicle.structure import Engine
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
 _ENGINE = {"mass": "mass", "arm": "arm", "inertia": "moment_of_inertia"}
 """Of what turns, and what `Engine` calls it."""
-_HINGE = {
-    "stiffness": "moment slope",
-    "damping": "damping moment",
-    "friction": "moment",
-    "offset": "length",
-    "thrust_offset": "length",
-}
 USUAL_ACTUATOR = Actuator()
-NOZZLE_TABLE = FileTable(
-    "[nozzle]",
-    {
-        "limit": "angle",
-        "rate_limit": "angular rate",
-        **_ACTUATOR,
-        **{"mass": "mass", "arm": "length", "inertia": "inertia"},
-        **_HINGE,
-    },
-    words=("stop",),
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,23 +50,16 @@ class NozzleData:
     """
 
     engine: Engine
-    stiffness: float = 0.0
-    damping: float = 0.0
-    friction: float = 0.0
-    offset: float = 0.0
-    thrust_offset: float = 0.0
+    stiffness: float = quantity("moment slope", 0.0, nonnegative)
+    damping: float = quantity("damping moment", 0.0, nonnegative)
+    friction: float = quantity("moment", 0.0, nonnegative)
+    offset: float = quantity("length", 0.0)
+    thrust_offset: float = quantity("length", 0.0)
 
     def __post_init__(self) -> None:
         instance("engine", self.engine, Engine, "Engine(mass=..., arm=...)")
         single("engine", self.engine.batch)
-        for name, check, unit in (
-            ("stiffness", nonnegative, "N m/rad"),
-            ("damping", nonnegative, "N m s/rad"),
-            ("friction", nonnegative, "N m"),
-            ("offset", finite, "m"),
-            ("thrust_offset", finite, "m"),
-        ):
-            object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
+        checked(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,13 +69,14 @@ class Nozzle:
     Attributes
     ----------
     limit : float, optional
-        The deflection limit [rad] in question.
+        Deflection limit [rad]; is it enough?
     stop : Stop or str, optional
         What it can do in both planes over its limit, or a word: "round", "round-each-plane" (each
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
         both planes are judged, which share it.
     rate_limit : float, optional
-        Largest deflection rate [rad/s], which counts in flights; none unless given.
+        Limit of the deflection rate [rad/s]; it counts in flights, and the laws trim and
+        recoverable-attitude suit it.
     actuator : Actuator or None
         Between command and deflection.
     data : NozzleData, optional
@@ -113,17 +88,14 @@ class Nozzle:
         For numbers out of range, an unknown shape of a stop, and what is no actuator.
     """
 
-    limit: float | None = None
+    limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
     stop: Stop | str | None = None
-    rate_limit: float | None = None
+    rate_limit: float | None = quantity("angular rate", None, positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
 
     def __post_init__(self) -> None:
-        angle = small_angle("a deflection", positive)
-        for name, check, unit in (("limit", angle, "rad"), ("rate_limit", positive, "rad/s")):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
+        checked(self)
         if self.stop is not None:
             stop_of(self.stop)
         if self.actuator is not None:
@@ -143,6 +115,15 @@ class Nozzle:
         found = NOZZLE_TABLE.read(table)
         given = {name: found.pop(name) for name in _ACTUATOR if name in found}
         return cls(data=_data(found), actuator=actuator_of(**given), **found)
+
+
+_HINGE = file_table("[nozzle]", NozzleData).quantities
+NOZZLE_TABLE = file_table(
+    "[nozzle]",
+    Nozzle,
+    quantities={**_ACTUATOR, "mass": "mass", "arm": "length", "inertia": "inertia", **_HINGE},
+    words=("stop",),
+)
 
 
 def _data(found: dict[str, Any]) -> NozzleData | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ from tvclin.base.errors import (
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.base.lines import number as figure
 from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import design_notes
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import LOST, SURVIVED, fly_many
 from tvclin.flights.flexible import FATES
@@ -283,11 +284,14 @@ class FlownCard(Shown):
         The name of the law, and what became of its flight, as of `fly_many`.
     card : NozzleCard or None
         Until 15 times the fast mode's time after the wind; None of a flight that is lost.
+    notes : tuple of str
+        Of the design of the law, and of what is left out of the card.
     """
 
     law: str
     status: str
     card: NozzleCard | None
+    notes: tuple[str, ...]
 
     as_dict = keyed("law status card")
 
@@ -296,35 +300,25 @@ class FlownCard(Shown):
         """Return the card of a law in the wind of a case, with its nozzle, which has a limit."""
         plant, wind, limit = case.plant, case.history, case.nozzle.limit
         flown = {"deflection_limit": limit, **case.hardware}
-        status = str(fly_many(plant, law, wind, **flown).status)
+        status, said = str(fly_many(plant, law, wind, **flown).status), tuple(design_notes(law))
         if status == LOST:
-            return cls(name, status, None)
+            return cls(name, status, None, said)
         onset, end = float(wind.onset), float(wind.end) + _AFTER / float(plant.coefficients.pole)
         count = int(np.ceil((end - onset) * flown["sample_rate"])) * _IN_A_SAMPLE + 1
         times = np.linspace(onset, end, min(count, _MOST))
         outputs = fly(plant, law, wind, times, **flown).outputs
-        if (data := case.nozzle.data) is None:
-            return cls(name, status, nozzle_card(times, outputs["deflection"], limit=limit))
-        card = nozzle_card(
-            times,
-            outputs["deflection"],
-            limit=limit,
-            nozzle=data,
-            vehicle=whole_vehicle(case.vehicle, "the torque of a nozzle").rigid,
-            angle_of_attack=outputs["angle_of_attack"],
-            attitude=outputs["attitude"],
-        )
-        return cls(name, status, card)
+        beside: dict[str, Any] = {}
+        if (data := case.nozzle.data) is not None:
+            vehicle = whole_vehicle(case.vehicle, "the torque of a nozzle").rigid
+            moves = {key: outputs[key] for key in ("angle_of_attack", "attitude")}
+            beside = {"nozzle": data, "vehicle": vehicle, **moves}
+        card = nozzle_card(times, outputs["deflection"], limit=limit, **beside)
+        return cls(name, status, card, said + card.notes)
 
     @property
     def survived(self) -> bool:
         """Whether the flight is survived."""
         return self.status == SURVIVED
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What is left out of the card."""
-        return () if self.card is None else self.card.notes
 
     @property
     def words(self) -> str:

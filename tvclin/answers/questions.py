@@ -1,6 +1,6 @@
 """What is asked of a limit and an autopilot, each question with its answer."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +9,45 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Line, Table, degrees, number, significant, text
+from tvclin.base.lines import Line, degrees, significant, text
+from tvclin.control.margins.criteria import Judgement
+from tvclin.control.margins.record import DIGITS, factor_to
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What is needed for a yes beside what there is, both in the unit that is shown.
+
+    Attributes
+    ----------
+    needed, there : float
+        The numbers.
+    unit : str
+        Their unit.
+    digits : int
+        Shown behind the point.
+    at_most : bool
+        Whether what is there must not be above, in place of not below.
+    """
+
+    needed: float
+    there: float
+    unit: str = "deg"
+    digits: int = 3
+    at_most: bool = False
+
+    as_dict = keyed("needed there unit")
+
+    @property
+    def left(self) -> float:
+        """Return how much of what is there is not needed; negative where it is too little."""
+        return (self.there - self.needed) * (-1.0 if self.at_most else 1.0)
+
+    @property
+    def part(self) -> float:
+        """Return which part of what is there is needed; above one where it is too little."""
+        over, under = (self.there, self.needed) if self.at_most else (self.needed, self.there)
+        return over / under if under else float("inf") if over > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -29,6 +67,9 @@ class Question:
         The deflection [rad] that a yes takes; not a number of a question that asks for none.
     whose : str
         Who needs it, in words, with the verb.
+    measure : Measure, optional
+        What a yes takes beside what there is; where a deflection is needed it is beside the limit
+        unless something else is given.
     """
 
     name: str
@@ -36,8 +77,9 @@ class Question:
     line: Line
     needs: float = float("nan")
     whose: str = ""
+    measure: Measure | None = None
 
-    as_dict = keyed("name yes why=text")
+    as_dict = keyed("name yes why=text measure")
 
     @property
     def answer(self) -> str:
@@ -60,13 +102,13 @@ def questioned(plan: StudyPlan) -> StudyPlan:
 
 def questions(found: Findings) -> tuple[Question, ...]:
     """Return all that the plan of these findings asks, in its order, with the answers."""
-    return tuple(_asked(found))
-
-
-def question_table(each: Sequence[Question]) -> Table:
-    """Return questions with their answers."""
-    rows = tuple(((one.name,), (one.answer,), one.line) for one in each)
-    return Table("Every question, and its answer", ("question", "enough?", "why"), rows)
+    limit = found.study.limit
+    return tuple(
+        replace(one, measure=Measure(float(np.degrees(one.needs)), float(np.degrees(limit))))
+        if one.measure is None and limit is not None and not np.isnan(one.needs)
+        else one
+        for one in _asked(found)
+    )
 
 
 def sufficient(found: Findings) -> bool | None:
@@ -105,9 +147,8 @@ def _asked(found: Findings) -> Iterator[Question]:
 
 def _wind(found: Findings) -> Question:
     need, by = found.study.required_deflection, found.study.governs
-    needed = degrees("asked.required", need, unit="deg")
     whose = "this wind needs"
-    line: Line = (f"{whose} ", *needed, f", set by {by}")
+    line: Line = (f"set by {by}",)
     if not need:
         line = ("no deflection is needed",)
     elif np.isinf(need):
@@ -120,13 +161,13 @@ def _rate(found: Findings) -> Question:
     name, front = "nozzle rate", found.rates
     if front is None:
         return Question(name, None, (_reason(found, "rates"),))
-    there = degrees("asked.rate_there", front.rate_limit, unit="deg/s")
-    needed = degrees("asked.rate", front.needed_rate, unit="deg/s")
-    line: Line = ("any control needs at least ", *needed, " of ", *there)
+    line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.needed_rate):
         line = ("with this limit no rate is enough",)
     need = front.needed * found.study.of_both
-    return Question(name, front.enough, line, need, "at this rate any control needs")
+    needed, there = np.degrees([front.needed_rate, front.rate_limit or np.nan])
+    measure = Measure(float(needed), float(there), "deg/s")
+    return Question(name, front.enough, line, need, "at this rate any control needs", measure)
 
 
 def _flight(found: Findings) -> Question:
@@ -137,21 +178,19 @@ def _flight(found: Findings) -> Question:
     whole = f"the whole flight of {asked.source}" if asked.source else "the whole flight"
     whose = f"{whole} needs"
     reserve = " with its reserve" if total.reserve else ""
-    line: Line = (f"{whose} ", *degrees("asked.flight", total.required, unit="deg"), reserve)
+    line: Line = (whole, reserve)
     if total.sufficient is None:
-        where = ", ".join(total.not_sized)
-        line = (f"{whole} is not sized {where}; where it is, it needs ", *line[1:])
+        line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
     return Question(name, total.sufficient, line, total.required, whose)
 
 
 def _availability(found: Findings, least: float) -> Question:
     if found.availability is None:
         return Question("availability", None, (_reason(found, "availability"),))
-    line: Line = (
-        *number("asked.least_part_percent", 100.0 * least, 1, "% of soundings must fly"),
-        f": {found.availability.part()}",
-    )
-    return Question("availability", found.availability.reaches(least), line)
+    a = found.availability
+    whole = a.part()
+    measure = Measure(100.0 * least, 100.0 * whole.part, "%", 1)
+    return Question("availability", a.reaches(least), (str(whole),), measure=measure)
 
 
 def _probability(found: Findings, limit: float) -> Question:
@@ -164,8 +203,7 @@ def _probability(found: Findings, limit: float) -> Question:
         return Question("probability", False, (*flights, " need more than any limit"))
     if np.isinf(r.upper):
         return Question("probability", None, ("too few cases to judge ", *flights))
-    sure = f", with {100.0 * r.confidence:g} % confidence"
-    line = (*flights, " need ", *degrees("asked.covers", r.upper, unit="deg"), sure)
+    line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} need"
     return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
 
@@ -191,7 +229,7 @@ def _autopilot(found: Findings, limit: float) -> Question:
     if np.isinf(least):
         line: Line = ("flown with a stop it survives at no limit that was tried; ", *free)
         return Question(name, bool(covers(limit, peak)), line, peak, whose)
-    line = (f"{whose} ", *degrees("asked.stop", least, unit="deg"), " as a stop, flown; ", *free)
+    line = ("flown with its stop; ", *free)
     return Question(name, bool(covers(limit, least)), line, least, whose)
 
 
@@ -210,8 +248,31 @@ def _margins(found: Findings) -> Question:
         return Question("margins", None, (_reason(found, part),))
     met = bool(found.criteria.are_met(margins))
     words, whose = "meets" if met else "does not meet", " of the flexible vehicle" * flexible
-    line = (f"the loop{whose} {words} the criteria {found.criteria.name}",)
-    return Question("margins", met, line)
+    line: Line = (f"the loop{whose} {words} the criteria {found.criteria.name}",)
+    judged = [one for one in found.criteria.judge(margins) if np.isfinite(one.surplus)]
+    worst = min(judged, key=_spare, default=None)
+    if worst is None:
+        return Question("margins", met, line)
+    of = f" of {worst.band}" if worst.band else ""
+    line += (f"; the {_margin_name(worst)}{of} has least to spare",)
+    return Question("margins", met, line, measure=_measured(worst))
+
+
+def _spare(one: Judgement) -> float:
+    """How much of what is asked is left over."""
+    return float(one.surplus) / one.requirement.limit if one.requirement.limit else np.inf
+
+
+def _margin_name(one: Judgement) -> str:
+    """What a requirement is called in words: its key without the unit."""
+    return one.requirement.margin.rsplit("_", 1)[0].replace("_", " ")
+
+
+def _measured(one: Judgement) -> Measure:
+    """A margin beside what is asked of it, in the unit of tables."""
+    limit, unit = one.requirement.shown
+    value, digits = factor_to(unit) * float(one.value), DIGITS[unit]
+    return Measure(limit, value, unit, digits, one.requirement.at_most)
 
 
 def _flexible(found: Findings) -> Question:
@@ -224,7 +285,10 @@ def _flexible(found: Findings) -> Question:
     line: Line = (f"flown at {f.sample_rate:g} Hz{part} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:
         line += (f", the rigid one {rigid}",)
-    return Question("flexible flight", f.flight.survived, line)
+    least = abs(float(f.boundaries[0].deflection)) * found.study.of_both
+    limit = found.study.limit
+    measure = None if limit is None else Measure(*np.degrees((least, limit)).tolist())
+    return Question("flexible flight", f.flight.survived, line, measure=measure)
 
 
 def _reason(found: Findings, part: str) -> str:

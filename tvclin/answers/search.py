@@ -6,9 +6,9 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import FloatArray
+
 Values = Callable[[FloatArray, FloatArray], FloatArray]
 
 POOL = 24
@@ -41,22 +41,11 @@ def least(
     the best of all go on). At first there is a pool for each part of the first axis, so that a wide
     valley does not hide a narrow one; their best go on together.
 
-    Parameters
-    ----------
-    values : callable
-        Of points ``(n, axes)`` and the values of the pool, ``(POOL,)``: those of the points.
-    axes : int
-        Of the box.
-    first, each, rounds : int
-        Points over the box, points in a round, rounds.
-    known : ndarray, optional
-        Points that are good for another reason, ``(n, axes)``, to begin with.
-    wide : bool
-        Whether the first points are over the whole box, or around those that are known.
-    islands : int
-        Pools that first grow by themselves.
-    tolerance : float
-        A pool whose values differ by less has arrived.
+    `values`: of points ``(n, axes)`` and the values of the pool, ``(POOL,)``: those of the points.
+    `axes`: of the box. `first`, `each`, `rounds`: points over the box, points in a round, rounds.
+    `known`: points that are good for another reason, ``(n, axes)``, to begin with. `wide`: whether
+    the first points are over the whole box, or around those that are known. `islands`: pools that
+    first grow by themselves. `tolerance`: a pool whose values differ by less has arrived.
     """
     from scipy.stats import qmc  # late: it takes 0.5 s to import
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tvclin.answers.requirement import NOTHING
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.cards import Quantity
 from tvclin.base.lines import (
@@ -18,7 +19,7 @@ from tvclin.base.lines import (
     significant,
     upper_pole,
 )
-from tvclin.boundary.limit import BOUNDARY
+from tvclin.boundary.limit import BOUNDARY, ROUNDING
 
 LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
 """What stands below the boundaries of every control."""
@@ -37,6 +38,7 @@ _FIELDS = {
 }
 """What files call the quantities of a vehicle, where it is not the same."""
 _NOT_STABLE = ("none (stable)",)
+_VERDICT = " (verdict)"
 
 
 def vehicle(
@@ -89,28 +91,29 @@ def poles(s: Study) -> Table:
 def boundaries(s: Study) -> Table:
     """Return the boundary at every dead band, what stands above and below it, and what survives.
 
-    The last column, where a limit is in question, is the peak of the wind that it survives with
-    the model of the verdict.
+    The row of the verdict is marked. The last column, where a limit is in question, is the peak of
+    the wind that it survives with the model of the verdict.
     """
-    names = tuple(s.boundaries)
+    names, judged = tuple(s.boundaries), _judged(s)
     rows: list[tuple[Line, ...]] = [(("ideal trim",), *_parts(s, "trim", s.trim_deflection))]
     for i, K in enumerate(s.dead_bands):
-        mark = (" (verdict)",) if s.dead_band == K else ()
-        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *mark)]
+        mark = _VERDICT if K == s.dead_band and not judged else ""
+        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            row.append(least(number(f"{key}.limit", one.limit[i])))
             row.append(least(degrees(key, abs(one.deflection[i]))))
+            row.append(least(number(f"{key}.limit", one.limit[i])))
         rows.append(tuple(row))
-    if s.model in names and not s.in_both:
-        rows += [
-            ((f"{sign} wind, K = {s.dead_band:g}",), *_parts(s, sign, {s.model: need}))
-            for sign, need in s.sign_needs.items()
-        ]
+    counted = _counted(s)
+    for label, (need, _) in judged.items():
+        mark = _VERDICT if label == counted else ""
+        needs = {s.model: need}
+        rows.append(((label + mark,), *_parts(s, label.replace(" ", "_"), needs)))
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
-    head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
+    head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     if s.limit is not None and not s.in_both and s.model in s.boundaries:
-        survived = [degrees(f"survived.{k}", one) for k, one in enumerate(_survived(s, s.limit))]
+        peaks = _survived(s, s.limit, [survived for _, survived in judged.values()])
+        survived = [degrees(f"survived.{k}", one) for k, one in enumerate(peaks)]
         head = (*head, "limit survives [deg]")
         rows = [(*row, one) for row, one in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
@@ -123,6 +126,37 @@ def boundaries(s: Study) -> Table:
         f"{s.blows.gust_words}{part}"
     )
     return Table(caption, head, tuple(rows))
+
+
+def _counted(s: Study) -> str:
+    """What is the row of the required deflection called, where it is not that of the dead band."""
+    if s.in_both:
+        return "both planes"
+    return "required" if s.counts[0] == FROZEN else f"{s.counts[0]} wind"
+
+
+def _judged(s: Study) -> dict[str, tuple[float, float]]:
+    """What is required [rad] where it is more than a boundary, and the peak [rad] that survives.
+
+    Empty where the boundary with the dead band of the verdict is all that is required. Of the
+    signs of a wind the peak is known only of the one that counts.
+    """
+    met = abs(s.survivable_peak or np.nan)
+    if s.in_both:
+        return {"both planes": (s.required_deflection, met)}
+    if s.model not in s.boundaries:
+        return {}
+    found = {}
+    calm = s.governs == BOUNDARY and s.switch == "literal"
+    if not s.sign_factors and (calm or s.governs == NOTHING):
+        return {}
+    row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
+    if not np.isclose(abs(row), s.frozen_deflection, rtol=ROUNDING):
+        peak = abs(float(s.history.peak)) * (s.limit or np.nan) / s.frozen_deflection
+        found["calm air" if s.sign_factors else "required"] = (s.frozen_deflection, peak)
+    for sign, need in s.sign_needs.items():
+        found[f"{sign} wind"] = (need, met if s.counts[0] == sign else np.nan)
+    return found
 
 
 def verdict(s: Study) -> Iterator[Line]:
@@ -152,37 +186,35 @@ def _in_units(one: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
 
 
 def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
-    """Cells of a deflection for each model: over trim, and in degrees."""
+    """Cells of a deflection for each model: in degrees, and over trim."""
     cells: list[Line] = []
     for name in s.boundaries:
         need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
         part = need / s.trim_deflection if s.trim_deflection else np.nan
         known = need if s.trim_deflection else np.nan
-        cells += [number(f"{key}.{name}.part", part), degrees(f"{key}.{name}", known)]
+        cells += [degrees(f"{key}.{name}", known), number(f"{key}.{name}.part", part)]
     return cells
 
 
-def _survived(s: Study, limit: float) -> list[float]:
+def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
     """Which peak [rad] a limit survives, for each row, with the model of the verdict."""
     undercut = s.minima.get(s.model, 0.0)
     rows = [
         s.frozen_deflection if s.dead_band == K else max(abs(float(each)), undercut)
         for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
-    needs = [needs.get(s.model, np.nan) for needs in s.needs.values()]
-    peak, met = abs(float(s.history.peak)), {s.counts[0]: abs(s.survivable_peak or 0.0)}
-    survived = [met.get(sign, np.nan) for sign in s.sign_needs]
+    least = [needs.get(s.model, np.nan) for needs in s.needs.values()]
+    peak = abs(float(s.history.peak))
     with np.errstate(divide="ignore"):
-        linear = [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
-        return [*linear, *survived, *(float(peak * limit / np.float64(row)) for row in needs)]
+        linear, below = (
+            [float(peak * limit / np.float64(row)) for row in each]
+            for each in ((s.trim_deflection, *rows), least)
+        )
+    return [*linear, *judged, *below]
 
 
 def _governed(s: Study) -> str:
-    """By what the required deflection is governed, and where it stands in the table."""
+    """By what the required deflection is governed."""
     if s.in_both:
         return f"of both planes, {s.governs}"
-    if s.governs == NOTHING:
-        return "none is needed"
-    if s.governs == BOUNDARY and s.switch == "literal":
-        return "the row marked (verdict)"
-    return f"governed by {s.governs}" + (", literal switch" if s.governs == BOUNDARY else "")
+    return "none is needed" if s.governs == NOTHING else f"set by {s.governs}"

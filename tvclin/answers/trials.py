@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -168,13 +169,16 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     }
 
 
-def standard_laws(plant: Plant, peak: float, autopilot: Autopilot | None = None) -> dict[str, Law]:
-    """Return every law by name, designed on a plant and for a peak [rad], see `design_law`.
+def standard_laws(
+    plant: Plant, peak: float, autopilot: Autopilot | None = None, rate_limit: float = np.inf
+) -> dict[str, Law]:
+    """Return every law by name, designed on a plant, for a peak [rad] and a rate limit [rad/s].
 
-    The law "autopilot" has the gains of an autopilot where one is given.
+    As `design_law`; the law "autopilot" has the gains of an autopilot where one is given.
     """
-    given = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
-    return {name: design_law(name, plant, peak, **given.get(name, {})) for name in LAWS}
+    own: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
+    design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
+    return {name: design(name, **own.get(name, {})) for name in LAWS}
 
 
 def law_trials(

@@ -96,13 +96,10 @@ def lost_flown(
     plant: Plant, wind: History, limit: FloatArray, asked: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Return which of the trim laws that are asked for are lost with limits [rad]."""
-    shape = asked.shape
     lost = np.array(asked)
     for samples in (_COARSE, _SAMPLES):
-        which = np.flatnonzero(lost)
-        if which.size:
-            some, winds = plant.some(which, shape), wind.some(which, shape)
-            lost.ravel()[which] = ~_survives(some, winds, limit.ravel()[which], samples)
+        if np.any(lost):
+            lost &= ~_survives(plant, wind, np.where(lost, limit, np.nan), samples)
     return lost
 
 
@@ -114,7 +111,7 @@ def _survives(
     b is |B| with the sign of mu_delta, so that the feedback brings the attitude back, and p + d the
     pace of the other pole on a fixed path, beta without damping. A plant whose speed changes is
     flown by itself where flights of it can be decided, and else without the change of its speed.
-    What is too long to be flown does not survive.
+    What is too long to be flown does not survive, nor does what has no limit (NaN).
     """
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.many import fly_many
@@ -126,7 +123,7 @@ def _survives(
     with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown
         rate_gain = np.where(pace > 0.0, gain / pace, 0.0)
     law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
-    limits = np.where(limit > 0.0, limit, _TINY)
+    limits = np.where(limit <= 0.0, _TINY, limit)
     with np.errstate(invalid="ignore", divide="ignore"):
         pole, span = leading_pole(plant)[0], wind.end - wind.onset
         asked = np.maximum(np.minimum(samples * pole, _MOST_SAMPLES / span), _FEWEST_SAMPLES * pole)

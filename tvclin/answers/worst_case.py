@@ -8,12 +8,12 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.dispersions import KINDS, MODES, WIND
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.search import least
 from tvclin.base import lines
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
@@ -28,8 +28,6 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
-
-FloatArray = NDArray[np.float64]
 
 PROVED, SEARCHED = "corners (proved)", "searched"
 LOOP = {

@@ -6,8 +6,8 @@ from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Table, number, text
 from tvclin.base.units import UNITS, written
@@ -35,13 +35,9 @@ class Quantity(NamedTuple):
 def card(title: str, rows: Iterable[Row]) -> str:
     """Return a table in HTML, all texts escaped.
 
-    Parameters
-    ----------
-    title : str
-        Stands above the table.
-    rows : iterable of (str, object, str)
-        Name, value and unit of each line. Numbers are shown to six digits, arrays of more than
-        six numbers by their range and shape, an angle to a thousandth of a degree.
+    `title`: stands above the table. `rows`: name, value and unit of each line. Numbers are shown to
+    six digits, arrays of more than six numbers by their range and shape, an angle to a thousandth
+    of a degree.
     """
     lines = "".join(
         f'<tr><th scope="row" style="text-align:left">{escape(name)}</th>'
@@ -144,7 +140,7 @@ def _shown(value: Any, unit: str = "") -> str:
     return _numbers(array, unit)
 
 
-def _numbers(array: NDArray[Any], unit: str) -> str:
+def _numbers(array: AnyArray, unit: str) -> str:
     if array.size == 1 and unit == "deg" and np.isrealobj(array) and _LEAST <= abs(array) < np.inf:
         return text(number("", array.item()))
     if array.size <= _FEW:

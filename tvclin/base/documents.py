@@ -26,16 +26,11 @@ def keyed(keys: str) -> Callable[[Any], dict[str, Any]]:
 def picked(record: Any, keys: str) -> dict[str, Any]:
     """Return attributes of a record by the keys of a document.
 
-    Parameters
-    ----------
-    record : object
-        Holds angles in radians.
-    keys : str
-        With blanks between. Each is an attribute, "status", or one with its unit, "peak_deg", or
-        says which it is, of attributes too: "required_deg=requirement.deflection"; in bars,
-        "deflection_deg=|deflection|", it is a size. A key in degrees is converted, each value of
-        a mapping too, and a factor by a key in dB, unless the attribute itself has that unit in
-        its name.
+    `record`: holds angles in radians. `keys`: with blanks between. Each is an attribute, "status",
+    or one with its unit, "peak_deg", or says which it is, of attributes too:
+    "required_deg=requirement.deflection"; in bars, "deflection_deg=|deflection|", it is a size. A
+    key in degrees is converted, each value of a mapping too, and a factor by a key in dB, unless
+    the attribute itself has that unit in its name.
     """
     known = set(dir(record))
     found = {}

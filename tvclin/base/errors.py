@@ -16,13 +16,15 @@ from reprlib import Repr
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 
 MOST_AXES = 16
 """Axes of an array; numpy broadcasts at most 32, and some are ours."""
 LATEST = 1e9
 """Times [s] beyond this can no longer be added to each other without loss."""
-_Check = Callable[..., NDArray[np.float64]]
+_Check = Callable[..., FloatArray]
 _WIDEST = 60
 """Characters of what came that a message quotes."""
 _LONGEST_NAME = 255
@@ -95,19 +97,19 @@ def install(*extras: str) -> str:
     return f'pip install "tvclin[{",".join(extras)}]"'
 
 
-def real(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def real(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array, which may be infinite; `InputError` for all else."""
     array = numbers(name, value, unit)
     _require(name, "a number", array, ~np.isnan(array), unit)
     return array
 
 
-def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def finite(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
     return _finite(name, value, unit)[0]
 
 
-def numbers(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array, whatever its numbers; `InputError` if it is none."""
     try:
         array = np.asarray(value)
@@ -122,7 +124,7 @@ def numbers(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     return array
 
 
-def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64], float, float]:
+def _finite(name: str, value: ArrayLike, unit: str) -> tuple[FloatArray, float, float]:
     """The array, its smallest and its largest element; of none, numbers that pass every check."""
     array = numbers(name, value, unit)
     if not array.size:
@@ -133,7 +135,7 @@ def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64]
     return array, low, high
 
 
-def positive(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def positive(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array; raise `InputError` unless every element is above zero."""
     array, low, _ = _finite(name, value, unit)
     if not low > 0:
@@ -141,7 +143,7 @@ def positive(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]
     return array
 
 
-def nonnegative(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def nonnegative(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array; raise `InputError` if an element is below zero."""
     array, low, _ = _finite(name, value, unit)
     if not low >= 0:
@@ -149,7 +151,7 @@ def nonnegative(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float
     return array
 
 
-def nonzero(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def nonzero(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array; raise `InputError` if an element is zero."""
     array = finite(name, value, unit)
     _require(name, "other than zero", array, array != 0, unit)
@@ -158,7 +160,7 @@ def nonzero(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
 
 def within(
     name: str, value: ArrayLike, lowest: float, highest: float, unit: str = ""
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return `value` as a float array; raise `InputError` outside [lowest, highest]."""
     array, low, high = _finite(name, value, unit)
     if not (low >= lowest and high <= highest):
@@ -167,7 +169,7 @@ def within(
     return array
 
 
-def between(lowest: float, highest: float) -> Callable[..., NDArray[np.float64]]:
+def between(lowest: float, highest: float) -> Callable[..., FloatArray]:
     """Return `within` for these ends, as a check for `number`."""
     return lambda name, value, unit="": within(name, value, lowest, highest, unit)
 
@@ -244,18 +246,28 @@ def single(name: str, batch: tuple[int, ...]) -> None:
 
 
 def number(
-    name: str, value: ArrayLike, check: Callable[..., NDArray[np.float64]] = finite, unit: str = ""
+    name: str, value: ArrayLike, check: Callable[..., FloatArray] = finite, unit: str = ""
 ) -> float:
     """Return `value` as a float; `InputError` unless it passes the check and is no array."""
-    array = check(name, value, unit)
+    array = np.asarray(check(name, value, unit))
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
     return float(array)
 
 
-def directions(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:
-    """Return directions [rad]; `InputError` beyond one turn, where degrees were meant."""
-    return within(name, value, -2.0 * np.pi, 2.0 * np.pi, unit)
+def unlimited(
+    name: str, value: ArrayLike, check: Callable[..., FloatArray] = positive, unit: str = ""
+) -> float:
+    """Return a limit as a float: infinite, or one number that passes the check."""
+    if isinstance(value, float) and value == np.inf:
+        return np.inf
+    return number(name, value, check, unit)
+
+
+def directions(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
+    """Return directions, in rad or deg; `InputError` beyond one turn, where degrees were meant."""
+    turn = 360.0 if unit == "deg" else 2.0 * np.pi
+    return within(name, value, -turn, turn, unit)
 
 
 def bearing(name: str, value: ArrayLike) -> float:
@@ -264,20 +276,17 @@ def bearing(name: str, value: ArrayLike) -> float:
 
 
 def small_angle(what: str, check: _Check = finite) -> _Check:
-    """Return a check of angles [rad], for `number` too: within 90 degrees, in radians.
+    """Return a check of angles, for `number` too: within 90 degrees; in radians, or "deg".
 
-    Parameters
-    ----------
-    what : str
-        What the angle is, as "a deflection".
-    check : callable
-        What else it must pass.
+    `what`: what the angle is, as "a deflection". `check`: what else it must pass.
     """
 
-    def checked(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:
+    def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
         array = check(name, value, unit)
         most = np.abs(array).max(initial=0.0)
-        if most >= np.pi / 2:
+        if unit == "deg" and most >= 90.0:
+            raise InputError(f"{name} must be {what} within 90 degrees; got {most:.6g} deg")
+        if unit != "deg" and most >= np.pi / 2:
             degrees = f" ({np.degrees(most):.4g} deg)" if most < LATEST else ""
             raise InputError(
                 f"{name} must be {what} within 90 degrees, in radians; got {most:.6g} rad{degrees}"
@@ -287,15 +296,15 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     return checked
 
 
-def fraction(name: str, value: ArrayLike) -> float:
+def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
     """Return `value` as a float; `InputError` unless it is one number above 0 and below 1."""
-    part = number(name, value)
+    part = number(name, value, unit=unit)
     if not 0.0 < part < 1.0:
         raise InputError(f"{name} must be above 0 and below 1; got {part:.6g}")
     return part
 
 
-def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+def one_row(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array ``(n,)``; `InputError` unless it is one row, not empty."""
     array = finite(name, value, unit)
     if array.ndim != 1 or not array.size:
@@ -303,7 +312,7 @@ def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     return array
 
 
-def times_row(name: str, value: ArrayLike) -> NDArray[np.float64]:
+def times_row(name: str, value: ArrayLike) -> FloatArray:
     """Return times [s] as `one_row`; `InputError` for any beyond 1e9 s, which no flight lasts."""
     return within(name, one_row(name, value, "s"), -LATEST, LATEST, "s")
 
@@ -321,12 +330,12 @@ def ending(name: str, end: ArrayLike) -> None:
         raise InputError(f"{name} must end, and be other than zero")
 
 
-def plain(array: NDArray[np.float64] | np.float64) -> float | NDArray[np.float64]:
+def plain(array: FloatArray | np.float64) -> float | FloatArray:
     """Return a Python float for an array of shape ``()``, and any other array as it is."""
     return float(array) if array.ndim == 0 else array
 
 
-def together(**arrays: NDArray[Any]) -> None:
+def together(**arrays: AnyArray) -> None:
     """Raise `InputError` unless the named arrays broadcast with each other."""
     broadcast(**{name: array.shape for name, array in arrays.items()})
 
@@ -344,9 +353,7 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
         ) from None
 
 
-def _require(
-    name: str, rule: str, array: NDArray[np.float64], good: NDArray[np.bool_], unit: str
-) -> None:
+def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str) -> None:
     if np.all(good):
         return
     where = np.unravel_index(int(np.argmin(good)), good.shape)

@@ -33,18 +33,9 @@ _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     """Call `write` with a temporary path and move the result into place when it is on the disk.
 
-    Parameters
-    ----------
-    path : Path
-        The file; one that is there already is replaced, and lends its mode. Of a link the file that
-        it leads to is written.
-    write : callable
-        Takes the temporary path and writes everything there.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be written.
+    `path`: the file; one that is there already is replaced, and lends its mode. Of a link the file
+    that it leads to is written. `write`: takes the temporary path and writes everything there.
+    `InputError` when the file cannot be written.
     """
     name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():
@@ -94,22 +85,10 @@ def write_new(path: Path, text: str) -> None:
 def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") -> str:
     """Return the text of a file in UTF-8, with or without a byte order mark.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    kind : str
-        What it should be, for messages: "a vehicle file".
-    start : str
-        How to get one, for messages.
-    errors : {"strict", "replace"}
-        What becomes of bytes that are not UTF-8.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is empty, is no text, or one that nobody writes: of more than
-        100 MB, or with a line of more than a million letters.
+    `kind`: what it should be, for messages: "a vehicle file". `start`: how to get one, for
+    messages. `errors` ({"strict", "replace"}): what becomes of bytes that are not UTF-8.
+    `InputError` when the file cannot be read, is empty, is no text, or one that nobody writes: of
+    more than 100 MB, or with a line of more than a million letters.
     """
     hint, name = f"; {start}" if start else "", called(path)
     _check_ordinary(path)
@@ -137,11 +116,8 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
 def tables_of(text: str, source: str) -> dict[str, Any]:
     """Return the tables of a TOML text; `source` names it in messages.
 
-    Raises
-    ------
-    InputError
-        For what is not TOML, or of more than four million letters, tables and lists in each other
-        more than eight deep, and a whole number beyond what a float holds.
+    `InputError` for what is not TOML, or of more than four million letters, tables and lists in
+    each other more than eight deep, and a whole number beyond what a float holds.
     """
     name = called(source)
     _check_text(text, name)
@@ -181,10 +157,7 @@ def reason(error: Exception) -> str:
 def make_directory(path: Path) -> None:
     """Make a directory, and those above it, unless it is there.
 
-    Raises
-    ------
-    InputError
-        When a file stands in its place, or it cannot be made.
+    `InputError` when a file stands in its place, or it cannot be made.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

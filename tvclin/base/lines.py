@@ -16,14 +16,8 @@ import numpy as np
 class Number:
     """A number of the page.
 
-    Attributes
-    ----------
-    name : str
-        What it is, with its unit; every number of a page has another.
-    value : float
-        In full precision, in the unit shown.
-    text : str
-        As it is shown.
+    `name`: what it is, with its unit; every number of a page has another. `value`: in full
+    precision, in the unit shown. `text`: as it is shown.
     """
 
     name: str
@@ -52,14 +46,8 @@ Row = tuple[str, Line]
 class Table:
     """A table of an answer, the same in a terminal, in a notebook and on a page.
 
-    Attributes
-    ----------
-    caption : str
-        Stands above the table.
-    head : tuple of str
-        The headings of the columns, with units.
-    rows : tuple of tuple of Line
-        The cells of each row, of which the first is its heading.
+    `caption`: stands above the table. `head`: the headings of the columns, with units. `rows`: the
+    cells of each row, of which the first is its heading.
     """
 
     caption: str

@@ -18,18 +18,10 @@ from tvclin.base.units import UNITS, written
 class FileTable:
     """The keys of a table, of which numbers carry their unit: ``weight_N``, ``weight_lbf``.
 
-    Attributes
-    ----------
-    heading : str
-        As in a file: ``[vehicle]``, or ``[[dispersion]]`` of a table that may stand several times.
-    quantities : dict of str to str
-        Names of numbers, without unit, and of what kind of `UNITS` each is.
-    words : tuple of str
-        Keys of which the value is taken as it stands.
-    lists : tuple of str
-        Keys of lists.
-    required : tuple of str
-        Which of all these must be given.
+    `heading`: as in a file: ``[vehicle]``, or ``[[dispersion]]`` of a table that may stand several
+    times. `quantities`: names of numbers, without unit, and of what kind of `UNITS` each is.
+    `words`: keys of which the value is taken as it stands. `required`: which of all these must be
+    given.
     """
 
     heading: str
@@ -64,10 +56,7 @@ class FileTable:
     def one(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Return the table of a document as it stands, empty where it is not there.
 
-        Raises
-        ------
-        InputError
-            For what is no table.
+        `InputError` for what is no table.
         """
         table = document.get(self.name, {})
         if not isinstance(table, dict):
@@ -84,11 +73,8 @@ class FileTable:
     def read(self, table: Mapping[str, Any]) -> dict[str, Any]:
         """Return what a table says, by name: numbers in SI units, lists as tuples, words.
 
-        Raises
-        ------
-        InputError
-            For an unknown key or unit, what is given twice or not at all, and a value that is no
-            number, or no list, where one must be: a line for each.
+        `InputError` for an unknown key or unit, what is given twice or not at all, and a value that
+        is no number, or no list, where one must be: a line for each.
         """
         if not isinstance(table, Mapping) or not all(isinstance(key, str) for key in table):
             raise InputError(f"{self.heading} must be a table; got {shown(table)}")

@@ -12,11 +12,7 @@ DEGREE = pi / 180
 
 UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE},
-    "inertia": {
-        "kg_m2": 1.0,
-        "slug_ft2": POUND_FORCE * FOOT,
-        "lb_ft2": POUND * FOOT**2,
-    },
+    "inertia": {"kg_m2": 1.0, "slug_ft2": POUND_FORCE * FOOT, "lb_ft2": POUND * FOOT**2},
     "mass": {"kg": 1.0, "lb": POUND, "slug": POUND_FORCE / FOOT},
     "force slope": {
         "N_per_rad": 1.0,
@@ -64,6 +60,8 @@ UNITS: dict[str, dict[str, float]] = {
     "number": {"": 1.0},
 }
 """For each kind of quantity the suffixes of its keys and their factors to SI."""
+_PARTS = ("percent", "part", "hundredths")
+"""Parts of something, which have no unit."""
 
 
 def written(suffix: str) -> str:
@@ -72,5 +70,20 @@ def written(suffix: str) -> str:
 
 
 def si_unit(kind: str) -> str:
-    """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2."""
-    return written(next(iter(UNITS[kind])))
+    """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2; none of a part."""
+    first = next(iter(UNITS[kind]))
+    return "" if kind in _PARTS else written(first)
+
+
+_OF_OPTIONS = {"angle": "deg", "angular rate": "deg_per_s", "delay": "ms"}
+"""The units of options where they are not those of SI."""
+_SUFFIXES = {"angle": "_deg", "angular rate": "_deg", "delay": "_ms", "length": "_m"}
+"""What options of a kind have at the end of their names."""
+
+
+def optional_unit(kind: str) -> tuple[str, str, float]:
+    """Return the unit of an option: the suffix of its name, in words, and its factor to SI."""
+    suffix = _OF_OPTIONS.get(kind, "")
+    if not suffix:
+        return _SUFFIXES.get(kind, ""), si_unit(kind), 1.0
+    return _SUFFIXES[kind], written(suffix), UNITS[kind][suffix]

@@ -28,17 +28,13 @@ is closed in.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.boundary.optimum.least_peaks import peaks_of
 from tvclin.boundary.switching import Problem
 from tvclin.linear.modes import parted
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 _ARRIVED = 1e-8
 """Of a limit: steps below this part of it end the search. It stays above what is lost."""
@@ -52,22 +48,13 @@ _LEVELS, _HALVINGS = 24, 16
 """Limits that are tried with three modes or more, and halvings of the step above the one lost."""
 
 
-def least_after_trim(problem: Problem, poles: NDArray[Any], least: FloatArray) -> FloatArray:
+def least_after_trim(problem: Problem, poles: AnyArray, least: FloatArray) -> FloatArray:
     """Return the largest limit that is lost after trim, at least `least`.
 
-    Parameters
-    ----------
-    problem : Problem
-        Plants with a moment, and winds of one sign.
-    poles : ndarray
-        All unstable poles [1/s], the fastest first, ``(..., N)``; NaN where there is none.
-    least : ndarray
-        What is needed anyhow, over B alpha_w,max, ``(...)``: no smaller limit is looked at.
-
-    Returns
-    -------
-    ndarray
-        Over B alpha_w,max, ``(...)``. `least` for K = 0, K = 1, and fewer than two modes.
+    `problem`: plants with a moment, and winds of one sign. `poles`: all unstable poles [1/s], the
+    fastest first, ``(..., N)``; NaN where there is none. `least`: what is needed anyhow, over B
+    alpha_w,max, ``(...)``: no smaller limit is looked at. Returned: over B alpha_w,max, ``(...)``.
+    `least` for K = 0, K = 1, and fewer than two modes.
     """
     shape, count = problem.shape, poles.shape[-1]
     K = np.broadcast_to(problem.dead_band, shape).ravel()
@@ -91,9 +78,9 @@ class _AfterTrim:
 
     problem: Problem
     dead_band: FloatArray
-    modes: NDArray[Any]
+    modes: AnyArray
 
-    def peaks(self, cases: IntArray, limits: FloatArray, enough: FloatArray) -> FloatArray:
+    def peaks(self, cases: IndexArray, limits: FloatArray, enough: FloatArray) -> FloatArray:
         """Return m(L) of some cases, or what is enough where that is proved to be no less."""
         poles = self.modes[cases]
         z = self.problem.left_at(cases, self.dead_band[cases] * limits, poles)
@@ -101,7 +88,7 @@ class _AfterTrim:
 
 
 def _stepped_down(
-    after: _AfterTrim, cases: IntArray, least: FloatArray, highest: FloatArray
+    after: _AfterTrim, cases: IndexArray, least: FloatArray, highest: FloatArray
 ) -> FloatArray:
     """Come down from limits that are not lost, by L <- max(K L, m(L))."""
     limit, K = np.array(highest), after.dead_band[cases]
@@ -124,11 +111,11 @@ def _stepped_down(
 
 
 def _closed_in(
-    after: _AfterTrim, cases: IntArray, least: FloatArray, highest: FloatArray
+    after: _AfterTrim, cases: IndexArray, least: FloatArray, highest: FloatArray
 ) -> FloatArray:
     """Try limits, and close in on the highest that is lost; `least` where none is."""
 
-    def lost(which: IntArray, limits: FloatArray) -> NDArray[np.bool_]:
+    def lost(which: IndexArray, limits: FloatArray) -> BoolArray:
         flat = limits.ravel()
         every = np.repeat(cases[which], limits.size // which.size)
         return (after.peaks(every, flat, flat) > flat * (1.0 + _SAME)).reshape(limits.shape)

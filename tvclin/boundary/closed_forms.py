@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
 from tvclin.kernels import limits
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"
@@ -35,14 +33,8 @@ _LARGEST = 1e9
 class TriangularLimit:
     """Solutions of eq (18), every field of shape ``(...)``.
 
-    Attributes
-    ----------
-    limit : float or ndarray
-        y_BR.
-    switch : float or ndarray
-        a/tau = y_BR K/2, eq (11): when the dead band is left.
-    status : str or ndarray of str
-        "ok", or in words what is wrong with the element.
+    `switch`: a/tau = y_BR K/2, eq (11): when the dead band is left. `status`: "ok", or in words
+    what is wrong with the element.
     """
 
     limit: Any
@@ -108,11 +100,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
 
 
 def triangular_limit_with_drift(
-    tau_beta: ArrayLike,
-    dead_band: ArrayLike,
-    beta: ArrayLike,
-    b1: ArrayLike,
-    b2: ArrayLike,
+    tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> Any:
     """Return y_BR of a triangular wind with drift, eq (18); NaN where it was not found.
 
@@ -139,11 +127,7 @@ def triangular_limit_with_drift(
 
 
 def solve_triangular_with_drift(
-    tau_beta: ArrayLike,
-    dead_band: ArrayLike,
-    beta: ArrayLike,
-    b1: ArrayLike,
-    b2: ArrayLike,
+    tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> TriangularLimit:
     """Return the solution of eq (18) with a status for each element.
 

@@ -13,15 +13,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
-from tvclin.boundary.stops import (
-    CircularStop,
-    FloatArray,
-    Stop,
-    Vectors,
-    along,
-    vectors,
-)
+from tvclin.boundary.stops import CircularStop, Stop, Vectors, along, vectors
 from tvclin.kernels.searches import lowest
 
 STATES = ("moving", "centred", "stuck", "out")

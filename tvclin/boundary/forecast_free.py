@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
@@ -40,8 +40,6 @@ from tvclin.kernels.pieces import rows
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"

@@ -18,9 +18,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base import lines
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
@@ -53,7 +54,6 @@ __all__ = [
     "triangular_limit_with_drift",
 ]
 
-FloatArray = NDArray[np.float64]
 
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
@@ -172,22 +172,12 @@ def open_loop_needs(
 ) -> dict[str, FloatArray]:
     """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
 
-    Parameters
-    ----------
-    plant, wind, dead_band
-        As of `boundary_limit`.
-    boundary : BoundaryLimit
-        Theirs, with the literal switch, which a flight has.
-    enough : ndarray, optional
-        As of `least_peaks`.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Under `BOUNDARY`, under `MINIMUM` the least peak over all unstable poles from the onset of
-        the wind on, under `NO_FORECAST`, which only a control with K = 1 claims to need none of,
-        the bound of laws without a forecast, and under `AFTER_TRIM` that least peak from where
-        trim has left the vehicle, for the others (see `after_trim`). Zero where one does not apply.
+    `plant`, `wind`, `dead_band`: as of `boundary_limit`. `boundary`: theirs, with the literal
+    switch, which a flight has. `enough`: as of `least_peaks`. Returned: under `BOUNDARY`, under
+    `MINIMUM` the least peak over all unstable poles from the onset of the wind on, under
+    `NO_FORECAST`, which only a control with K = 1 claims to need none of, the bound of laws without
+    a forecast, and under `AFTER_TRIM` that least peak from where trim has left the vehicle, for the
+    others (see `after_trim`). Zero where one does not apply.
     """
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
@@ -307,21 +297,12 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
         return plain(np.asarray(triangle / true - 1.0))
 
 
-def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
+def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
     """Return the growth rate that decides [1/s], and where a pair of poles has a part in it.
 
-    Parameters
-    ----------
-    plant
-        As of `unstable_poles`.
-
-    Returns
-    -------
-    rate : ndarray
-        NaN where no mode grows, ``(...)``.
-    paired : ndarray of bool
-        Where a complex pair grows comparably with the fastest real pole, or two real poles are
-        together, so that one limit cannot meet both conditions (4b).
+    `plant`: as of `unstable_poles`. Returned `rate`: NaN where no mode grows, ``(...)``. Returned
+    `paired`: where a complex pair grows comparably with the fastest real pole, or two real poles
+    are together, so that one limit cannot meet both conditions (4b).
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:

@@ -20,11 +20,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, between, number, one_row, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    number,
+    one_row,
+    positive,
+    small_angle,
+    unlimited,
+)
 from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
@@ -33,8 +42,6 @@ from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
 from tvclin.linear.modes import poles_in_words, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Rates of a front over the least one, unless rates are given."""
@@ -184,19 +191,9 @@ def ramped_deflection(
 ) -> FloatArray:
     """Return the least deflection [rad] under limits of rate and acceleration, of one pole.
 
-    Parameters
-    ----------
-    least : array_like
-        d0 [rad], the least deflection at any rate, positive.
-    pole : float
-        The unstable pole p [1/s].
-    rate, acceleration : array_like
-        Their limits r [rad/s] and c [rad/s2], which broadcast with `least`; both may be infinite.
-
-    Returns
-    -------
-    ndarray
-        Infinite where no deflection is enough.
+    `least`: d0 [rad], the least deflection at any rate, positive. `pole`: the unstable pole p
+    [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
+    `least`; both may be infinite. Returned: infinite where no deflection is enough.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (least, rate, acceleration))
@@ -259,9 +256,7 @@ def rate_front(
     >>> (front.limits / front.least_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = acceleration_limit
-    if not (isinstance(c, float) and np.isposinf(c)):
-        c = number("acceleration_limit", c, between(*_RATES), "rad/s2")
+    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATES), "rad/s2")
     angle, turning = small_angle("a deflection", positive), between(*_RATES)
     most = None if limit is None else number("limit", limit, angle, "rad")
     there = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")

@@ -16,16 +16,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.reaches import least_reaches
 from tvclin.linear.modes import poles_in_words, unstable_poles
 from tvclin.linear.plant import RIGID, Plant
-
-FloatArray = NDArray[np.float64]
 
 MOST_MODES = 2
 """Unstable modes for which the set is known in closed form."""
@@ -37,14 +35,8 @@ _SECONDS, _COMPILED_SECONDS = 5e-5, 5e-7
 class UnstableCoordinates:
     """The coordinates of the unstable modes of one plant, the fastest first.
 
-    Attributes
-    ----------
-    poles : ndarray
-        s [1/s], ``(N,)``, N being one or two.
-    rows : ndarray
-        z = rows @ states [rad], ``(N, n)``.
-    wind : ndarray
-        k, ``(N,)``: the report's K1 of each pole.
+    `poles`: s [1/s], ``(N,)``, N being one or two. `rows`: z = rows @ states [rad], ``(N, n)``.
+    `wind`: k, ``(N,)``: the report's K1 of each pole.
     """
 
     poles: FloatArray
@@ -76,15 +68,8 @@ class UnstableCoordinates:
 def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     """Return the coordinates of the unstable modes of a plant.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant with one or two real unstable poles.
-
-    Raises
-    ------
-    InputError
-        For a batch, a plant without an unstable pole, and one with more than two or a pair.
+    `plant`: one plant with one or two real unstable poles. `InputError` for a batch, a plant
+    without an unstable pole, and one with more than two or a pair.
 
     Examples
     --------
@@ -121,12 +106,8 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
 
     It is the least peak of u = deflection/B that brings them to rest.
 
-    Parameters
-    ----------
-    fast, slow : ndarray
-        Coordinates z of the two modes [rad], ``(n,)`` each.
-    ratio : ndarray
-        The slow pole over the fast one, in (0, 1), ``(n,)``.
+    `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
+    the fast one, in (0, 1), ``(n,)``.
     """
     found = np.empty(fast.size)
     columns = [np.require(one, float, ["C", "W"]) for one in (fast, slow, ratio)]

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import (
     MOST_AXES,
     InputError,
@@ -29,8 +30,7 @@ from tvclin.base.errors import (
 from tvclin.kernels.searches import lowest
 from tvclin.winds.plane_wind import unit
 
-FloatArray = NDArray[np.float64]
-Vectors = NDArray[np.complex128]
+Vectors = ComplexArray
 
 _MOST_CORNERS = 10_000
 _LARGEST = 1e100
@@ -282,7 +282,7 @@ def _turned_at(corners: Vectors) -> Vectors:
         corners = corners[turns]
 
 
-def _sector(rays: Vectors, vector: Vectors) -> NDArray[np.intp]:
+def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
     """Return the ray that each vector comes after; the rays go once around, counterclockwise."""
     turned = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
     angles = np.maximum.accumulate(np.append(0.0, turned))

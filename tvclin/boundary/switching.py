@@ -17,15 +17,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels import heights, switches
 from tvclin.kernels.choice import run
 from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
 """About what a breakpoint of a case takes, in plain Python and as machine code."""
@@ -35,38 +33,24 @@ _SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
 class Switch:
     """The solution: when the dead band is left, and two ways in which there is none.
 
-    Attributes
-    ----------
-    time : ndarray
-        Time [s], ``(...)``.
-    demand : ndarray
-        What (4b) asks for when the limit is held from that time on, over B alpha_w,max.
-    jumps : ndarray of bool
-        The demand jumps over the limit where the driver comes back to an earlier height.
-    never : ndarray of bool
-        The demand stays above what the driver reaches, so the dead band is never left.
+    `time`: time [s], ``(...)``. `demand`: what (4b) asks for when the limit is held from that time
+    on, over B alpha_w,max. `jumps`: the demand jumps over the limit where the driver comes back to
+    an earlier height. `never`: the demand stays above what the driver reaches, so the dead band is
+    never left.
     """
 
     time: FloatArray
     demand: FloatArray
-    jumps: NDArray[np.bool_]
-    never: NDArray[np.bool_]
+    jumps: BoolArray
+    never: BoolArray
 
 
 @dataclass(frozen=True)
 class Problem:
     """Which wind a plant is in, and what decides about it.
 
-    Attributes
-    ----------
-    plant, wind
-        Batches; the wind ends.
-    pole : ndarray
-        The growth rate [1/s] whose condition (4b) is met, positive.
-    dead_band : ndarray
-        K. All broadcast to `shape`.
-    shape : tuple of int
-        Of the batch.
+    `plant`, `wind`: batches; the wind ends. `pole`: the growth rate [1/s] whose condition (4b) is
+    met, positive. `dead_band`: K. All broadcast to `shape`. `shape`: of the batch.
     """
 
     plant: Plant
@@ -91,7 +75,7 @@ class Problem:
             for k in range(len(literal))
         ]
 
-    def largest_trim(self, cases: NDArray[np.bool_]) -> FloatArray:
+    def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim over B alpha_w,max of some cases; zero for the others."""
         found = np.zeros(self.shape)
         winds, which, numbers = self._arrays
@@ -101,24 +85,12 @@ class Problem:
         found.ravel()[some] = out
         return found
 
-    def left_at(
-        self, cases: NDArray[np.intp], heights_: FloatArray, poles: NDArray[Any]
-    ) -> NDArray[Any]:
+    def left_at(self, cases: IndexArray, heights_: FloatArray, poles: AnyArray) -> AnyArray:
         """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
 
-        Parameters
-        ----------
-        cases : ndarray
-            Places of some cases in the flattened batch, ``(n,)``.
-        heights_ : ndarray
-            Of trim to either side, positive, ``(n,)``.
-        poles : ndarray
-            Of the modes [1/s], real or complex, ``(n, m)``.
-
-        Returns
-        -------
-        ndarray
-            The limit that each mode by itself asks for, held from then on, ``(n, m)``.
+        `cases`: places of some cases in the flattened batch, ``(n,)``. `heights_`: of trim to
+        either side, positive, ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``.
+        Returned: the limit that each mode by itself asks for, held from then on, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
         found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
@@ -127,7 +99,7 @@ class Problem:
         return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property
-    def _arrays(self) -> tuple[Any, NDArray[np.intp], FloatArray]:
+    def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
         """The winds over their peaks, the wind of each case, and the numbers of each."""
         winds, which = rows((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
@@ -135,7 +107,7 @@ class Problem:
         columns = [np.broadcast_to(one, self.shape).ravel() for one in every]
         return winds, which, np.stack(columns, axis=-1)
 
-    def _run(self, function: Any, winds: Any, which: NDArray[np.intp], *arrays: Any) -> None:
+    def _run(self, function: Any, winds: Any, which: IndexArray, *arrays: Any) -> None:
         knots = winds[0].shape[-1] * which.size
         run(
             function,

@@ -1,10 +1,11 @@
 """The commands together, and what becomes of a bad input: one sentence and exit code 2.
 
-Only typer is imported at the top of this file; a command is loaded when it is asked for, and loads
-what it needs when it runs.
+Only typer is imported at the top of this file; a command is loaded when it is asked for, with what
+it needs but for figures.
 """
 
 import gc
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from functools import wraps
 from importlib import import_module
 from io import TextIOWrapper
+from pkgutil import get_data
 from typing import Annotated, Any
 
 import typer
@@ -42,14 +44,33 @@ class _Late(Mapping[str, Any]):
         return len(NAMES)
 
     def __getitem__(self, name: str) -> Any:
-        panel, command = NAMES[name], function_of(name)
-        app = typer.Typer()
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name, rich_help_panel=panel)
-        else:
-            made = command if name in _LIGHT else _strict(command)
-            app.command(name, rich_help_panel=panel)(made)
-        return _unwrapped(typer.main.get_group(app).commands[name])
+        from tvclin.cli.options import grouped
+
+        command = function_of(name)
+        if not isinstance(command, typer.Typer):
+            command = grouped(command) if name in _LIGHT else _strict(grouped(command))
+        return _made(name, command)
+
+
+def _made(name: str, command: Any) -> Any:
+    """Return the command of a function, or those of an app, in the panel of its name."""
+    app = typer.Typer()
+    if isinstance(command, typer.Typer):
+        app.add_typer(command, name=name, rich_help_panel=NAMES[name])
+    else:
+        app.command(name, rich_help_panel=NAMES[name])(command)
+    return _unwrapped(typer.main.get_group(app).commands[name])
+
+
+def _listed(name: str) -> Any:
+    """Return a command as a list has it: its help is read in its file, which is not loaded."""
+
+    def command() -> None: ...
+
+    text = get_data("tvclin.cli", f"{_ELSEWHERE.get(name, name)}.py") or b""
+    said = re.search(rf'(?s)^(?:def {name}\(.*?"""|{name} = .*?help=")(.+?)"', text.decode(), re.M)
+    command.__doc__ = said[1] if said else None
+    return _made(name, command)
 
 
 def _unwrapped(command: Any) -> Any:
@@ -75,6 +96,19 @@ class Commands(TyperGroup):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.commands = _Late()  # type: ignore[assignment]  # nothing is ever added to it
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        return list(NAMES)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command as the help and the completion list it."""
+        return _listed(cmd_name) if cmd_name in NAMES else None
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that is asked for, with its options, and its arguments."""
+        name, _, rest = super().resolve_command(ctx, args)
+        return name, name and self.commands[name], rest
 
     def make_context(self, *given: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""

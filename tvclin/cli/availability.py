@@ -2,56 +2,55 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.availability import answer_tables
+from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.availability.record import Availability, Today
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.schedule_file import load_schedule
+from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot, grouped
+from tvclin.cli.options import (
+    GROUP,
+    GUST,
+    MODEL,
+    SIGN,
+    TIME_HELP,
+    AsJson,
+    Given,
+    Plot,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from tvclin.answers.availability.growth import PairGrowth
-    from tvclin.answers.availability.record import Availability, Today
-    from tvclin.answers.sizing.schedule import FlightSchedule
-    from tvclin.winds.soundings.archive import Soundings
-    from tvclin.winds.soundings.profile import WindProfile
+from tvclin.vehicle.coefficients import IN_WORDS
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 @dataclass(frozen=True)
 class ArchiveOptions:
     """Which soundings of an archive count; `grouped` gives the options."""
 
-    month: Annotated[
-        list[int] | None,
-        typer.Option(help="Only this month, from 1 to 12; may be given several times."),
-    ] = None
-    years: Annotated[
-        tuple[int, int] | None, typer.Option(metavar="FIRST LAST", help="Only these years.")
-    ] = None
-    station: Annotated[
-        str | None, typer.Option(help="Only this station, where there are several.")
-    ] = None
-    in_order: Annotated[
-        bool,
-        typer.Option(
-            "--in-order",
-            help="Take files without a date in the order of their names, one a day from 2000-01-01"
-            " on; of what month they are is then not known.",
-        ),
-    ] = False
-    utc_offset: Annotated[
-        float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
-    ] = 0.0
+    month: list[int] | None = asked("Only this month, from 1 to 12; may be given several times.")
+    years: tuple[int, int] | None = asked("Only these years.", metavar="FIRST LAST")
+    station: str | None = asked("Only this station, where there are several.")
+    in_order: bool = switch(
+        "--in-order",
+        "Take files without a date in the order of their names, one a day from 2000-01-01"
+        " on; of what month they are is then not known.",
+    )
+    utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
 
-    def read(self, archive: list[Path]) -> "Soundings":
+    def read(self, archive: list[Path]) -> Soundings:
         """Return these soundings."""
-        from tvclin.winds.soundings.read_soundings import read_soundings
-
         with bar("read") as progress:
             return read_soundings(
                 archive,
@@ -68,78 +67,41 @@ class ArchiveOptions:
 class JudgedOptions:
     """How soundings are judged, and the balloon of today; `grouped` gives the options."""
 
-    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both"
-    stop: Annotated[
-        str,
-        typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
-    ] = "round"
-    model: Model = None
-    persistence_deg: Annotated[
-        float | None,
-        typer.Option(help="Angle added for the change of wind until launch, in deg."),
-    ] = None
-    persistence_hours: Annotated[
-        float | None,
-        typer.Option(
-            help="In place of --persistence-deg, the hours from balloon to launch. Added is the"
-            " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
-            " these hours."
-        ),
-    ] = None
-    gust: Gust = None
-    sign: Annotated[
-        str | None,
-        typer.Option(
-            help="frozen: count the dynamic pressure of calm air, not that which each wind makes."
-        ),
-    ] = None
-    known_to_m: Annotated[
-        float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
-    ] = None
-    confidence: Annotated[float, typer.Option(help="Confidence of the intervals, from 0 to 1.")] = (
-        0.95
+    stop: str = asked("Stop of the nozzle: round (root of the sum of squares) or square.", "round")
+    persistence_deg: float | None = asked(
+        "Angle added for the change of wind until launch, in deg."
     )
-    today: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
-    ] = None
-    today_time: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
-        ),
-    ] = None
+    persistence_hours: float | None = asked(
+        "In place of --persistence-deg, the hours from balloon to launch. Added is the"
+        " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
+        " these hours."
+    )
+    gust: tuple[float, float] | None = GUST
+    today: Path | None = asked("Also judge this balloon of today: go or no go?", metavar="FILE")
+    today_time: str | None = asked(
+        f"Which balloon of a --today that holds several, {TIME_HELP}", metavar="TIME"
+    )
 
     def availability(
-        self, flight: "FlightSchedule", soundings: "Soundings", limit: float, azimuth: "ArrayLike"
-    ) -> "Availability":
-        """Return on how many days a limit [rad] is enough towards azimuths [rad]."""
+        self, flight: FlightSchedule, soundings: Soundings, **told: Any
+    ) -> Availability:
+        """Return on how many days a limit is enough, which `availability` is told with more."""
         from tvclin.answers.availability.availability import availability
-        from tvclin.linear.models import USUAL_MODEL
 
         with bar("soundings") as progress:
             return availability(
                 flight,
                 soundings,
-                limit=limit,
-                azimuth=azimuth,
-                plane=self.plane,
                 stop=self.stop,
-                model=self.model or USUAL_MODEL,
                 persistence=self.growth,
                 gust=gust_of(self.gust),
-                known_to=self.known_to_m,
-                confidence=self.confidence,
-                sign=self.sign,
                 progress=progress,
+                **told,
             )
 
     @property
-    def growth(self) -> "float | PairGrowth | None":
+    def growth(self) -> float | PairGrowth | None:
         """An angle [rad], or how needs grew in the archive; None without an option."""
-        from tvclin.answers.availability.growth import PairGrowth
-        from tvclin.base.errors import InputError
-
         if self.persistence_deg is not None and self.persistence_hours is not None:
             raise InputError("give --persistence-deg or --persistence-hours, not both")
         if self.persistence_hours is not None:
@@ -147,7 +109,7 @@ class JudgedOptions:
         return radians_of("--persistence-deg", self.persistence_deg, 0.0)
 
     @property
-    def balloon(self) -> "WindProfile | None":
+    def balloon(self) -> WindProfile | None:
         """What the balloon of today saw; None without an option."""
         if self.today is None:
             only_with("--today", today_time=self.today_time)
@@ -155,7 +117,6 @@ class JudgedOptions:
         return noted_sounding(self.today, self.today_time)
 
 
-@grouped
 def availability(
     source: Annotated[
         str,
@@ -178,26 +139,22 @@ def availability(
         ),
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
-    only: ArchiveOptions = ArchiveOptions(),
-    begin: Annotated[
-        float | None,
-        typer.Option(
-            "--from", help="First flight time that counts, in s.", show_default="the first"
-        ),
-    ] = None,
-    end: Annotated[
-        float | None,
-        typer.Option("--to", help="Last flight time that counts, in s.", show_default="the last"),
-    ] = None,
-    judged: JudgedOptions = JudgedOptions(),
+    model: Given = MODEL,
+    sign: Given = SIGN,
+    question: Given = Given(
+        "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
+    ),
+    only: ArchiveOptions = GROUP,
+    begin: float | None = asked(
+        "First flight time that counts, in s.", flag="--from", shown="the first"
+    ),
+    end: float | None = asked("Last flight time that counts, in s.", flag="--to", shown="the last"),
+    judged: JudgedOptions = GROUP,
     as_json: AsJson = False,
-    csv: Annotated[
-        Path | None,
-        typer.Option(
-            help="Also write what every sounding needs into this file: need_deg (empty where"
-            " --limit-deg is not judged), and its bounds, least_deg and most_deg."
-        ),
-    ] = None,
+    csv: Path | None = asked(
+        "Also write what every sounding needs into this file: need_deg (empty where"
+        " --limit-deg is not judged), and its bounds, least_deg and most_deg."
+    ),
     plot: Plot = None,
 ) -> None:
     """Say on how many days of an archive of soundings the nozzle is enough.
@@ -208,17 +165,15 @@ def availability(
     Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
     every direction; 1: it is not, or that is not known; 2: bad input.
     """
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.answers.sizing.schedule_file import load_schedule
-    from tvclin.base.errors import within
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    found = judged.availability(flight, only.read(archive), float(limit), azimuths)
+    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
+    told |= question.values
+    found = judged.availability(flight, only.read(archive), **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)
@@ -231,7 +186,7 @@ def availability(
         raise typer.Exit(1)
 
 
-def _document(found: "Availability", today: "tuple[Today, ...]") -> dict[str, Any]:
+def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
     """What was found, with the balloon of today in each direction, as JSON."""
     document = found.as_dict()
     for towards, one in zip(document["towards"], today, strict=False):
@@ -239,12 +194,7 @@ def _document(found: "Availability", today: "tuple[Today, ...]") -> dict[str, An
     return document
 
 
-def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:
-    import numpy as np
-
-    from tvclin.answers.availability import answer_tables
-    from tvclin.vehicle.coefficients import IN_WORDS
-
+def _print(found: Availability, launch: tuple[Today, ...], source: str) -> None:
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {IN_WORDS[found.plane]}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
@@ -268,10 +218,8 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     say_notes(found.notes)
 
 
-def _said(one: "Today") -> str:
+def _said(one: Today) -> str:
     """What a balloon says, in words."""
-    import numpy as np
-
     if one.go is None:
         between = f", between {np.degrees(one.least):.3f} and {np.degrees(one.most):.3f} deg"
         return f"NOT KNOWN{f', {one.why}' if one.why else between}"

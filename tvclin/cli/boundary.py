@@ -1,15 +1,18 @@
 """`tvclin boundary`: the boundary limit over the duration of the wind."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
-from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import SOURCE_HELP, AsJson, Model, Plot, Shape
+from tvclin.base.errors import one_of, positive, within
+from tvclin.boundary.limit import OK, boundary_limit
+from tvclin.cli.inputs import case_of, chosen
+from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
-
-if TYPE_CHECKING:
-    from tvclin.linear.plant import Plant
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.winds.shaped import PULSES
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -23,36 +26,22 @@ def boundary(
             help=f"{SOURCE_HELP} Without one the flight path is held fixed.",
         ),
     ] = None,
-    wind: Shape = None,
-    tau_beta: Annotated[
-        list[float] | None,
-        typer.Option(
-            help="Duration of the wind times beta (with damping, times the pole); may be given"
-            " several times."
-        ),
-    ] = None,
-    dead_band: Annotated[
-        list[float] | None,
-        typer.Option(help="Dead band K from 0 to 1; may be given several times."),
-    ] = None,
-    model: Model = None,
-    plane: Annotated[
-        str | None, typer.Option(help="Plane of the vehicle.", show_default="pitch")
-    ] = None,
+    wind: str | None = SHAPE,
+    tau_beta: list[float] | None = asked(
+        "Duration of the wind times beta (with damping, times the pole); may be given"
+        " several times."
+    ),
+    dead_band: list[float] | None = asked("Dead band K from 0 to 1; may be given several times."),
+    motion: Given = MOTION,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.base.errors import one_of, positive, within
-    from tvclin.boundary.limit import boundary_limit
-    from tvclin.winds.shaped import PULSES
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, plant, plane, own = _subject(vehicle, model, plane)
+    name, plant, plane, own = _subject(vehicle, motion)
     wind = chosen(wind, own)
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
     # one unit of peak is enough: the boundary limit does not depend on it
@@ -72,25 +61,18 @@ def boundary(
     say_notes(_notes(axis, x, K, limits.status))
 
 
-def _subject(
-    vehicle: str | None, model: str | None, plane: str | None
-) -> "tuple[str, Plant, str, str]":
+def _subject(vehicle: str | None, motion: Given) -> tuple[str, Plant, str, str]:
     """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.coefficients import Coefficients
-
     if vehicle is None:
-        only_with("a vehicle", model=model, plane=plane)
+        motion.only_with("a vehicle")
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, told=("boundary",), model=model, plane=plane)
+    case = case_of(vehicle, motion.over, told=("boundary",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
     """What is odd about a part of the table: for each K from which duration to which."""
-    from tvclin.boundary.limit import OK
-
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
         for said in dict.fromkeys(column[column != OK].tolist()):

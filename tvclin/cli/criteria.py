@@ -1,14 +1,12 @@
 """The options of what margins are held to, and the criteria that they ask for."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import nonnegative, one_of
 from tvclin.cli.inputs import only_with
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.cli.options import asked
+from tvclin.control.margins.criteria import CRITERIA
 
 MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
 
@@ -17,38 +15,23 @@ MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
 class CriteriaOptions:
     """The options in one place; `grouped` gives them to a command."""
 
-    criteria: Annotated[
-        str | None,
-        typer.Option(
-            help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).", show_default="classic"
-        ),
-    ] = None
-    gain_db: Annotated[
-        float | None,
-        typer.Option(
-            help="Required gain margin, up and down, in dB, in place of that of --criteria."
-        ),
-    ] = None
-    phase_deg: Annotated[
-        float | None,
-        typer.Option(help="Required phase margin, in deg, in place of that of --criteria."),
-    ] = None
-    delay_margin_ms: Annotated[float | None, typer.Option(help="Required delay margin, in ms.")] = (
-        None
+    criteria: str | None = asked(
+        "classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).", shown="classic"
     )
-    mode_gain_db: Annotated[
-        float | None, typer.Option(help="Required gain margin of each gain-stabilised mode, in dB.")
-    ] = None
-    mode_phase_deg: Annotated[
-        float | None,
-        typer.Option(help="Required phase margin of each phase-stabilised mode, in deg."),
-    ] = None
+    gain_db: float | None = asked(
+        "Required gain margin, up and down, in dB, in place of that of --criteria."
+    )
+    phase_deg: float | None = asked(
+        "Required phase margin, in deg, in place of that of --criteria."
+    )
+    delay_margin_ms: float | None = asked("Required delay margin, in ms.")
+    mode_gain_db: float | None = asked("Required gain margin of each gain-stabilised mode, in dB.")
+    mode_phase_deg: float | None = asked(
+        "Required phase margin of each phase-stabilised mode, in deg."
+    )
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the named criteria, or with numbers of the user's."""
-        from tvclin.base.errors import nonnegative, one_of
-        from tvclin.control.margins.criteria import CRITERIA
-
         if plan.vehicle.structure is None:
             only_with(MODES, mode_gain_db=self.mode_gain_db, mode_phase_deg=self.mode_phase_deg)
         limits: dict[str, float] = {}

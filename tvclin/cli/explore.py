@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import VEHICLE_HELP
+from tvclin.cli.options import VEHICLE_HELP, asked, switch
 from tvclin.cli.output import say
 
 
@@ -14,10 +14,8 @@ def explore(
         list[str] | None,
         typer.Argument(metavar="[-- OPTIONS]", help="Options of JupyterLab, such as --allow-root."),
     ] = None,
-    vehicle: Annotated[str, typer.Option(help=VEHICLE_HELP)] = "configuration-i",
-    no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Start JupyterLab and print its address only.")
-    ] = False,
+    vehicle: str = asked(VEHICLE_HELP, "configuration-i"),
+    no_browser: bool = switch("--no-browser", "Start JupyterLab and print its address only."),
 ) -> None:
     """Write explore-VEHICLE.ipynb, unless it is there, and open and run it in JupyterLab.
 

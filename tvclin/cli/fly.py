@@ -1,30 +1,39 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import vehicle_source
+from tvclin.base.errors import one_of, within
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, chosen, note_left_out, only_with
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
-    Plane,
+    GROUP,
+    LIMIT,
+    PLANE,
+    RATE_LIMIT,
+    SAMPLE_RATE,
+    Given,
     Points,
-    RateLimitDeg,
     Rigid,
-    SampleRate,
     ShownCurves,
     Source,
     Until,
-    grouped,
+    asked,
+    switch,
 )
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.engines import ENGINES
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 _LONGEST = 20.0
 
@@ -33,84 +42,55 @@ _LONGEST = 20.0
 class WhatFlies:
     """The engine, the law and its dead band; `grouped` gives the options to a command."""
 
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            help="planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
-            " linear: linear equations with bending and slosh, a sampled law and an actuator.",
-            show_default="linear for a flexible vehicle, else planar",
-        ),
-    ] = None
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
-            " recoverable-attitude.",
-            show_default="autopilot for --engine linear, else report",
-        ),
-    ] = None
-    dead_band: Annotated[
-        float | None,
-        typer.Option(
-            help="Dead band K of the laws report and dead-band.",
-            show_default="1 for report, 0.5 for dead-band",
-        ),
-    ] = None
+    engine: str | None = asked(
+        "planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
+        " linear: linear equations with bending and slosh, a sampled law and an actuator.",
+        shown="linear for a flexible vehicle, else planar",
+    )
+    law: str | None = asked(
+        "Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
+        " recoverable-attitude.",
+        shown="autopilot for --engine linear, else report",
+    )
+    dead_band: float | None = asked(
+        "Dead band K of the laws report and dead-band.", shown="1 for report, 0.5 for dead-band"
+    )
 
     def __post_init__(self) -> None:
-        from tvclin.base.errors import one_of
-        from tvclin.control.laws.registry import LAWS
-        from tvclin.flights.engines import ENGINES
-
         if self.engine is not None:
             one_of("--engine", self.engine, (*ENGINES, "linear"))
         one_of("--law", self.law or REPORT, [REPORT, *LAWS])
 
-    def on(self, case: "StudyPlan", along: bool, gains: GainOptions) -> tuple[str, str, Any]:
+    def on(self, case: StudyPlan, along: bool, gains: Given) -> tuple[str, str, Any]:
         """Return engine, law and dead band for a case, and say what they leave out of it."""
-        from tvclin.control.laws.registry import AUTOPILOT
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         bends = whole_vehicle(case.vehicle, "a flight").structure is not None
         engine = self.engine or ("linear" if bends and not along else "planar")
         law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
         if law != AUTOPILOT:
-            only_with(f"--law {AUTOPILOT}", **vars(gains))
+            gains.only_with(f"--law {AUTOPILOT}")
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
         note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != "linear"))
         return engine, law, chosen(self.dead_band, case.dead_band if law == REPORT else None)
 
 
-@grouped
 def fly(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    flies: WhatFlies = WhatFlies(),
-    limit_deg: Annotated[
-        float | None,
-        typer.Option(
-            help="Deflection limit, in deg.", show_default="1.1 times the linear boundary"
-        ),
-    ] = None,
-    rate_limit_deg: RateLimitDeg = None,
-    sample_rate: SampleRate = None,
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
+    blows: WindOptions = GROUP,
+    flies: WhatFlies = GROUP,
+    limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
+    rate_limit: Given = RATE_LIMIT,
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    along_trajectory: Annotated[
-        bool,
-        typer.Option(
-            "--along-trajectory", help="Let mass, speed and dynamic pressure change in flight."
-        ),
-    ] = False,
-    boundary: Annotated[
-        bool,
-        typer.Option("--boundary", help="Also find, by flights, the least limit that survives."),
-    ] = False,
-    plane: Plane = None,
+    along_trajectory: bool = switch(
+        "--along-trajectory", "Let mass, speed and dynamic pressure change in flight."
+    ),
+    boundary: bool = switch("--boundary", "Also find, by flights, the least limit that survives."),
+    plane: Given = PLANE,
     until: Until = 2.0,
     points: Points = 401,
-    shown: ShownCurves = ShownCurves(),
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
 
@@ -119,16 +99,10 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    import numpy as np
-
-    from tvclin.answers.study_file.read import vehicle_source
-    from tvclin.base.errors import within
-    from tvclin.flights.condition import load_flight_condition
-
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid, plane=plane).over
-    case = case_of(vehicle, own, gains.over, loop.over)
+    changes = [one.over for one in (limit, rate_limit, samples, plane, gains, loop)]
+    case = case_of(vehicle, *changes, rigid=rigid)
     engine, *law = flies.on(case, along_trajectory, gains)
     name = blows.name(case)
     case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
@@ -139,8 +113,9 @@ def fly(
             flying = LinearCase(case, name, *law)
             found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        others = {"rigid": rigid and flies.engine is not None, "sample_rate": sample_rate}
-        only_with("--engine linear", **vars(loop), **others, rate_limit_deg=rate_limit_deg)
+        only_with("--engine linear", **vars(loop), rigid=rigid and flies.engine is not None)
+        for group in (samples, rate_limit):
+            group.only_with("--engine linear")
         condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
         one = flight_case(Flying(case, name, *law), engine, condition, length)
         with waiting("flying"):

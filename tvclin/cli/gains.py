@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from math import pi
+from typing import Annotated, Any
 
 import typer
 
+from tvclin.answers.nozzle import USUAL_ACTUATOR
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, nonnegative, number, positive
 from tvclin.cli.inputs import only_with
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.autopilot.rules import AutopilotDesign
-    from tvclin.vehicle.filters import Filter
-
+from tvclin.cli.options import DESIGN, Given, asked
+from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
+from tvclin.vehicle.filters import Filter
 
 NotchHz = Annotated[
     list[str] | None,
@@ -37,31 +38,17 @@ LowPassHz = Annotated[
 class LoopOptions:
     """What stands about any law: filters, actuator and delay; `grouped` gives them to a command."""
 
-    actuator_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
-            show_default="25.1",
-        ),
-    ] = None
-    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
-    actuator_damping: Annotated[
-        float | None, typer.Option(help="Damping ratio of the actuator.", show_default="0.7")
-    ] = None
-    delay_ms: Annotated[
-        float | None,
-        typer.Option(help="Delay between sensors and actuator, in ms.", show_default="0.0"),
-    ] = None
+    actuator_frequency: float | None = asked(
+        "Natural frequency of the actuator, in rad/s; 0: no actuator.", shown="25.1"
+    )
+    actuator_hz: float | None = asked("The same in Hz.")
+    actuator_damping: float | None = asked("Damping ratio of the actuator.", shown="0.7")
+    delay_ms: float | None = asked("Delay between sensors and actuator, in ms.", shown="0.0")
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the actuator, the delay and the filters of these options."""
-        from math import pi
-
-        from tvclin.answers.nozzle import USUAL_ACTUATOR
-        from tvclin.base.errors import InputError, nonnegative, number
-
         if self.actuator_frequency is not None and self.actuator_hz is not None:
             raise InputError("give --actuator-frequency or --actuator-hz, not both")
         servo, frequency = plan.nozzle.actuator, self.actuator_frequency
@@ -86,50 +73,26 @@ class LoopOptions:
 
 
 @dataclass(frozen=True)
-class GainOptions:
-    """The gains, or a rule for them; `grouped` gives them to a command."""
+class GainOptions(Given):
+    """The gains, or a rule for them."""
 
-    design: Annotated[
-        str | None,
-        typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
-            " lqr or least-nozzle.",
-            show_default="canonical",
-        ),
-    ] = None
-    natural_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the closed loop, in rad/s; the rule is then poles."
-        ),
-    ] = None
-    damping: Annotated[
-        float | None,
-        typer.Option(help="Damping ratio of the closed loop, for poles.", show_default="0.7"),
-    ] = None
-    attitude_gain: Annotated[float | None, typer.Option(help="Gain a0, in place of a rule.")] = None
-    rate_gain: Annotated[float | None, typer.Option(help="Gain a1, in s, in place of a rule.")] = (
-        None
-    )
-    alpha_gain: Annotated[float | None, typer.Option(help="Gain b0 on the angle of attack.")] = None
-    integral_gain: Annotated[
-        float | None,
-        typer.Option(help="Gain aI on the integrated attitude, in 1/s.", show_default="0.0"),
-    ] = None
-
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these gains, or with this rule for them."""
-        own = {name: one for name, one in vars(self).items() if one is not None}
-        return replace(plan, design=with_gains(plan.asked, **own)) if own else plan
+        given = self.values
+        return replace(plan, design=with_gains(plan.asked, **given)) if given else plan
 
 
-def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "AutopilotDesign":
+GAINS = GainOptions(
+    DESIGN,
+    "design natural_frequency damping attitude_gain rate_gain alpha_gain integral_gain",
+)
+
+
+def with_gains(asked: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:
     """Return a design with gains or a rule that options give.
 
     Each puts out the other, and a named rule also what another one took.
     """
-    from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS
-
     out: tuple[str, ...] = ()
     if given.keys() & set(OWN_GAINS):
         out = RULE_KEYS
@@ -140,10 +103,8 @@ def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "Autopi
     return replace(asked, **changed)
 
 
-def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+def _filters(notches: Sequence[str], passes: Sequence[str]) -> tuple[Filter, ...]:
     """Return the filters of `NotchHz` and `LowPassHz`."""
-    from tvclin.vehicle.filters import Filter
-
     made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]
     made += [Filter.low_pass(*_numbers("--low-pass-hz", given, 1, 2)) for given in passes]
     return tuple(made)
@@ -151,10 +112,6 @@ def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ..
 
 def _numbers(option: str, given: str, least: int, most: int) -> list[float]:
     """Return numbers that commas part, the first of them a frequency, from Hz to rad/s."""
-    from math import pi
-
-    from tvclin.base.errors import InputError, number, positive
-
     parts = given.replace(",", " ").split()
     try:
         found = [float(part) for part in parts]

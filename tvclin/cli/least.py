@@ -1,19 +1,19 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from tvclin.answers.case import Case
+from tvclin.answers.least_gains.asked import least_asked
+from tvclin.answers.least_gains.record import LeastGains
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError
 from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
+from tvclin.cli.options import asked, switch
 from tvclin.cli.output import print_tables, say, say_notes
-
-if TYPE_CHECKING:
-    from tvclin.answers.case import Case
-    from tvclin.answers.least_gains.record import LeastGains
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.margins.criteria import Criteria
+from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.control.margins.criteria import Criteria
+from tvclin.winds.shaped import ShapedWind
 
 _DURATIONS = (1.0, 0.5, 2.0)
 """Of the winds, over the one that is asked about: one wind alone is overfitted."""
@@ -23,40 +23,22 @@ _DURATIONS = (1.0, 0.5, 2.0)
 class LeastOptions:
     """The options in one place; `grouped` gives them to a command."""
 
-    least: Annotated[
-        bool,
-        typer.Option(
-            "--least",
-            help="Find the gains that need the least deflection of all that meet the criteria: in"
-            " the wind, and in winds half and twice as long.",
-        ),
-    ] = False
-    three_gains: Annotated[
-        bool,
-        typer.Option("--three-gains", help="With --least: also feed back the angle of attack."),
-    ] = False
-    crossover: Annotated[
-        float | None, typer.Option(help="With --least: highest gain crossover, in rad/s.")
-    ] = None
-    limits: Annotated[
-        bool,
-        typer.Option(
-            "--limits",
-            help="With --least: find the least limit that flights survive, not the least peak.",
-        ),
-    ] = False
-    stops: Annotated[
-        int | None,
-        typer.Option(
-            help="With --least --limits: number of sudden ends of each wind to survive as well.",
-            show_default="0",
-        ),
-    ] = None
+    least: bool = switch(
+        "--least",
+        "Find the gains that need the least deflection of all that meet the criteria: in"
+        " the wind, and in winds half and twice as long.",
+    )
+    three_gains: bool = switch("--three-gains", "With --least: also feed back the angle of attack.")
+    crossover: float | None = asked("With --least: highest gain crossover, in rad/s.")
+    limits: bool = switch(
+        "--limits", "With --least: find the least limit that flights survive, not the least peak."
+    )
+    stops: int | None = asked(
+        "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
+    )
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan of these gains, where they are asked for."""
-        from tvclin.control.autopilot.rules import LEAST_NOZZLE
-
         if not self.least:
             only_with("--least", **vars(self))
             return plan
@@ -64,13 +46,8 @@ class LeastOptions:
         design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
         return replace(plan, design=design)
 
-    def found(self, case: "Case", criteria: "Criteria") -> "LeastGains | None":
+    def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
         """Return the gains for the least nozzle where they are asked for."""
-        from tvclin.answers.least_gains.asked import least_asked
-        from tvclin.base.errors import InputError
-        from tvclin.control.autopilot.rules import LEAST_NOZZLE
-        from tvclin.winds.shaped import ShapedWind
-
         asked, wind = case.asked, case.blows
         if not self.least:
             return None
@@ -92,7 +69,7 @@ class LeastOptions:
         )
 
 
-def print_least(found: "LeastGains") -> None:
+def print_least(found: LeastGains) -> None:
     """Print what was sought, what holds it, and what is to be known about it."""
     print_tables(found.table())
     say(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")

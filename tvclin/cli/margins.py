@@ -1,54 +1,66 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.documents import picked
+from tvclin.base.errors import one_of
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
-from tvclin.cli.flown import FlownOptions, print_flown
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.flown import flown_found, print_flown
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
-from tvclin.cli.options import MotionOptions, Rigid, SampleRate, Shown, Source, grouped
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
+    Rigid,
+    Shown,
+    Source,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
+from tvclin.control.autopilot.detuning import Detuned
+from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.autopilot.detuning import Detuned
-    from tvclin.flights.closed_loop.flown_record import FlownMargins
-
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
-@grouped
 def margins(
     vehicle: Source = "configuration-i",
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
-    criteria: CriteriaOptions = CriteriaOptions(),
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
+    criteria: CriteriaOptions = GROUP,
     rigid: Rigid = False,
-    detuned: Annotated[
-        bool,
-        typer.Option(
-            "--detuned",
-            help="Also print the margins with the frequency of each mode off by up to 20 percent,"
-            " with half its damping, and with the signs of its slopes at the sensors reversed.",
-        ),
-    ] = False,
+    detuned: bool = switch(
+        "--detuned",
+        "Also print the margins with the frequency of each mode off by up to 20 percent,"
+        " with half its damping, and with the signs of its slopes at the sensors reversed.",
+    ),
     box: Box = None,
-    motion: MotionOptions = MotionOptions(),
-    chart: Annotated[
-        str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
-    ] = "nichols",
-    flown: FlownOptions = FlownOptions(),
-    blows: WindOptions = WindOptions(),
-    sample_rate: SampleRate = None,
-    shown: Shown = Shown(),
+    motion: Given = MOTION,
+    chart: str = asked("What --plot draws: nichols, bode, nyquist or root-locus.", "nichols"),
+    flown: bool = switch(
+        "--flown",
+        "Also fly the wind with --limit-deg, and print what may change before it is lost.",
+    ),
+    limits: Given = BOTH_LIMITS,
+    blows: WindOptions = GROUP,
+    samples: Given = SAMPLE_RATE,
+    shown: Shown = GROUP,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
@@ -64,24 +76,21 @@ def margins(
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
     """
-    from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.base.errors import one_of
-    from tvclin.control.autopilot.rules import LEAST_NOZZLE
-
     one_of("--chart", chart, _CHARTS)
-    own = CaseOptions(flown.limit_deg, flown.rate_limit_deg, sample_rate, rigid).over
-    changes = own, motion.over, criteria.over, gains.over, loop.over
-    case = case_of(vehicle, *changes, blows=blows.over)
+    if not flown:
+        limits.only_with("--flown")
+    changes = [one.over for one in (limits, samples, motion, criteria, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
-    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown.flown)
-    if not (flown.flown or box or case.asked.design == LEAST_NOZZLE):
+    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
+    if not (flown or box or case.asked.design == LEAST_NOZZLE):
         only_with("--flown or --box", **vars(blows))
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
     autopilot = autopilot_asked(case, case.history, case.held_to)
     found = MarginsFound.of(autopilot, case.plant, case.held_to)
     moved = found.detuned if detuned else None
-    in_wind = flown.found(case, autopilot) if flown.flown and found.whole.stable else None
+    in_wind = flown_found(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
     answer = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
@@ -97,11 +106,11 @@ def margins(
 class _Answer:
     """Margins, and what was asked for besides: of detuned modes, flown in a wind, and in a box."""
 
-    case: "StudyPlan"
+    case: StudyPlan
     found: MarginsFound
     wind: str
-    moved: "Detuned | None"
-    in_wind: "FlownMargins | None"
+    moved: Detuned | None
+    in_wind: FlownMargins | None
     in_box: BoxFound | None
 
     @property
@@ -111,8 +120,6 @@ class _Answer:
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        from tvclin.base.documents import picked
-
         wind = {"name": self.wind, **picked(self.case, "peak_deg=history.peak")}
         beside = {
             "wind": self.in_wind and wind,

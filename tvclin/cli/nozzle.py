@@ -1,52 +1,46 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from typing import TYPE_CHECKING, Annotated
-
 import typer
 
+from tvclin.answers.nozzle_motion import FlownCard
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
-from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import CaseOptions, case_of, note_left_out, only_with
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    LimitDeg,
-    MotionOptions,
-    RateLimitDeg,
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
     Rigid,
-    SampleRate,
     ShownCurves,
     Source,
-    grouped,
+    asked,
 )
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.nozzle_motion import FlownCard
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.rates import RateFront
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 
-@grouped
 def nozzle(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    limit_deg: LimitDeg = None,
-    rate_limit_deg: RateLimitDeg = None,
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-            " half-relief or recoverable-attitude. It needs a deflection limit.",
-            show_default="none is flown",
-        ),
-    ] = None,
-    sample_rate: SampleRate = None,
-    gains: GainOptions = GainOptions(),
-    loop: LoopOptions = LoopOptions(),
+    blows: WindOptions = GROUP,
+    limits: Given = BOTH_LIMITS,
+    law: str | None = asked(
+        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
+        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        shown="none is flown",
+    ),
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
-    motion: MotionOptions = MotionOptions(),
-    shown: ShownCurves = ShownCurves(),
+    motion: Given = MOTION,
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
 
@@ -55,18 +49,15 @@ def nozzle(
     Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.boundary.rates import rate_front
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None:
-        only_with("--law", **vars(gains), **vars(loop), sample_rate=sample_rate)
+        for one in (gains, samples):
+            one.only_with("--law")
+        only_with("--law", **vars(loop))
     elif one_of("--law", law, LAWS) != AUTOPILOT:
-        only_with(f"--law {AUTOPILOT}", **vars(gains))
-    own = CaseOptions(limit_deg, rate_limit_deg, sample_rate, rigid).over
-    case = case_of(
-        vehicle, own, motion.over, gains.over, loop.over, blows=blows.over, told=("nozzle",)
-    )
+        gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, samples, motion, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     flown, given = _flown(case, law, blows.name(case)), case.nozzle
     with waiting("angle over rate"):
         front = rate_front(
@@ -85,11 +76,8 @@ def nozzle(
         raise typer.Exit(1)
 
 
-def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
+def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
     """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
-    from tvclin.answers.nozzle_motion import FlownCard
-    from tvclin.base.errors import InputError
-
     if law is None:
         note_left_out(case, "nozzle without --law")
         return None
@@ -99,7 +87,7 @@ def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
         return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
 
 
-def _print(title: str, front: "RateFront", flown: "FlownCard | None") -> None:
+def _print(title: str, front: RateFront, flown: FlownCard | None) -> None:
     say(title)
     print_tables(*front.tables(), *(flown.tables() if flown is not None else ()))
     say_notes([*front.notes, *(flown.notes if flown is not None else ())])

@@ -1,48 +1,42 @@
 """`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
+import numpy as np
 import typer
 
-from tvclin.cli.inputs import CaseOptions, case_of
-from tvclin.cli.options import MotionOptions, RateLimitDeg, ShownCurves, Source, grouped
+from tvclin.answers.optimum import KnownWind
+from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
+from tvclin.cli.inputs import case_of
+from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, ShownCurves, Source, asked
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from tvclin.linear.plant import Plant
     from tvclin.plots.curves import Curves
-    from tvclin.winds.histories import History
 
 
-@grouped
 def optimum(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    start: Annotated[
-        float | None,
-        typer.Option(
-            help="Start of the control, in s; negative: before the wind.",
-            show_default="the onset of the wind",
-        ),
-    ] = None,
-    horizon: Annotated[
-        float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
-    ] = None,
-    rate_limit_deg: RateLimitDeg = None,
-    motion: MotionOptions = MotionOptions(),
-    shown: ShownCurves = ShownCurves(),
+    blows: WindOptions = GROUP,
+    start: float | None = asked(
+        "Start of the control, in s; negative: before the wind.", shown="the onset of the wind"
+    ),
+    horizon: float | None = asked("Time after which the deflection must be zero again, in s."),
+    rate_limit: Given = RATE_LIMIT,
+    motion: Given = MOTION,
+    shown: ShownCurves = GROUP,
 ) -> None:
     """Print the least peak deflection that survives a wind known beforehand.
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.optimum import KnownWind
-    from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 
-    own = CaseOptions(rate_limit_deg=rate_limit_deg).over
-    case = case_of(vehicle, own, motion.over, blows=blows.over, told=("optimum",))
+    case = case_of(vehicle, rate_limit.over, motion.over, blows=blows.over, told=("optimum",))
     plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
     start = float(wind.onset) if start is None else start
     found = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
@@ -59,11 +53,8 @@ def optimum(
         raise typer.Exit(1)
 
 
-def _curves(plant: "Plant", deflection: "History", wind: "History", title: str) -> "Curves":
+def _curves(plant: Plant, deflection: History, wind: History, title: str) -> "Curves":
     """The response, until the wind is over for twice as long as it blew."""
-    import numpy as np
-
-    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_curves
 
     first = min(0.0, float(deflection.onset), float(wind.onset))

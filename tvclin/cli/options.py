@@ -1,25 +1,27 @@
-"""The options that several commands share, with their meaning said once."""
+"""The options that several commands share, and those that are made of declared fields."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, is_dataclass
-from functools import wraps
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial, wraps
+from importlib import import_module
 from inspect import Parameter, Signature, signature
+from keyword import iskeyword
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
-from tvclin.cli.inputs import changed
+from tvclin.base.declared import Declared, declared, help_line
+from tvclin.base.files import write_text
+from tvclin.base.units import optional_unit
+from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
 
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.plots.curves import Curves
 
-MODELS_HELP = "fixed-path, drift, drift-exact or drift-and-speed."
-MODEL_DEFAULT = "drift-exact; fixed-path where no more than mu_alpha and mu_delta is known"
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 SOURCE_HELP = (
     f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone, or a study file (see:"
@@ -27,59 +29,10 @@ SOURCE_HELP = (
 )
 
 Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
-PeakDeg = Annotated[
-    float | None, typer.Option(help="Peak wind angle of attack, in deg.", show_default="5")
-]
-PeakSpeed = Annotated[
-    float | None, typer.Option(help="Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e).")
-]
-LimitDeg = Annotated[float | None, typer.Option(help="Deflection limit, in deg: is it sufficient?")]
-Plane = Annotated[
-    str | None, typer.Option(help="Plane of the motion: pitch or yaw.", show_default="pitch")
-]
-Planes = Annotated[
-    str | None,
-    typer.Option(
-        help="Plane of the motion: pitch, yaw, or both with one stop.", show_default="pitch"
-    ),
-]
-Sign = Annotated[
-    str | None,
-    typer.Option(
-        help="Which sign of a wind along the path counts, with the dynamic pressure met in it:"
-        " head, tail, or frozen, that of calm air.",
-        show_default="the worst of these",
-    ),
-]
 STOPS_HELP = "round, round-each-plane, square or square-45."
-WindDirectionDeg = Annotated[
-    float | None,
-    typer.Option(
-        help="Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size"
-        " of the wind's vector in both planes. Needs --azimuth-deg."
-    ),
-]
-AzimuthDeg = Annotated[
-    float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
-]
-Model = Annotated[
-    str | None, typer.Option(help=f"Model: {MODELS_HELP}", show_default=MODEL_DEFAULT)
-]
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
-Shape = Annotated[
-    str | None,
-    typer.Option(help="Shape of the wind: triangular or rectangular.", show_default="triangular"),
-]
-RateLimitDeg = Annotated[float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")]
-SampleRate = Annotated[
-    float | None,
-    typer.Option(
-        help="Sample rate of the autopilot or law, in Hz. Without it margins are of a continuous"
-        " one, and flights sample it at 100."
-    ),
-]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]
 Plot = Annotated[
@@ -88,38 +41,133 @@ Plot = Annotated[
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
 ]
-Gust = Annotated[
-    tuple[float, float] | None,
-    typer.Option(
-        metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
-    ),
-]
-GustSpeed = Annotated[
-    tuple[float, float] | None,
-    typer.Option(metavar="M/S S", help="The same by its peak wind speed, in m/s, by eq (B1e)."),
-]
-GustPlateau = Annotated[
-    float | None,
-    typer.Option(
-        help="Part of its duration that a gust stays at its peak, in s.", show_default="0"
-    ),
-]
-GustAt = Annotated[
-    float | None,
-    typer.Option(help="When the gust peaks, in s.", show_default="when it asks for most"),
-]
+
+
+def asked(
+    help: str, default: Any = None, *, shown: str = "", flag: str = "", metavar: str | None = None
+) -> Any:
+    """Return the option of a parameter: its help, and what stands for its default there."""
+    named = [flag] if flag else []
+    return typer.Option(default, *named, help=help, show_default=shown or True, metavar=metavar)
+
+
+def switch(flag: str, help: str) -> Any:
+    """Return the option of a parameter that is false unless it is given."""
+    return typer.Option(False, flag, help=help)
 
 
 @dataclass(frozen=True)
-class MotionOptions:
-    """Model and plane; `grouped` gives them to a command."""
+class Given:
+    """Options of declared fields of a case or a question; `grouped` gives them to a command.
 
-    model: Model = None
-    plane: Plane = None
+    Attributes
+    ----------
+    kind : str
+        The module of the dataclass, and its name: "answers.nozzle.Nozzle".
+    names : str
+        Its fields; without, all that have an option.
+    at : str
+        Which part of a plan it is; the plan itself where it is empty.
+    shown : mapping
+        What stands for the default of an option, where that is not the one declared.
+    values : mapping
+        What was given, by field, in SI units.
+    """
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
-        """Return a plan with this model, in this plane."""
-        return changed(plan, model=self.model, plane=self.plane)
+    kind: str
+    names: str = ""
+    at: str = ""
+    shown: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def fields(self) -> dict[str, Declared]:
+        """The fields by the names of parameters."""
+        module, _, name = self.kind.rpartition(".")
+        every = declared(getattr(import_module(f"tvclin.{module}"), name))
+        chosen = [every[one] for one in self.names.split()]
+        return {_parameter(one): one for one in chosen or every.values() if one.option is not None}
+
+    def parameters(self) -> list[Parameter]:
+        """Return the parameters of a command."""
+        return [_option(name, one, self.shown) for name, one in self.fields.items()]
+
+    def taken(self, options: dict[str, Any]) -> Self:
+        """Return the same with what was given, taken out of the options of a command."""
+        given = {name: options.pop(name) for name in self.fields}
+        values = {
+            one.name: one.from_option(_flag(name), given[name])
+            for name, one in self.fields.items()
+            if given[name] is not None and given[name] != []
+        }
+        return replace(self, values=values)
+
+    def over(self, plan: Any) -> Any:
+        """Return a plan with what was given in place of its own values."""
+        if not self.values:
+            return plan
+        if not self.at:
+            return replace(plan, **self.values)
+        part = plan.asked if self.at == "design" else getattr(plan, self.at)
+        return replace(plan, **{self.at: replace(part, **self.values)})
+
+    def only_with(self, needed: str, *names: str) -> None:
+        """Raise `InputError` if options are given that mean nothing without something else."""
+        only_with(
+            needed,
+            **{
+                name: self.values.get(one.name)
+                for name, one in self.fields.items()
+                if not names or one.name in names
+            },
+        )
+
+
+def _parameter(one: Declared) -> str:
+    """The parameter of a field: its name with the unit of the option, or that of the option."""
+    if one.option and "/" not in one.option:
+        name = one.option.strip("-").replace("-", "_")
+        return f"{name}_" if iskeyword(name) else name
+    return one.name + (optional_unit(one.kind)[0] if one.numeric else "")
+
+
+def _flag(parameter: str) -> str:
+    return f"--{parameter.strip('_').replace('_', '-')}"
+
+
+def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
+    """The option of a field, with its help and its default."""
+    kinds = {"text": str, "flag": bool, "count": int}
+    kind: Any = kinds.get(one.kind, float)
+    default = shown.get(one.name, one.shown)
+    if not default and one.default is not None:
+        factor = optional_unit(one.kind)[2] if one.numeric else None
+        given = one.default if one.many else (one.default,)
+        default = " and ".join(f"{each / factor:g}" if factor else str(each) for each in given)
+    said = typer.Option(
+        *([one.option] if one.option else []), help=help_line(one), show_default=default or False
+    )
+    return Parameter(
+        name,
+        Parameter.POSITIONAL_OR_KEYWORD,
+        default=None,
+        annotation=Annotated[(list[kind] if one.many else kind) | None, said],
+    )
+
+
+GROUP: Any = object()
+"""The default of a parameter that is a dataclass of options."""
+SHAPE = asked("Shape of the wind: triangular or rectangular.", shown="triangular")
+GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S")
+STUDY = "answers.study_file.plan.StudyPlan"
+DESIGN = "control.autopilot.rules.AutopilotDesign"
+NOZZLE = "answers.nozzle.Nozzle"
+MOTION = Given(STUDY, "model plane")
+MODEL, PLANE, SIGN = (Given(STUDY, one) for one in ("model", "plane", "sign"))
+LIMIT = Given(NOZZLE, "limit", "nozzle")
+RATE_LIMIT = Given(NOZZLE, "rate_limit", "nozzle")
+BOTH_LIMITS = Given(NOZZLE, "limit rate_limit", "nozzle")
+SAMPLE_RATE = Given(DESIGN, "sample_rate", "design")
 
 
 @dataclass(frozen=True)
@@ -145,8 +193,6 @@ class ShownCurves(Shown, _Csv):
         """Write the CSV file and the figure that are asked for."""
         if self.csv is None and self.plot is None:
             return
-        from tvclin.base.files import write_text
-
         numbers = curves()
         if self.csv is not None:
             write_text(self.csv, numbers.csv())
@@ -154,26 +200,34 @@ class ShownCurves(Shown, _Csv):
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the fields of each parameter that is a group of options, in its place.
+    """Give a command the options of each parameter that is a group of them, in its place.
 
-    A group is a dataclass of options, and the default of its parameter one without any.
+    A group is a dataclass of options, or a `Given`, which is the default of its parameter.
     """
     shown: list[Parameter] = []
-    groups: dict[str, tuple[Any, list[Parameter]]] = {}
+    groups: dict[str, Callable[[dict[str, Any]], Any]] = {}
     for name, parameter in signature(command).parameters.items():
-        options = [parameter]
-        if is_dataclass(parameter.default):
-            kind = type(parameter.default)
-            options = list(signature(kind).parameters.values())
-            groups[name] = (kind, options)
-        shown += options
+        group, kind = parameter.default, parameter.annotation
+        if isinstance(group, Given):
+            shown += group.parameters()
+            groups[name] = group.taken
+        elif group is GROUP:
+            shown += (options := signature(kind).parameters.values())
+            groups[name] = partial(_made, kind, [one.name for one in options])
+        else:
+            shown.append(parameter)
 
     @wraps(command)
     def run(**given: Any) -> None:
-        for name, (kind, options) in groups.items():
-            given[name] = kind(**{one.name: given.pop(one.name) for one in options})
+        for name, taken in groups.items():
+            given[name] = taken(given)
         command(**given)
 
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
+
+
+def _made(kind: Callable[..., Any], names: list[str], given: dict[str, Any]) -> Any:
+    """A group of a kind, whose options are taken out of those of a command."""
+    return kind(**{name: given.pop(name) for name in names})

@@ -79,20 +79,24 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
 
     grid, console = Grid(box=SIMPLE_HEAD), Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))
-    least = [max(map(len, " ".join(column).split()), default=0) for column in columns]
+    prose = [max(len(cell.split()) for cell in column) >= _PROSE for column in columns]
+    pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
+    least = [max(map(len, each), default=0) for each in pieces]
     wanted = [max(map(len, column)) - width for column, width in zip(columns, least, strict=True)]
     spare = console.width - sum(least) - _BESIDE * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
-    for n, k in enumerate(sorted(wider, key=wanted.__getitem__)):
-        wider[k] = min(wanted[k], max(spare, 0) // (len(columns) - n))
+    labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
+    for n, k in enumerate(labels_first):
+        shared = 1 if not k and not prose[k] else len(columns) - n
+        wider[k] = min(wanted[k], max(spare, 0) // shared)
         spare -= wider[k]
     for k, (column, width) in enumerate(zip(columns, least, strict=True)):
-        prose = max(len(cell.split()) for cell in column) >= _PROSE
+        wide = width + wider[k]
         grid.add_column(
-            Text(column[0]),
-            justify="left" if prose or not k else "right",
+            Text(textwrap.fill(column[0], max(wide, 1), break_long_words=False)),
+            justify="left" if prose[k] or not k else "right",
             overflow="fold",
-            width=width + wider[k] if fits else None,
+            width=wide if fits else None,
         )
     for row in rows:
         grid.add_row(*map(Text, row))

@@ -1,36 +1,28 @@
 """`tvclin poles`: where the poles are, and how strongly the inputs excite the unstable ones."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
-import typer
-
+from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import AsJson, Plane, Plot, Source
+from tvclin.cli.options import PLANE, AsJson, Given, Plot, Source, asked
 from tvclin.cli.output import draw, print_json, print_tables
-
-if TYPE_CHECKING:
-    from tvclin.linear.modes import Modes
+from tvclin.linear.models import MODELS, models_of
+from tvclin.linear.modes import Modes, all_modes, mode_table
+from tvclin.linear.plant import Plant
 
 
 def poles(
     vehicle: Source = "configuration-i",
-    model: Annotated[
-        str,
-        typer.Option(help="fixed-path, drift, drift-exact, drift-and-speed, or all."),
-    ] = "all",
-    plane: Plane = None,
+    model: str = asked("fixed-path, drift, drift-exact, drift-and-speed, or all.", "all"),
+    within: Given = PLANE,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Print the poles of the models, and the residues at the unstable ones."""
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.linear.models import MODELS, models_of
-    from tvclin.linear.modes import all_modes, mode_table
-    from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
-    case = case_of(vehicle, told=("poles",), plane=plane)
+    case = case_of(vehicle, within.over, told=("poles",))
     loaded, plane = case.vehicle, case.plane
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}
@@ -43,7 +35,7 @@ def poles(
     print_tables(mode_table(f"{loaded.name or vehicle}, {plane}: poles of the attitude", found))
 
 
-def _document(found: "Modes") -> list[dict[str, Any]]:
+def _document(found: Modes) -> list[dict[str, Any]]:
     columns = (found.poles, found.deflection_residues, found.wind_residues)
     return [
         {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}

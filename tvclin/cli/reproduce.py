@@ -1,18 +1,16 @@
 """`tvclin reproduce`: the report's figures and their numbers, in a directory."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
+from tvclin.cli.options import asked
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 
 def reproduce(
-    output: Annotated[
-        Path, typer.Option(help="Directory for the files; made if it is missing.")
-    ] = Path("reproduced"),
+    output: Path = asked("Directory for the files; made if it is missing.", Path("reproduced")),
 ) -> None:
     """Write the report's figures (PNG) and their numbers (CSV); say where they differ from print.
 

@@ -1,65 +1,64 @@
 """`tvclin respond`: how the attitude of one vehicle answers a wind, exactly."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
+import numpy as np
+from numpy.typing import NDArray
 
+from tvclin.base.documents import picked
+from tvclin.base.errors import within
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import CaseOptions, case_of, chosen
-from tvclin.cli.options import MotionOptions, Points, ShownCurves, Source, Until, grouped
+from tvclin.cli.inputs import case_of, chosen
+from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MOTION,
+    Given,
+    Points,
+    ShownCurves,
+    Source,
+    Until,
+    asked,
+)
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
+from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
+from tvclin.linear.loads import response_table
+from tvclin.linear.response import attitude_responses
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from tvclin.linear.extremes import Extremes, Shown
     from tvclin.plots.curves import Curves
 
 _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
 
 
-@grouped
 def respond(
     vehicle: Source = "configuration-i",
-    blows: WindOptions = WindOptions(),
-    dead_band: Annotated[
-        float | None,
-        typer.Option(
-            help="Dead band K, from 0 to 1: trim up to K times the limit.", show_default="1.0"
-        ),
-    ] = None,
-    capability: Annotated[
-        float | None,
-        typer.Option(
-            help="Deflection limit over what is required: 1 is the boundary.", show_default="1"
-        ),
-    ] = None,
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection limit, in deg, in place of --capability.")
-    ] = None,
-    motion: MotionOptions = MotionOptions(),
+    blows: WindOptions = GROUP,
+    dead_band: float | None = asked(
+        "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
+    ),
+    capability: float | None = asked(
+        "Deflection limit over what is required: 1 is the boundary.", shown="1"
+    ),
+    limit: Given = LIMIT,
+    motion: Given = MOTION,
     until: Until = 3.0,
     points: Points = 301,
-    files: ShownCurves = ShownCurves(),
+    files: ShownCurves = GROUP,
 ) -> None:
     """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
 
     Exit code 0: answered; 2: bad input.
     """
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.base.errors import within
 
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    own = CaseOptions(limit_deg).over
-    asked = case_of(vehicle, own, motion.over, blows=blows.over, told=("respond",))
-    if capability is not None and limit_deg is None:
+    asked = case_of(vehicle, limit.over, motion.over, blows=blows.over, told=("respond",))
+    if capability is not None and not limit.values:
         asked = replace(asked, nozzle=replace(asked.nozzle, limit=None))
     K = chosen(dead_band, asked.dead_band)
     case = held(asked, blows.name(asked), K, capability, until)
@@ -74,9 +73,8 @@ def respond(
         _print(case, found, shown)
 
 
-def _curves(case: Held, times: "NDArray[np.float64]") -> "Curves":
+def _curves(case: Held, times: NDArray[np.float64]) -> "Curves":
     """The response over times [s]."""
-    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_curves
 
     deflection, wind = case.deflection, case.wind
@@ -91,12 +89,7 @@ def _title(case: Held) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, found: "Extremes", shown: "Shown") -> None:
-    import numpy as np
-
-    from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER
-    from tvclin.linear.loads import response_table
-
+def _print(case: Held, found: Extremes, shown: Shown) -> None:
     say(case.words)
     caption = f"{case.case.vehicle.name}: exact response"
     whole = _covers_the_wind(case, shown)
@@ -121,15 +114,11 @@ def _print(case: Held, found: "Extremes", shown: "Shown") -> None:
             say(TURNED_OVER)
 
 
-def _covers_the_wind(case: Held, shown: "Shown") -> bool:
-    from tvclin.linear.extremes import WHOLE
-
+def _covers_the_wind(case: Held, shown: Shown) -> bool:
     return shown.why == WHOLE or shown.time >= float(case.wind.end)
 
 
-def _document(case: Held, found: "Extremes", shown: "Shown") -> dict[str, Any]:
-    from tvclin.base.documents import picked
-
+def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
     verdict, whole = case.verdict, _covers_the_wind(case, shown)
     keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
     return {

@@ -2,15 +2,21 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
-from tvclin.cli.options import grouped
-from tvclin.cli.output import say
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.schedules.mapped import read_table
+from tvclin.answers.schedules.openrocket import read_openrocket
+from tvclin.answers.schedules.rasaero import read_rasaero
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, shown
+from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.lines import words
+from tvclin.cli.options import GROUP, asked, grouped
+from tvclin.cli.output import print_tables, say
+from tvclin.vehicle.coefficients import Coefficients
 
 schedule = typer.Typer(
     no_args_is_help=True, help="Make flight schedules: a vehicle over the time of its flight."
@@ -31,26 +37,18 @@ Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from th
 class Site:
     """The slope of the normal force, and the launch site; `grouped` gives the options."""
 
-    cn_alpha_per_rad: Annotated[
-        float | None, typer.Option(help="Slope of the normal force coefficient, per rad.")
-    ] = None
-    cn_alpha: Annotated[
-        Path | None,
-        typer.Option(
-            "--cn-alpha",
-            help="The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
-        ),
-    ] = None
-    ground_m: Annotated[
-        float | None,
-        typer.Option(help="Elevation of the launch site above the sea, in m, from -450 to 9000."),
-    ] = None
+    cn_alpha_per_rad: float | None = asked("Slope of the normal force coefficient, per rad.")
+    cn_alpha: Path | None = asked(
+        "The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
+        flag="--cn-alpha",
+    )
+    ground_m: float | None = asked(
+        "Elevation of the launch site above the sea, in m, from -450 to 9000."
+    )
 
     @property
     def told(self) -> dict[str, Any]:
         """What a reader is told of it."""
-        from tvclin.base.errors import InputError
-
         number, table = self.cn_alpha_per_rad, self.cn_alpha
         if number is not None and table is not None:
             raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
@@ -62,12 +60,9 @@ class Site:
 class Rows:
     """The options of which rows are taken."""
 
-    start: Annotated[float | None, typer.Option("--from", help="Earliest time, in s.")] = None
-    stop: Annotated[float | None, typer.Option("--to", help="Latest time, in s.")] = None
-    most_rows: Annotated[
-        int,
-        typer.Option(help="Most rows to write; a longer flight is thinned to straight lines."),
-    ] = 200
+    start: float | None = asked("Earliest time, in s.", flag="--from")
+    stop: float | None = asked("Latest time, in s.", flag="--to")
+    most_rows: int = asked("Most rows to write; a longer flight is thinned to straight lines.", 200)
 
 
 @source.command()
@@ -76,21 +71,16 @@ def openrocket(
     file: File,
     gimbal_station_m: Gimbal,
     output: Output,
-    site: Site = Site(),
-    reference_area_m2: Annotated[
-        float | None,
-        typer.Option(
-            help="Reference area of a given slope, in m^2.", show_default="that of the file"
-        ),
-    ] = None,
-    rows: Rows = Rows(),
+    site: Site = GROUP,
+    reference_area_m2: float | None = asked(
+        "Reference area of a given slope, in m^2.", shown="that of the file"
+    ),
+    rows: Rows = GROUP,
 ) -> None:
     """Read the data that OpenRocket exports of a simulation without wind.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.openrocket import read_openrocket
-
     found = read_openrocket(
         file,
         gimbal_station=gimbal_station_m,
@@ -114,16 +104,13 @@ def rasaero(
             help="A time, in s, and the moment of inertia at it; give two or more.",
         ),
     ],
-    site: Site = Site(),
-    rows: Rows = Rows(),
+    site: Site = GROUP,
+    rows: Rows = GROUP,
 ) -> None:
     """Read the flight that RASAero II exports, of a simulation without wind.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.rasaero import read_rasaero
-    from tvclin.base.errors import InputError
-
     told = site.told
     if told["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
@@ -146,16 +133,12 @@ def table(
         Path,
         typer.Option(help='TOML file with a table named columns: weight = "Gross weight (lbf)".'),
     ],
-    rows: Rows = Rows(),
+    rows: Rows = GROUP,
 ) -> None:
     """Read any table with a line of column names, with --columns to say which is which.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.mapped import read_table
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, read_text, tables_of
-
     document = tables_of(read_text(columns, "a TOML file of columns"), str(columns))
     found = document.get("columns")
     if not isinstance(found, dict) or len(document) > 1:
@@ -165,8 +148,6 @@ def table(
 
 
 def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
-    from tvclin.base.errors import InputError, shown
-
     try:
         pairs = [tuple(map(float, one.split(":"))) for one in given]
         times, inertias = zip(*pairs, strict=True)
@@ -178,11 +159,8 @@ def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
     return list(times), list(inertias)
 
 
-def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
+def _write(found: FlightSchedule, file: Path, output: Path) -> None:
     """Write a schedule, and print what it is and where it came from."""
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, exists
-
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     found.to_csv(output)
@@ -190,13 +168,7 @@ def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
     say(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
 
 
-def _print(found: "FlightSchedule") -> None:
-    import numpy as np
-
-    from tvclin.base.lines import words
-    from tvclin.cli.output import print_tables
-    from tvclin.vehicle.coefficients import Coefficients
-
+def _print(found: FlightSchedule) -> None:
     first, last = found.span
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(found.at(times))

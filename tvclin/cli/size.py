@@ -4,32 +4,41 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import CaseOptions, changed, chosen, note_source, only_with, radians_of
+from tvclin.answers.campaign.quick import disperse_study
+from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.total import DeflectionTotal, total_table
+from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.study import Study
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_sizing
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError
+from tvclin.boundary.stops import Stop
+from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
+    GROUP,
+    LIMIT,
+    MODEL,
+    SIGN,
     STOPS_HELP,
     TIME_HELP,
     AsJson,
-    LimitDeg,
-    Model,
-    Planes,
+    Given,
     Plot,
-    Sign,
-    grouped,
+    asked,
+    switch,
 )
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, azimuth_of
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
-    from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.sizing.total import DeflectionTotal
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.stops import Stop
+from tvclin.vehicle.coefficients import BOTH
+from tvclin.winds.soundings.read import read_sounding
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
@@ -42,55 +51,18 @@ _SOURCE = (
 
 @dataclass(frozen=True)
 class FlightOptions(ShapedOptions):
-    """A pulse whose peak meets each flight time, soundings, these times, and the dead bands.
+    """A pulse whose peak meets each flight time, and soundings."""
 
-    `grouped` gives the options to a command.
-    """
+    winds: list[Path] | None = asked(
+        "A sounding to fly through; may be given several times.", metavar="FILE"
+    )
+    winds_time: list[str] | None = asked(
+        f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
+        metavar="TIME",
+    )
 
-    winds: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
-    ] = None
-    winds_time: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="TIME",
-            help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
-        ),
-    ] = None
-    window: Annotated[
-        float | None,
-        typer.Option(
-            help="Length of the part of a sounding that counts, about each flight time, in s.",
-            show_default="all of it",
-        ),
-    ] = None
-    begin: Annotated[
-        float | None,
-        typer.Option(
-            "--from", help="First flight time, in s.", show_default="the earliest possible"
-        ),
-    ] = None
-    end: Annotated[
-        float | None,
-        typer.Option("--to", help="Last flight time, in s.", show_default="the latest possible"),
-    ] = None
-    every: Annotated[
-        float | None, typer.Option(help="Time between flight times, in s.", show_default="5")
-    ] = None
-    dead_band: Annotated[
-        list[float] | None,
-        typer.Option(
-            help="Dead band K, from 0 to 1; may be given several times.", show_default="1 and 0.5"
-        ),
-    ] = None
-
-    def soundings(self) -> "dict[str, SoundingAsked]":
+    def soundings(self) -> dict[str, SoundingAsked]:
         """Return the soundings of the files by name, and by the time that was asked for."""
-        from tvclin.answers.sizing.asked import SoundingAsked
-        from tvclin.base.errors import InputError
-        from tvclin.winds.soundings.read import read_sounding
-
         files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
         if degrees is not None and not files and self.wind_direction_deg is None:
             raise InputError(
@@ -114,8 +86,8 @@ class FlightOptions(ShapedOptions):
             found[name] = SoundingAsked(read_sounding(file, time=time), azimuth)
         return found
 
-    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
-        """Return a plan with the pulse, the times and the dead bands of these options."""
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+        """Return a plan with the pulse of these options."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
         own = replace(self, peak_speed=None, azimuth_deg=straight)
         if self.gust_speed is not None:  # each flight time meets it at its own angle
@@ -132,121 +104,34 @@ class FlightOptions(ShapedOptions):
         )
         if self.gust_speed is not None:
             asked = replace(asked, gust_speed=self.gust_speed[0])
-        asked = changed(
-            asked,
-            window=self.window,
-            start=self.begin,
-            stop=self.end,
-            every=self.every,
-            dead_bands=tuple(self.dead_band or ()) or None,
-        )
-        if not asked.soundings:
-            only_with("a sounding, --winds or [[wind]] with one", window=self.window)
         if not asked.pulse:
             only_with("a pulse: in a sounding a gust meets each flight time", gust_at=self.gust_at)
         return replace(plan, sizing=asked)
 
 
-@dataclass(frozen=True)
-class TotalOptions:
-    """What the nozzle has to do beside the wind; `grouped` gives the options."""
-
-    count: Annotated[
-        str | None,
-        typer.Option(
-            help="Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...",
-            show_default="the largest dead band, varying, in the wind that needs more",
-        ),
-    ] = None
-    dispersion: Annotated[
-        float | None,
-        typer.Option(
-            help="What dispersions add, as a fraction of what the wind needs.", show_default="0"
-        ),
-    ] = None
-    disperse: Annotated[
-        bool,
-        typer.Option(
-            "--disperse",
-            help="Find that fraction from 2000 cases at the worst time, as tvclin study"
-            " --disperse.",
-        ),
-    ] = False
-    thrust_offset_deg: Annotated[
-        float | None,
-        typer.Option(
-            help="Angle between the thrust and the nozzle's axis, in deg.", show_default="0"
-        ),
-    ] = None
-    gravity_offset_m: Annotated[
-        float | None,
-        typer.Option(
-            help="Distance of the centre of gravity from the axis, in m.", show_default="0"
-        ),
-    ] = None
-    reserve: Annotated[
-        float | None,
-        typer.Option(help="Fraction of the limit to keep unused, from 0 to 1.", show_default="0"),
-    ] = None
-
-    def over(self, asked: "SizingAsked") -> "SizingAsked":
-        """Return what is asked of a flight, with these lines of its total."""
-        return changed(
-            asked,
-            count=self.count,
-            dispersion=self.dispersion,
-            thrust_offset=radians_of("--thrust-offset-deg", self.thrust_offset_deg, -90.0),
-            gravity_offset=self.gravity_offset_m,
-            reserve=self.reserve,
-        )
-
-    def total(self, case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> "DeflectionTotal":
-        """Return the total of a sizing, with dispersions of the worst flight time if asked for."""
-        if self.disperse:
-            asked = replace(asked, dispersion=_dispersed(case, asked, found))
-        return asked.total(case, found)
-
-
-@grouped
 def size(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
     ] = "configuration-i",
-    blows: FlightOptions = FlightOptions(),
-    model: Model = None,
-    plane: Planes = None,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SHAPE",
-            help=f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
-            show_default="round",
-        ),
-    ] = None,
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Column 'no forecast': bound, the lower bound for all laws without a forecast, or"
-            " flown, what such a law needs in flight (slow).",
-            show_default="bound",
-        ),
-    ] = None,
-    varying: Annotated[
-        bool | None,
-        typer.Option(
-            "--varying/--frozen",
-            help="Let parameters vary while the wind blows, or take those of each flight time"
-            " alone.",
-            show_default="varying where they can be followed",
-        ),
-    ] = None,
-    sign: Sign = None,
-    limit_deg: LimitDeg = None,
-    total: TotalOptions = TotalOptions(),
+    blows: FlightOptions = GROUP,
+    model: Given = MODEL,
+    plane: str | None = asked(
+        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
+    ),
+    stop: str | None = asked(
+        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+        shown="round",
+        metavar="SHAPE",
+    ),
+    sign: Given = SIGN,
+    limit: Given = LIMIT,
+    question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
+    disperse: bool = switch(
+        "--disperse",
+        "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
+    ),
     as_json: AsJson = False,
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write every flight time and wind into this file.")
-    ] = None,
+    csv: Path | None = asked("Also write every flight time and wind into this file."),
     plot: Plot = None,
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.
@@ -259,24 +144,26 @@ def size(
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.sizing.wind_sign import FROZEN
-    from tvclin.answers.study_file.read import load_sizing
-    from tvclin.base.documents import picked
-    from tvclin.vehicle.coefficients import BOTH
 
     soundings = blows.soundings()
     note_source(source, "size")
     case = load_sizing(source, soundings)
-    case = CaseOptions(limit_deg, model=model, plane=None if plane == BOTH else plane).over(case)
-    nozzle = replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop))
-    case = blows.over(replace(case, nozzle=nozzle, sign=chosen(sign, case.sign)))
-    assert case.sizing is not None
-    if sign != FROZEN and not (case.sizing.pulse or case.sizing.others):
-        only_with("a pulse: a sounding has its own sign, or is frozen", sign=sign)
-    asked = changed(total.over(case.sizing), law=law, varying=varying)
+    for one in (limit, model, sign, question):
+        case = one.over(case)
+    case = changed(case, plane=None if plane == BOTH else plane)
+    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
+    case = blows.over(case)
+    asked = case.sizing
+    assert asked is not None
+    if not asked.soundings:
+        question.only_with("a sounding, --winds or [[wind]] with one", "window")
+    if not (asked.pulse or asked.others or case.sign == FROZEN):
+        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
-    whole = total.total(case, asked, found)
+    if disperse:
+        asked = replace(asked, dispersion=_dispersed(case, asked, found))
+    whole = asked.total(case, found)
     said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
     if csv is not None:
         found.to_csv(csv)
@@ -292,12 +179,9 @@ def size(
 
 
 def _print(
-    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+    found: Sizing, total: DeflectionTotal, source: str, counted: str, said: list[str]
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
-    from tvclin.answers.sizing import tables
-    from tvclin.answers.sizing.total import total_table
-
     name = found.schedule.vehicle.name or source
     planes = "both planes, one stop" if found.alone else found.plane
     say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
@@ -314,10 +198,8 @@ def _print(
     say_notes((*found.notes, *said))
 
 
-def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
+def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
     """Which options would tell more than what was found."""
-    from tvclin.answers.sizing.record import STEADY
-
     first, last = found.schedule.span
     begin, end = (float(time) for time in (found.times.min(), found.times.max()))
     if (asked.start is None and begin > first) or (asked.stop is None and end < last):
@@ -333,22 +215,16 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
         )
 
 
-def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
+def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
     """The stop of both planes, round where they are asked for without one; None of one plane."""
-    from tvclin.vehicle.coefficients import BOTH
-
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)
         return None
     return chosen(given, stop or "round")
 
 
-def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:
+def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    from tvclin.answers.campaign.quick import disperse_study
-    from tvclin.answers.study import Study
-    from tvclin.base.errors import InputError
-
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted(found)
     band = counted.split(",")[0]

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import AsJson
+from tvclin.cli.options import AsJson, asked, switch
 from tvclin.cli.output import say
 
 
@@ -41,13 +41,8 @@ def vehicles(as_json: AsJson = False) -> None:
 
 def init(
     file: Annotated[Path, typer.Argument(help="The file to write, such as my.toml.")],
-    study: Annotated[
-        bool, typer.Option("--study", help="A study file: vehicle, wind, laws, margins and more.")
-    ] = False,
-    vehicle: Annotated[
-        str | None,
-        typer.Option(help="Copy this vehicle of the package instead (see: tvclin vehicles)."),
-    ] = None,
+    study: bool = switch("--study", "A study file: vehicle, wind, laws, margins and more."),
+    vehicle: str | None = asked("Copy this vehicle of the package instead (see: tvclin vehicles)."),
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.answers.study_file.read import example

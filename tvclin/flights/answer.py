@@ -6,16 +6,13 @@ import warnings
 from math import radians
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.systems import wind_response
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
 
-FloatArray = NDArray[np.float64]
 
 FARTHEST = radians(25.0)
 """Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""

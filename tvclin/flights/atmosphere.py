@@ -12,12 +12,11 @@ from functools import cache
 from math import exp, log1p
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import within
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST = 86_000.0
 """Highest altitude [m]."""
@@ -37,16 +36,7 @@ _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
 class Air:
     """Air at some altitudes; every field has their shape.
 
-    Attributes
-    ----------
-    temperature : ndarray
-        [K].
-    pressure : ndarray
-        [Pa].
-    density : ndarray
-        [kg/m^3].
-    sound_speed : ndarray
-        [m/s].
+    `temperature`: [K]. `pressure`: [Pa]. `density`: [kg/m^3]. `sound_speed`: [m/s].
     """
 
     temperature: FloatArray

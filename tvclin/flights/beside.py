@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -37,8 +38,6 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
@@ -139,11 +138,8 @@ class FlightBeside:
 def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:
     """Return the least deflection limit [rad] with which a control survives in linear theory.
 
-    Raises
-    ------
-    InputError
-        As `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no limit
-        up to four times the largest trim deflection.
+    `InputError` as `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no
+    limit up to four times the largest trim deflection.
     """
     if isinstance(control, ReportControl):
         found = boundary_limit(plant, wind, control.dead_band, switch="literal")

@@ -50,14 +50,8 @@ Control = History | Law | Autopilot | ReportControl
 class Command:
     """What turns the nozzle, and through what, checked; make it with `command_of`.
 
-    Attributes
-    ----------
-    control : History, ReportControl or Law
-        What asks for a deflection.
-    actuator : Actuator or None
-        What lies between a law and the nozzle.
-    rate_limit : float
-        Largest deflection rate [rad/s] of a law.
+    `control`: what asks for a deflection. `actuator`: what lies between a law and the nozzle.
+    `rate_limit`: largest deflection rate [rad/s] of a law.
     """
 
     control: History | ReportControl | Law
@@ -70,11 +64,8 @@ def command_of(
 ) -> Command:
     """Return what turns the nozzle of a flight that begins at a time [s].
 
-    Raises
-    ------
-    InputError
-        For what is no control, histories in a batch or from before the flight, an autopilot with
-        a delay, filters, two actuators, and hardware without a law.
+    `InputError` for what is no control, histories in a batch or from before the flight, an
+    autopilot with a delay, filters, two actuators, and hardware without a law.
     """
     most = check_rate_limit(rate_limit)
     if isinstance(control, History | ReportControl):

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.laws.law import Law
 from tvclin.flights.answer import FARTHEST, OUTPUTS
 from tvclin.flights.beside import FlightBeside
@@ -15,8 +16,6 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import SURVIVED, FlownCases, fly_many
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 FATES = {
     "survived": "survives",

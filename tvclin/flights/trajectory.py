@@ -14,8 +14,9 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     LATEST,
     InputError,
@@ -31,8 +32,6 @@ from tvclin.flights.condition import FlightCondition
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.winds.histories import History, Piecewise
 from tvclin.winds.sampled import straight_lines
-
-FloatArray = NDArray[np.float64]
 
 _RTOL = 1e-11
 """Of the solver: the nominal flight enters all others, which are exact to about 1e-9."""
@@ -241,20 +240,10 @@ def nominal_flight(
 ) -> NominalFlight:
     """Return the nominal flight through a vehicle's state, from `start` to `stop` [s].
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle, with the time to which its numbers belong (zero where it has none).
-    condition : FlightCondition
-        Altitude and specific impulse.
-    start, stop : float
-        The span [s], around the vehicle's time.
-
-    Raises
-    ------
-    InputError
-        For a batch, a span that does not hold the vehicle's time, and one in which the mass is
-        used up or the flight leaves the atmosphere.
+    `vehicle`: one vehicle, with the time to which its numbers belong (zero where it has none).
+    `condition`: altitude and specific impulse. `start`, `stop`: the span [s], around the vehicle's
+    time. `InputError` for a batch, a span that does not hold the vehicle's time, and one in which
+    the mass is used up or the flight leaves the atmosphere.
 
     Examples
     --------

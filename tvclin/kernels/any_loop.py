@@ -8,10 +8,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 
 
 class AnyLoop(Protocol):
@@ -31,31 +28,31 @@ class AnyLoop(Protocol):
     def take(self, index: Any) -> Self:
         """Return the loops at these positions."""
 
-    def parts(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+    def parts(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return numerator, with the delay, and denominator at j omega, ``(k, m)``."""
 
-    def value(self, s: NDArray[Any]) -> NDArray[Any]:
+    def value(self, s: AnyArray) -> AnyArray:
         """Return L at complex frequencies ``(k, m)`` [1/s], off the poles."""
 
-    def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+    def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return numerator and denominator of G at j omega, ``(k, m)``, for a few frequencies."""
 
-    def log_slope(self, omega: FloatArray) -> NDArray[Any]:
+    def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega at j omega, ``(k, m)``, for a few frequencies."""
 
-    def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
+    def vanishes(self, omega: FloatArray) -> BoolArray:
         """Return whether G is zero or infinite, to rounding, at one frequency each, ``(k,)``."""
 
-    def open_poles(self) -> NDArray[Any]:
+    def open_poles(self) -> AnyArray:
         """Return the poles of G, ``(k, n)``."""
 
-    def closed_poles(self) -> NDArray[Any]:
+    def closed_poles(self) -> AnyArray:
         """Return the roots of 1 + G = 0, ``(k, n)``."""
 
-    def zeros(self) -> NDArray[Any]:
+    def zeros(self) -> AnyArray:
         """Return the zeros of G, ``(k, n)``."""
 
-    def crossovers(self, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
         """Return where |G| is `size`, rising, and whether |G| falls there, ``(k, m)``."""
 
     def real_frequencies(self) -> FloatArray:

@@ -1,8 +1,8 @@
 """How a kernel runs: as plain Python, or as machine code of the same where that pays.
 
 Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
-on a machine, and half a second to load from then on. It is taken when the work of a
-process is worth that, and for any work once it is there. Nobody above the kernels knows.
+on a machine, and half a second to load from then on. It is taken where the work of the call is
+worth that, whatever was called before. Nobody above the kernels knows.
 """
 
 import os
@@ -23,13 +23,9 @@ from tvclin.base.errors import install
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
-_LOADING, _LOADING_MORE, _COMPILING = 0.5, 0.1, 10.0
-"""Seconds of work for which machine code is loaded, with numba itself, and beside other machine
-code; and for which it is compiled at first."""
-_asked: dict[str, float] = {}
-"""Seconds of work that each kernel was asked for: many small calls are worth as much as one."""
-_swift: dict[str, Callable[..., Any]] = {}
-"""Machine code that was taken before."""
+_LOADING, _COMPILING, _LONG = 0.02, 2.0, 10.0
+"""Seconds of plain Python in one call for which machine code is loaded, and compiled where it is
+not kept; and of which somebody without numba is told."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 _waits: ContextVar[bool] = ContextVar("_waits", default=True)
@@ -39,32 +35,20 @@ _waits: ContextVar[bool] = ContextVar("_waits", default=True)
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel as it is, or as machine code where that pays.
 
-    Parameters
-    ----------
-    function : callable
-        Marked by `kernels.source.kernel`.
-    seconds : float
-        About what it would take in plain Python.
+    `function`: marked by `kernels.source.kernel`. `seconds`: about what it would take in plain
+    Python.
     """
     wanted = _pinned.get()
-    name = f"{function.__module__}.{function.__name__}"
-    if wanted is None:
-        _asked[name] = _asked.get(name, 0.0) + seconds
-        work = _asked[name]
-        loading = _LOADING_MORE if _swift else _LOADING
-        worth = _waits.get() and work > _COMPILING
-        wanted = name in _swift or worth or (work > loading and _is_kept(function))
-    if not available() and seconds > _COMPILING and _pinned.get() is None:
+    if not available() and seconds > _LONG and wanted is None:
         warn(
             f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"
             f" it: {install('fast')}",
             stacklevel=2,
         )
-    if not (wanted and available()):
-        return function
-    if name not in _swift:
-        _swift[name] = machine_code(function)
-    return _swift[name]
+    if wanted is None:
+        compiles = _waits.get() and seconds > _COMPILING
+        wanted = compiles or (seconds > _LOADING and _is_kept(function))
+    return machine_code(function) if wanted and available() else function
 
 
 def run(
@@ -76,16 +60,9 @@ def run(
 ) -> None:
     """Call a kernel that does the cases from a first up to a last one, its last two arguments.
 
-    Parameters
-    ----------
-    function : callable
-        Marked by `kernels.source.kernel`.
-    arguments : tuple
-        All others.
-    cases : int
-        How many there are.
-    seconds, compiled_seconds : float
-        About what all of them take in plain Python, and as machine code in one thread.
+    `function`: marked by `kernels.source.kernel`. `cases`: how many there are. `seconds`,
+    `compiled_seconds`: about what all of them take in plain Python, and as machine code in one
+    thread.
     """
     taken = swiftest(function, seconds)
     if taken is function:

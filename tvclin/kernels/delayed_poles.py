@@ -11,13 +11,10 @@ Sci. Comput. 27, 2005). The poles of that are moved to zeros of 1 + L(s) by Newt
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
+from tvclin.base.arrays import AnyArray, FloatArray
 
 _POINTS = 48
 """In the delay; poles with |s| T below half of it have some digits before they are moved."""
@@ -26,22 +23,12 @@ _STEPS, _ASIDE, _NEAR = 12, 1e-6, 1e-5
 
 
 def rightmost_poles(
-    A: FloatArray,
-    B: FloatArray,
-    C: FloatArray,
-    delay: float,
-    loop: Callable[[ComplexArray], ComplexArray],
-) -> ComplexArray:
+    A: FloatArray, B: FloatArray, C: FloatArray, delay: float, loop: Callable[[AnyArray], AnyArray]
+) -> AnyArray:
     """Return the closed-loop poles [1/s] that are furthest right, falling, as many as are sure.
 
-    Parameters
-    ----------
-    A, B, C : ndarray
-        Of the loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
-    delay : float
-        T [s], positive.
-    loop : callable
-        L with its delay at complex frequencies ``(m,)`` [1/s].
+    `A`, `B`, `C`: of the loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L
+    = 0. `delay`: T [s], positive. `loop`: L with its delay at complex frequencies ``(m,)`` [1/s].
     """
     n, wave = len(A), _slopes(_POINTS) * (2.0 / delay)
     whole = np.zeros((n + _POINTS, n + _POINTS))

@@ -2,11 +2,7 @@
 
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 
 UNDECIDED, SURVIVED, LOST = range(3)
 """What became of a flight."""
@@ -145,7 +141,7 @@ class Flights(NamedTuple):
     series: FloatArray
     commands: FloatArray
     mode: FloatArray
-    bounded: NDArray[np.bool_]
+    bounded: BoolArray
     peaks: FloatArray
     piece: IntArray
     settled: IntArray

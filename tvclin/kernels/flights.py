@@ -13,15 +13,10 @@ in which its rate or its stop bounds it, the deflection goes evenly from where i
 ends.
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.control_laws import asked, slow_ends, switched
 from tvclin.kernels.flight_arrays import LOST, MEASURED, NEVER, SURVIVED, UNDECIDED, Flights
 from tvclin.kernels.source import bare, inlined
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""

@@ -31,30 +31,14 @@ from tvclin.kernels.terms import future
 
 @kernel
 def at_heights(
-    winds: Any,
-    which: Any,
-    numbers: Any,
-    poles: Any,
-    heights: Any,
-    out: Any,
-    first: int,
-    last: int,
+    winds: Any, which: Any, numbers: Any, poles: Any, heights: Any, out: Any, first: int, last: int
 ) -> None:
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 
-    Parameters
-    ----------
-    winds, which
-        As of `switches.switches`.
-    numbers
-        b1, b2 and q of each case, ``(n, 3)``.
-    poles
-        Of the modes [1/s], which may be complex, ``(n, m)``.
-    heights
-        Over B times the wind's peak, positive, ``(n,)``.
-    out
-        Demands, ``(n, m)``; where trim stays below the height while the wind blows, those at its
-        end.
+    `winds`, `which`: as of `switches.switches`. `numbers`: b1, b2 and q of each case, ``(n, 3)``.
+    `poles`: of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the
+    wind's peak, positive, ``(n,)``. `out`: demands, ``(n, m)``; where trim stays below the height
+    while the wind blows, those at its end.
     """
     knots, coefficients, rates = winds
     kept = np.empty((3, knots.shape[1]))

@@ -2,16 +2,15 @@
 
 from collections.abc import Callable
 from math import factorial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.kernels.moments import moments
 from tvclin.kernels.pieces import Pieces, at_pieces, locate, moved
 
 
-def laplace(pieces: Pieces, s: NDArray[Any]) -> NDArray[Any]:
+def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
     """Return the Laplace integral over the whole history at `s`, which broadcasts with the batch.
 
     Infinite where the last piece does not die out faster than e^(-s t) grows.
@@ -21,13 +20,13 @@ def laplace(pieces: Pieces, s: NDArray[Any]) -> NDArray[Any]:
     return np.where(diverges.any(axis=-1), np.inf, total)
 
 
-def magnitude(pieces: Pieces, s: NDArray[Any]) -> NDArray[np.float64]:
+def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
     """Return the sum of the sizes of all terms of `laplace`: its rounding error per epsilon."""
     sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
     return laplace(sizes, np.real(s))
 
 
-def future(pieces: Pieces, s: NDArray[Any]) -> Callable[[NDArray[np.float64]], NDArray[Any]]:
+def future(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], AnyArray]:
     """Return the discounted future, the integral from t on of e^(-s (r - t)) f(r) dr, of t.
 
     A function of times ``t (..., m)``, as in `value`, for which the futures at the knots are found
@@ -38,7 +37,7 @@ def future(pieces: Pieces, s: NDArray[Any]) -> Callable[[NDArray[np.float64]], N
     after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
     column, widths = s[..., np.newaxis], pieces.widths
 
-    def at(t: NDArray[np.float64]) -> NDArray[Any]:
+    def at(t: FloatArray) -> AnyArray:
         index, u = locate(pieces, t)
         early = u < 0.0
         u = np.maximum(u, 0.0)
@@ -54,7 +53,7 @@ def future(pieces: Pieces, s: NDArray[Any]) -> Callable[[NDArray[np.float64]], N
     return at
 
 
-def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+def _future_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArray]:
     each, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
     decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
@@ -65,8 +64,8 @@ def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDA
 
 
 def integrals(
-    c: NDArray[Any], rates: NDArray[Any], widths: NDArray[np.float64], s: NDArray[Any]
-) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    c: AnyArray, rates: AnyArray, widths: FloatArray, s: AnyArray
+) -> tuple[AnyArray, BoolArray]:
     """Integrate each piece times e^(-s u) over its width, ``(..., m)``; and say which diverge.
 
     Of the term c_k u^k e^(rate u), with M_k of `moments`, over the width h and without end:
@@ -81,7 +80,7 @@ def integrals(
     if not np.any(endless):
         return np.asarray(result), np.zeros(result.shape, dtype=bool)
     dying = (np.real(excess) > 0.0) & endless[..., np.newaxis]
-    growing: NDArray[np.bool_] = ~dying & endless[..., np.newaxis] & (c != 0.0).any(axis=-1)
+    growing: BoolArray = ~dying & endless[..., np.newaxis] & (c != 0.0).any(axis=-1)
     factorials = np.array([factorial(k) for k in range(order)], dtype=float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
         divisor = np.where(dying, excess, 1.0)[..., np.newaxis] ** np.arange(1, order + 1)
@@ -90,6 +89,6 @@ def integrals(
     return np.where(endless, tails, result), np.asarray(growing.any(axis=-1))
 
 
-def powers(width: NDArray[np.float64], order: int) -> NDArray[Any]:
+def powers(width: FloatArray, order: int) -> AnyArray:
     """width^1 ... width^order, on a new last axis."""
     return np.cumprod(np.repeat(width[..., np.newaxis], order, axis=-1), axis=-1)

@@ -8,6 +8,7 @@ Here each file begins with the hash of what follows.
 import pickle
 from hashlib import sha256
 from pathlib import Path
+from time import monotonic
 from typing import Any
 from warnings import warn
 
@@ -20,10 +21,14 @@ from tvclin.base.errors import InputError
 from tvclin.base.files import called, write_whole
 
 _HASH = sha256().digest_size
+_LONG = 2.0
+"""Seconds of compiling of which somebody is told."""
 
 
 class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
     """Files of one function, one for each signature and processor, where numba has its own."""
+
+    _begun = np.inf
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """Return the machine code that is kept; None where there is none that is whole."""
@@ -32,6 +37,7 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
         try:
             content = file.read_bytes()
         except OSError:
+            self._begun = monotonic()
             return None
         if sha256(content[_HASH:]).digest() != content[:_HASH]:
             warn(f"{called(file)} is damaged; this machine code is compiled anew", stacklevel=2)
@@ -40,6 +46,9 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep machine code; where that fails this process goes on with what it has."""
+        took = monotonic() - self._begun
+        if took > _LONG:
+            warn(f"a kernel was compiled in {took:.0f} s, once on this machine", stacklevel=2)
         if not self._impl.check_cachable(compiled):
             return
         content = dumps(self._impl.reduce(compiled))

@@ -1,10 +1,8 @@
 """First-order lags of pieces, as pieces again."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.kernels.integrals import powers
 from tvclin.kernels.moments import moments
 from tvclin.kernels.pieces import Pieces, moved, spread
@@ -21,7 +19,7 @@ _OVERFLOWS = 600.0
 """A growing term is not followed beyond e^600."""
 
 
-def lag(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
+def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
     """Return y with y' = pole y + f and y = 0 before the first knot; the pole joins the rates.
 
     Where a rate is so near to the pole that their difference would cancel, the answer is
@@ -49,7 +47,7 @@ def lag(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
     return Pieces(pieces.knots, out, np.concatenate([rates, poles], axis=-1))
 
 
-def _states(pieces: Pieces, pole: NDArray[Any]) -> NDArray[Any]:
+def _states(pieces: Pieces, pole: AnyArray) -> AnyArray:
     """The lag's value at each knot, ``(..., n)``, carried exactly from knot to knot."""
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     width = np.diff(pieces.knots, axis=-1)
@@ -62,9 +60,7 @@ def _states(pieces: Pieces, pole: NDArray[Any]) -> NDArray[Any]:
     return state
 
 
-def _answers(
-    c: NDArray[Any], rates: NDArray[Any], widths: NDArray[np.float64], pole: NDArray[Any]
-) -> NDArray[Any]:
+def _answers(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyArray) -> AnyArray:
     """What a lag makes of each piece alone by the end of its width, ``(..., m)``.
 
     The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is seen from the start of the
@@ -82,7 +78,7 @@ def _answers(
     return (scale * np.where(from_start[..., np.newaxis], first, last)).sum(axis=(-2, -1))
 
 
-def _split_end(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
+def _split_end(pieces: Pieces, pole: AnyArray) -> Pieces:
     """Part the endless piece where its slowest gap from the pole stops being small."""
     last = pieces.coefficients[..., -1:, :, :]
     gap = np.abs(pieces.rates - pole[..., np.newaxis])
@@ -99,7 +95,7 @@ def _split_end(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
     return Pieces(knots, np.concatenate([pieces.coefficients, end], axis=-3), pieces.rates)
 
 
-def _particular(c: NDArray[Any], gap: NDArray[Any]) -> NDArray[Any]:
+def _particular(c: AnyArray, gap: AnyArray) -> AnyArray:
     """The polynomial a with a' + gap a = c, for each rate off the pole."""
     gap = np.where(gap == 0.0, 1.0, gap)[..., np.newaxis, :]
     result = np.zeros(c.shape, dtype=np.result_type(c, gap))
@@ -110,7 +106,7 @@ def _particular(c: NDArray[Any], gap: NDArray[Any]) -> NDArray[Any]:
     return result
 
 
-def _resonant(c: NDArray[Any], gap: NDArray[Any], degree: int) -> NDArray[Any]:
+def _resonant(c: AnyArray, gap: AnyArray, degree: int) -> AnyArray:
     """The polynomial, times e^(pole u), that answers a rate on or near the pole.
 
     integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).

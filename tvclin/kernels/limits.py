@@ -10,11 +10,9 @@ is left alone, so that it has the same bits in any company.
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.kernels.moments import moments
-
-FloatArray = NDArray[np.float64]
 
 _EPS = np.finfo(float).eps
 
@@ -37,7 +35,7 @@ def triangular(p: FloatArray, K: FloatArray) -> FloatArray:
 
 def triangular_with_drift(
     p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
+) -> tuple[FloatArray, BoolArray]:
     """Return z of eq (18), and whether it was found, for arrays of one shape.
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0

@@ -5,12 +5,10 @@ depends on how fine they are.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.any_loop import AnyLoop
 from tvclin.kernels.stability import Stability, last_frequency
-
-FloatArray = NDArray[np.float64]
 
 _EVEN = 401
 """Logarithmic frequencies over the whole range."""
@@ -36,12 +34,7 @@ _PHASE_STEP, _STEPS_ADDED, _MOST_STEPS = np.pi / 4.0, 12, 20_000
 def frequencies(loop: AnyLoop, found: Stability) -> FloatArray:
     """Return frequencies [rad/s] above zero, rising, ``(k, m)``; NaN fills the ends of rows.
 
-    Parameters
-    ----------
-    loop : AnyLoop
-        A batch of one axis, ``(k,)``.
-    found : Stability
-        Its closed-loop poles and gain crossovers.
+    `loop`: a batch of one axis, ``(k,)``. `found`: its closed-loop poles and gain crossovers.
     """
     poles = [found.poles.astype(complex), loop.open_poles().astype(complex)]
     fastest = np.abs(np.concatenate(poles, axis=-1)).max(axis=-1)[:, np.newaxis]

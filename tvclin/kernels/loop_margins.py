@@ -6,19 +6,15 @@ loop has the same bits alone and wherever in a batch it stands.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
 from tvclin.kernels.any_loop import AnyLoop
 from tvclin.kernels.loop_grid import frequencies
 from tvclin.kernels.rational import inverse, product
 from tvclin.kernels.searches import lowest, roots_between
 from tvclin.kernels.stability import stability
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""
@@ -38,24 +34,17 @@ which is of the order of its width, and so its height to the square of that."""
 class LoopFindings:
     """The verdict on each of ``(k,)`` loops, its crossings, and its peaks if it is stable.
 
-    Attributes
-    ----------
-    unstable_poles, marginal : ndarray
-        Closed-loop poles in the right half plane, and whether one lies on the axis.
-    gain_frequencies, phases : ndarray
-        Where |L| = 1 [rad/s], rising, and how far L may lag more there until it is -1 [rad],
-        ``(k, n)``, filled with NaN.
-    delays : ndarray
-        How much later L may be there until it is -1 [s], ``(k, n)``.
-    phase_frequencies, factors : ndarray
-        Where L is real and negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN.
-    peaks : ndarray
-        The largest |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite
-        where the value is approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
+    `unstable_poles`, `marginal`: closed-loop poles in the right half plane, and whether one lies on
+    the axis. `gain_frequencies`, `phases`: where |L| = 1 [rad/s], rising, and how far L may lag
+    more there until it is -1 [rad], ``(k, n)``, filled with NaN. `delays`: how much later L may be
+    there until it is -1 [s], ``(k, n)``. `phase_frequencies`, `factors`: where L is real and
+    negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN. `peaks`: the largest
+    |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite where the value is
+    approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
     """
 
-    unstable_poles: NDArray[np.intp]
-    marginal: NDArray[np.bool_]
+    unstable_poles: IndexArray
+    marginal: BoolArray
     gain_frequencies: FloatArray
     phases: FloatArray
     delays: FloatArray
@@ -64,7 +53,7 @@ class LoopFindings:
     peaks: FloatArray
 
     @property
-    def stable(self) -> NDArray[np.bool_]:
+    def stable(self) -> BoolArray:
         """Whether all closed-loop poles lie in the left half plane."""
         return np.asarray((self.unstable_poles == 0) & ~self.marginal)
 
@@ -88,7 +77,7 @@ def classical_margins(found: LoopFindings) -> FloatArray:
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
     rise = np.where(factors > 1.0, factors, np.nan)
     pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (found.delays, omega))
-    return np.asarray([_least(values, where) for values, where in pairs])
+    return np.asarray([least_of(values, where) for values, where in pairs])
 
 
 def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
@@ -125,7 +114,7 @@ def _phase_crossovers(
     From zero on, omega ``(k, n)`` misses no crossing; numerator and denominator are values there.
     """
 
-    def angle(frequency: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+    def angle(frequency: FloatArray, index: IndexArray) -> FloatArray:
         return _angle(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
 
     side = np.sign(_imaginary(above, below))
@@ -231,7 +220,7 @@ def _sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
     return [np.sqrt(of.real**2 + of.imag**2) for of in (S, T, 0.5 * (S - T))]
 
 
-def _rows(case: NDArray[np.intp], key: FloatArray, values: FloatArray, count: int) -> FloatArray:
+def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> FloatArray:
     """Write the values of each case into its own row, in the order of the key."""
     order = np.lexsort((key, case))
     case, values = case[order], values[order]
@@ -242,19 +231,19 @@ def _rows(case: NDArray[np.intp], key: FloatArray, values: FloatArray, count: in
     return rows
 
 
-def _least(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The least of each row and its frequency; infinite and NaN in an empty one."""
+def least_of(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the least of each row and its frequency; infinite and NaN in an empty one."""
     if not values.shape[-1]:
         return np.full(len(values), np.inf), np.full(len(values), np.nan)
     filled = np.where(np.isnan(values), np.inf, values)
     place = np.argmin(filled, axis=-1)[:, np.newaxis]
-    least, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
-    return least, np.where(np.isinf(least), np.nan, where)
+    found, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
+    return found, np.where(np.isinf(found), np.nan, where)
 
 
 def _joined(parts: list[LoopFindings]) -> LoopFindings:
     """One out of several, the rows as wide as the widest."""
-    whole: list[NDArray[Any]] = []
+    whole: list[AnyArray] = []
     for field in fields(LoopFindings):
         arrays = [getattr(part, field.name) for part in parts]
         if arrays[0].ndim == 2:

@@ -8,13 +8,13 @@ form (1 - e^(-z))/z and its higher relatives are never divided out there.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import AnyArray
 
 
-def moments(z: ArrayLike, degree: int) -> NDArray[Any]:
+def moments(z: ArrayLike, degree: int) -> AnyArray:
     """Return M_0(z) ... M_degree(z), shape ``(..., degree + 1)``, real for a real z.
 
     The recursion z M_k = k M_(k-1) - e^(-z) loses digits upward where k > |z| and
@@ -33,7 +33,7 @@ def moments(z: ArrayLike, degree: int) -> NDArray[Any]:
     return np.where(use_upward, upward, downward)
 
 
-def _downward(z: NDArray[Any], degree: int) -> NDArray[Any]:
+def _downward(z: AnyArray, degree: int) -> AnyArray:
     # What the recursion starts from is wrong by a relative 1, and each order j multiplies that by
     # |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
     start = 3 * degree + 26
@@ -47,7 +47,7 @@ def _downward(z: NDArray[Any], degree: int) -> NDArray[Any]:
     return result
 
 
-def _upward(z: NDArray[Any], degree: int) -> NDArray[Any]:
+def _upward(z: AnyArray, degree: int) -> AnyArray:
     result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
     with np.errstate(over="ignore", invalid="ignore"):
         decay = np.exp(-z)

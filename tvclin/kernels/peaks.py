@@ -1,14 +1,11 @@
 """The largest size of an output of a motion, found between its samples."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.kernels.propagation import Motion, applied, exponentials
-
-FloatArray = NDArray[np.float64]
 
 _EACH = 128
 """Steps of one size in the ladder of times; the size may double from one lot to the next."""
@@ -26,20 +23,12 @@ _ROUNDING = 1e-13
 """What is below this part of the terms of an output is their rounding."""
 
 
-def largest(flown: Motion, row: NDArray[Any], beyond: float) -> tuple[float, float]:
+def largest(flown: Motion, row: AnyArray, beyond: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-    Parameters
-    ----------
-    flown : Motion
-        The motion.
-    row : ndarray
-        Factors on the states of system and input, ``(n,)``.
-    beyond : float
-        How long the last piece is followed [s].
+    `row`: factors on the states of system and input, ``(n,)``. `beyond`: how long the last piece is
+    followed [s].
 
-    Notes
-    -----
     Each piece is sampled in steps that no mode outruns, both its ends included. Where values and
     slopes at two samples tell of a summit between them that may be the highest, it is found
     where the exact slope is zero. A piece is left as soon as its modes, were they all in phase,
@@ -73,10 +62,10 @@ def largest(flown: Motion, row: NDArray[Any], beyond: float) -> tuple[float, flo
 
 
 def _highest(
-    rows: NDArray[Any],
-    matrix: NDArray[Any],
-    powers: NDArray[Any],
-    states: NDArray[Any],
+    rows: AnyArray,
+    matrix: AnyArray,
+    powers: AnyArray,
+    states: AnyArray,
     steps: FloatArray,
     samples: FloatArray,
     known: float,
@@ -99,7 +88,7 @@ def _highest(
 
 def _promising(
     samples: FloatArray, widths: FloatArray, least: float
-) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], FloatArray]:
+) -> tuple[tuple[IndexArray, IndexArray], FloatArray]:
     """Where cubics through values and slopes have summits as high as `least`, and at what step.
 
     begin + first x + square x^2 + cube x^3 on x from 0 to 1 (Hermite), whose slope falls through
@@ -121,9 +110,9 @@ def _promising(
 
 
 def _climbed(
-    rows: NDArray[Any],
-    matrix: NDArray[Any],
-    starts: NDArray[Any],
+    rows: AnyArray,
+    matrix: AnyArray,
+    starts: AnyArray,
     sign: FloatArray,
     steps: FloatArray,
     widths: FloatArray,
@@ -139,7 +128,7 @@ def _climbed(
     return np.real(applied(exponentials(matrix, steps), starts) @ rows[0]), steps
 
 
-def _modes(matrix: NDArray[Any], row: NDArray[Any], longest: float) -> NDArray[Any]:
+def _modes(matrix: AnyArray, row: AnyArray, longest: float) -> AnyArray:
     """Factors that take a state to the sizes at which ``row . state`` sees its modes, ``(n, n)``.
 
     The sum of the sizes is never exceeded in the time `longest`. Where modes coincide the factors
@@ -157,7 +146,7 @@ def _modes(matrix: NDArray[Any], row: NDArray[Any], longest: float) -> NDArray[A
             return np.full(matrix.shape, np.nan)
 
 
-def _ladder(matrix: NDArray[Any], longest: float) -> Iterator[tuple[float, float, NDArray[Any]]]:
+def _ladder(matrix: AnyArray, longest: float) -> Iterator[tuple[float, float, AnyArray]]:
     """Lots of equal steps, without end: where one begins, its step [s], and e^(matrix t) in it.
 
     The first lot is as long as one step of the next, as a motion that starts with no slope may
@@ -179,7 +168,7 @@ def _ladder(matrix: NDArray[Any], longest: float) -> Iterator[tuple[float, float
             step, powers = 2.0 * step, _powers(powers[2])
 
 
-def _powers(factor: NDArray[Any]) -> NDArray[Any]:
+def _powers(factor: AnyArray) -> AnyArray:
     """The powers from 0 to `_EACH`, which is a power of two, ``(_EACH + 1, n, n)``."""
     powers, doubled = np.eye(len(factor))[np.newaxis], factor
     while len(powers) < _EACH:

@@ -15,7 +15,8 @@ from math import comb
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 
 _FEW = 4096
 """Up to so many pairs of a knot and a time all are compared at once."""
@@ -28,9 +29,9 @@ class Pieces:
     Knots do not decrease; a piece of no width is legal and counts for nothing.
     """
 
-    knots: NDArray[np.float64]
-    coefficients: NDArray[Any]
-    rates: NDArray[Any]
+    knots: FloatArray
+    coefficients: AnyArray
+    rates: AnyArray
 
     @property
     def degree(self) -> int:
@@ -47,12 +48,12 @@ class Pieces:
         )
 
     @property
-    def widths(self) -> NDArray[np.float64]:
+    def widths(self) -> FloatArray:
         """How long each piece lasts, ``(..., n)``; the last one for ever."""
         return np.diff(self.knots, axis=-1, append=np.inf)
 
 
-def flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
+def flat(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
     """Return an array with its batch on one axis, in the one kind of memory that kernels take."""
     one = array.ndim == trailing
     rows = array[np.newaxis] if one else array.reshape(-1, *array.shape[array.ndim - trailing :])
@@ -64,7 +65,7 @@ def flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
 
 def rows(
     pieces: Pieces, shape: tuple[int, ...]
-) -> tuple[tuple[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[np.intp]]:
+) -> tuple[tuple[AnyArray, AnyArray, AnyArray], IndexArray]:
     """Return knots, coefficients and rates for kernels, and which row each case of `shape` takes.
 
     Histories on one axis, as many as there are; the cases that share one share its row. All can be
@@ -78,7 +79,7 @@ def rows(
     return arrays, np.broadcast_to(which, shape).flatten()
 
 
-def value(pieces: Pieces, t: NDArray[np.float64]) -> NDArray[Any]:
+def value(pieces: Pieces, t: FloatArray) -> AnyArray:
     """Return the values at the times ``t (..., m)``, whose leading axes broadcast with the batch.
 
     Continuous from the right; shape ``broadcast(batch, t.shape[:-1]) + (m,)``.
@@ -110,7 +111,7 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     return Pieces(merged, np.concatenate(c, axis=-2), np.concatenate(rates, axis=-1))
 
 
-def before(pieces: Pieces, time: NDArray[np.float64]) -> Pieces:
+def before(pieces: Pieces, time: FloatArray) -> Pieces:
     """Return the history up to `time` and zero from there on; an infinite time changes nothing."""
     shape = np.broadcast_shapes(pieces.batch, time.shape)
     edge = time[..., np.newaxis]
@@ -133,20 +134,20 @@ def spread(pieces: Pieces, shape: tuple[int, ...]) -> Pieces:
     )
 
 
-def take(pieces: Pieces, index: NDArray[np.intp]) -> Pieces:
+def take(pieces: Pieces, index: IndexArray) -> Pieces:
     """Return the histories at the positions `index` ``(k,)`` of the flattened batch."""
     shape = pieces.batch or (1,)
     pieces, where = spread(pieces, shape), np.unravel_index(index, shape)
     return Pieces(pieces.knots[where], pieces.coefficients[where], pieces.rates[where])
 
 
-def locate(pieces: Pieces, t: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
     """The piece in which each time lies, and the local time there (negative: before the first)."""
     index = np.maximum(_last_at_or_before(pieces.knots, t), 0)
     return index, t - at_pieces(pieces.knots, index, 0)
 
 
-def _last_at_or_before(knots: NDArray[np.float64], t: NDArray[np.float64]) -> NDArray[np.intp]:
+def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
     if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
         return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
     if knots.shape[-1] * t.shape[-1] <= _FEW:
@@ -158,7 +159,7 @@ def _last_at_or_before(knots: NDArray[np.float64], t: NDArray[np.float64]) -> ND
     return np.array(found, dtype=np.intp).reshape(*shape, t.shape[-1]) - 1
 
 
-def at_pieces(array: NDArray[Any], index: NDArray[np.intp], trailing: int) -> NDArray[Any]:
+def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
     """Take pieces ``(..., n, *trailing)`` by `index` ``(..., m)``; the leading axes broadcast."""
     axis = array.ndim - 1 - trailing
     if axis == 0:
@@ -171,7 +172,7 @@ def at_pieces(array: NDArray[Any], index: NDArray[np.intp], trailing: int) -> ND
     return np.take_along_axis(array, index.reshape(*index.shape, *(1,) * trailing), axis=len(shape))
 
 
-def moved(c: NDArray[Any], rates: NDArray[Any], u: NDArray[np.float64]) -> NDArray[Any]:
+def moved(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
     """The same pieces with their local time starting at ``u (..., m)`` instead of zero."""
     order = c.shape[-1]
     step = u[..., np.newaxis]
@@ -185,7 +186,7 @@ def moved(c: NDArray[Any], rates: NDArray[Any], u: NDArray[np.float64]) -> NDArr
     return np.stack(np.broadcast_arrays(*columns), axis=-1) * growth[..., np.newaxis]
 
 
-def _evaluate(c: NDArray[Any], rates: NDArray[Any], u: NDArray[np.float64]) -> NDArray[Any]:
+def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
     """Sum the terms ``c (..., m, rates, degree + 1)`` at the local times ``u (..., m)``."""
     u = u[..., np.newaxis]
     polynomial = c[..., -1]
@@ -194,7 +195,7 @@ def _evaluate(c: NDArray[Any], rates: NDArray[Any], u: NDArray[np.float64]) -> N
     return np.asarray((polynomial * np.exp(rates[..., np.newaxis, :] * u)).sum(axis=-1))
 
 
-def _on_knots(pieces: Pieces, knots: NDArray[np.float64]) -> NDArray[Any]:
+def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
     """The coefficients of the same history on finer knots, zero before its first."""
     index = _last_at_or_before(pieces.knots, knots)
     own = np.maximum(index, 0)
@@ -203,6 +204,6 @@ def _on_knots(pieces: Pieces, knots: NDArray[np.float64]) -> NDArray[Any]:
     return np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, c)
 
 
-def _widened(c: NDArray[Any], degree: int) -> NDArray[Any]:
+def _widened(c: AnyArray, degree: int) -> AnyArray:
     extra = degree + 1 - c.shape[-1]
     return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, extra)])

@@ -1,10 +1,8 @@
 """Polynomials with real or complex coefficients ``(..., n + 1)``, highest power first."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.kernels.choice import run
 from tvclin.kernels.small_roots import small_roots
 
@@ -16,7 +14,7 @@ _SECONDS, _COMPILED_SECONDS = 5e-5, 1e-6
 """About what one such polynomial takes, in plain Python and as machine code."""
 
 
-def value(polynomial: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
+def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
     """Return the values at ``s (..., m)``; the leading axes broadcast."""
     if not polynomial.shape[-1]:
         return np.zeros_like(s)
@@ -27,7 +25,7 @@ def value(polynomial: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
     return result
 
 
-def on_axis(polynomial: NDArray[np.float64], omega: NDArray[np.float64]) -> NDArray[Any]:
+def on_axis(polynomial: FloatArray, omega: FloatArray) -> AnyArray:
     """Return the values at j omega ``(..., m)``; the leading axes broadcast."""
     even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
     square = -(omega**2)
@@ -36,13 +34,13 @@ def on_axis(polynomial: NDArray[np.float64], omega: NDArray[np.float64]) -> NDAr
     return values
 
 
-def derivative(polynomial: NDArray[Any]) -> NDArray[Any]:
+def derivative(polynomial: AnyArray) -> AnyArray:
     """Return the derivative."""
     degree = polynomial.shape[-1] - 1
     return polynomial[..., :-1] * np.arange(degree, 0, -1)
 
 
-def multiply(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+def multiply(first: AnyArray, second: AnyArray) -> AnyArray:
     """Return the product; the leading axes broadcast."""
     m, n = first.shape[-1], second.shape[-1]
     shape = np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
@@ -52,13 +50,13 @@ def multiply(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
     return product
 
 
-def add(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+def add(first: AnyArray, second: AnyArray) -> AnyArray:
     """Return the sum of polynomials, also of different degree; the leading axes broadcast."""
     size = max(first.shape[-1], second.shape[-1])
     return np.asarray(_padded(first, size) + _padded(second, size))
 
 
-def squared_size(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+def squared_size(polynomial: FloatArray) -> FloatArray:
     """Return |p(j omega)|^2 as a polynomial in omega^2."""
     even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
     even, odd = _alternating(even), _alternating(odd)
@@ -68,7 +66,7 @@ def squared_size(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
     return squares
 
 
-def imaginary_part(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+def imaginary_part(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return Im(first(j omega) conj(second(j omega)))/omega as a polynomial in omega^2."""
     parts = []
     for polynomial in (first, second):
@@ -79,12 +77,12 @@ def imaginary_part(first: NDArray[np.float64], second: NDArray[np.float64]) -> N
     return add(multiply(odd, even_2), -multiply(even, odd_2))
 
 
-def times_variable(polynomial: NDArray[Any], power: int = 1) -> NDArray[Any]:
+def times_variable(polynomial: AnyArray, power: int = 1) -> AnyArray:
     """Return the polynomial times a power of its variable."""
     return np.concatenate([polynomial, np.zeros((*polynomial.shape[:-1], power))], axis=-1)
 
 
-def divide(polynomial: NDArray[Any], root: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+def divide(polynomial: AnyArray, root: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Return quotient and remainder of the division by (s - root), by Horner's scheme."""
     columns = [polynomial[..., 0] + 0 * root]
     for k in range(1, polynomial.shape[-1]):
@@ -92,7 +90,7 @@ def divide(polynomial: NDArray[Any], root: NDArray[Any]) -> tuple[NDArray[Any], 
     return np.stack(columns[:-1], axis=-1), columns[-1]
 
 
-def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
+def roots(polynomial: FloatArray) -> AnyArray:
     """Return the roots, shape ``(..., n)``; real when all roots of the whole batch are real.
 
     Those of a quadratic come from their sum and product, those of cubics and quartics one after
@@ -113,7 +111,7 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     return found
 
 
-def roots_of_each(polynomial: NDArray[np.float64]) -> NDArray[np.complex128]:
+def roots_of_each(polynomial: FloatArray) -> ComplexArray:
     """Return the roots of polynomials ``(k, n + 1)`` that may begin with zeros, ``(k, n)``.
 
     NaN fills the rows of those that are of lower degree.
@@ -128,7 +126,7 @@ def roots_of_each(polynomial: NDArray[np.float64]) -> NDArray[np.complex128]:
     return found
 
 
-def _eigenvalues(monic: NDArray[np.float64]) -> NDArray[Any]:
+def _eigenvalues(monic: FloatArray) -> AnyArray:
     degree = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
@@ -136,7 +134,7 @@ def _eigenvalues(monic: NDArray[np.float64]) -> NDArray[Any]:
     return np.linalg.eigvals(companion)
 
 
-def _of_low_degree(monic: NDArray[np.float64]) -> NDArray[Any]:
+def _of_low_degree(monic: FloatArray) -> AnyArray:
     rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
     rows = rows.reshape(-1, rows.shape[-1])
     if np.all(rows == rows[:1]):  # one vehicle in many winds
@@ -148,24 +146,24 @@ def _of_low_degree(monic: NDArray[np.float64]) -> NDArray[Any]:
     return together if np.any(np.imag(together)) else np.real(together)
 
 
-def bound(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+def bound(polynomial: FloatArray) -> FloatArray:
     """Return a number that no root exceeds in size, ``(...)``, after Fujiwara (1916)."""
     order = np.arange(1, polynomial.shape[-1])
     sizes = np.abs(polynomial[..., 1:] / polynomial[..., :1]) ** (1.0 / order)
     return 2.0 * np.asarray(sizes.max(axis=-1, initial=0.0))
 
 
-def _alternating(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+def _alternating(polynomial: FloatArray) -> FloatArray:
     """The polynomial at minus its argument, but for the sign of the whole."""
     return polynomial * (-1.0) ** np.arange(polynomial.shape[-1])
 
 
-def _padded(polynomial: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+def _padded(polynomial: FloatArray, size: int) -> FloatArray:
     width = [(0, 0)] * (polynomial.ndim - 1) + [(size - polynomial.shape[-1], 0)]
     return np.pad(polynomial, width)
 
 
-def _quadratic(middle: NDArray[np.float64], product: NDArray[np.float64]) -> NDArray[Any]:
+def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
     """Two numbers by their mean and their product; none is a difference of nearly equal ones."""
     square = middle**2 - product
     far = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
@@ -178,7 +176,7 @@ def _quadratic(middle: NDArray[np.float64], product: NDArray[np.float64]) -> NDA
     return np.stack(pair, axis=-1)
 
 
-def _newton(polynomial: NDArray[np.float64], found: NDArray[Any]) -> NDArray[Any]:
+def _newton(polynomial: FloatArray, found: AnyArray) -> AnyArray:
     """One step for the roots that stand alone.
 
     The errors of a cluster of roots belong together, and moving them one by one would spoil what

@@ -10,15 +10,12 @@ so that nothing is discretised, and repeated poles are nothing special.
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.kernels.pieces import Pieces, locate, moved
-
-FloatArray = NDArray[np.float64]
 
 _BATCH = 3
 """Axes of many matrices."""
@@ -30,21 +27,15 @@ _SMALL, _TERMS = 0.5, 14
 class Motion:
     """One linear system with one input history.
 
-    Attributes
-    ----------
-    matrix : ndarray
-        M [1/s], ``(n, n)``.
-    knots : ndarray
-        Where the pieces begin [s], ``(k,)``.
-    starts : ndarray
-        The state of system and input at the start of each piece, ``(k, n)``.
+    `matrix`: M [1/s], ``(n, n)``. `knots`: where the pieces begin [s], ``(k,)``. `starts`: the
+    state of system and input at the start of each piece, ``(k, n)``.
     """
 
-    matrix: NDArray[Any]
+    matrix: AnyArray
     knots: FloatArray
-    starts: NDArray[Any]
+    starts: AnyArray
 
-    def at(self, times: FloatArray) -> NDArray[Any]:
+    def at(self, times: FloatArray) -> AnyArray:
         """Return the states at the times ``(m,)``, shape ``(m, n)``; zero before the first knot."""
         index = np.searchsorted(self.knots, times, side="right") - 1
         start = np.where((index < 0)[:, np.newaxis], 0.0, self.starts[np.maximum(index, 0)])
@@ -55,12 +46,7 @@ class Motion:
 def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     """Return the motion of x' = A x + B f from rest, f being the pieces of one history.
 
-    Parameters
-    ----------
-    A, B : ndarray
-        One system, ``(n, n)`` and ``(n,)``.
-    pieces : Pieces
-        The input, not a batch.
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `pieces`: the input, not a batch.
     """
     order, matrix = len(A), answering(A, B, pieces)
     inputs = inputs_at(pieces, pieces.knots)
@@ -73,7 +59,7 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     return Motion(matrix, pieces.knots, starts)
 
 
-def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
+def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
     """Return M of the states of a system and of its input within a piece; as `driven`."""
     rates, powers = pieces.rates, pieces.degree + 1
     given = np.zeros((len(A), rates.size * powers))
@@ -83,18 +69,12 @@ def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
     return driven(A, given, blocks)
 
 
-def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None) -> NDArray[Any]:
+def driven(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -> AnyArray:
     """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, ``(..., n + k, n + k)``.
 
-    Parameters
-    ----------
-    A, B : ndarray
-        ``(..., n, n)`` and ``(..., n, k)``; batches broadcast.
-    inputs : ndarray, optional
-        Z of z' = Z z, ``(..., k, k)``; without it z is held.
+    `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``; batches broadcast. `inputs`: Z of z' = Z z,
+    ``(..., k, k)``; without it z is held.
 
-    Notes
-    -----
     e^(M t) says what states and inputs at the start make of the states at t.
     """
     order, count = B.shape[-2:]
@@ -106,33 +86,7 @@ def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None)
     return whole
 
 
-def driven_steps(
-    A: FloatArray, B: FloatArray, lengths: FloatArray, inputs: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return e^(A t) and P(t) of x(t) = e^(A t) x + P(t) z, for x' = A x + B z.
-
-    Parameters
-    ----------
-    A, B : ndarray
-        ``(..., n, n)`` and ``(..., n, k)``.
-    lengths : ndarray
-        Times t [s], ``(..., m)``, whose batch is that of the others.
-    inputs : ndarray, optional
-        As of `driven`, also ``(..., m, k, k)``; without it z is held.
-
-    Returns
-    -------
-    tuple of ndarray
-        ``(..., m, n, n)`` and ``(..., m, n, k)``.
-    """
-    whole, n = driven(A[..., np.newaxis, :, :], B[..., np.newaxis, :, :], inputs), A.shape[-1]
-    every = np.broadcast_to(whole, (*lengths.shape, *whole.shape[-2:]))
-    found = exponentials(every.reshape(-1, *whole.shape[-2:]), lengths.ravel())
-    found = found.reshape(every.shape)
-    return found[..., :n, :n], found[..., :n, n:]
-
-
-def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:
+def inputs_at(pieces: Pieces, times: FloatArray) -> AnyArray:
     """Return the states z of the input at the times ``(m,)``, shape ``(m, size)``."""
     index, u = locate(pieces, times)
     c = moved(pieces.coefficients[index], pieces.rates, np.maximum(u, 0.0))
@@ -141,19 +95,14 @@ def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:
     return np.where((u < 0.0)[:, np.newaxis], 0.0, states)
 
 
-def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
+def exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     """Return e^(matrix step) of one matrix for each of the steps ``(m,)``, or of each with its own.
 
     By Taylor series, scaling and squaring, each with as many squarings as it needs: what it
     gives does not depend on the others. One matrix is balanced first. What is beyond all numbers
     is infinite or NaN.
 
-    Parameters
-    ----------
-    matrix : ndarray
-        ``(n, n)`` or ``(m, n, n)``.
-    steps : ndarray
-        ``(m,)``.
+    `matrix`: ``(n, n)`` or ``(m, n, n)``. `steps`: ``(m,)``.
     """
     from scipy.linalg import matrix_balance  # late: it takes 0.1 s to import
 
@@ -177,7 +126,7 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
         return np.asarray(scale[:, np.newaxis] * result / scale)
 
 
-def _countable(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
+def _countable(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     """Return `exponentials`; `InputError` where one of them is beyond all numbers."""
     found = exponentials(matrix, steps)
     if not np.all(np.isfinite(found)):
@@ -188,6 +137,6 @@ def _countable(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
     return found
 
 
-def applied(matrices: NDArray[Any], states: NDArray[Any]) -> NDArray[Any]:
+def applied(matrices: AnyArray, states: AnyArray) -> AnyArray:
     """Return each of the matrices ``(m, n, n)`` on its state, ``(m, n)``."""
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.kernels import polynomials
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-13
 """A value below this part of the sum of its terms is their rounding: a zero on the axis."""
@@ -22,12 +21,8 @@ _FARTHEST = 1e30
 class Rational:
     """The functions L(s) = numerator(s)/denominator(s) e^(-s delay).
 
-    Attributes
-    ----------
-    numerator, denominator : ndarray
-        Coefficients, highest power first, both ``(..., n + 1)``.
-    delay : ndarray
-        Delay [s], ``(...)``.
+    `numerator`, `denominator`: coefficients, highest power first, both ``(..., n + 1)``. `delay`:
+    delay [s], ``(...)``.
     """
 
     numerator: FloatArray
@@ -39,13 +34,10 @@ class Rational:
         """The value at infinity, ``(...)``."""
         return np.asarray(self.numerator[..., 0] / self.denominator[..., 0])
 
-    def parts(self, omega: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
         """Return numerator, with the delay, and denominator at j omega, ``(..., k)``.
 
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s], ``(..., k)``.
+        `omega`: frequencies [rad/s], ``(..., k)``.
         """
         omega = np.asarray(omega, dtype=float)
         above = polynomials.on_axis(self.numerator, omega)
@@ -53,38 +45,38 @@ class Rational:
             above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
         return above, polynomials.on_axis(self.denominator, omega)
 
-    def value(self, s: NDArray[Any]) -> NDArray[Any]:
+    def value(self, s: AnyArray) -> AnyArray:
         """Return L with its delay at complex frequencies ``(..., k)`` [1/s], off the poles."""
         above, below = (polynomials.value(p, s) for p in (self.numerator, self.denominator))
         return np.asarray(above / below * np.exp(-s * self.delay[..., np.newaxis]))
 
-    def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+    def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
         return (
             polynomials.on_axis(self.numerator, omega),
             polynomials.on_axis(self.denominator, omega),
         )
 
-    def log_slope(self, omega: FloatArray) -> NDArray[Any]:
+    def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
         slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
         rises = [polynomials.on_axis(slope, omega) for slope in slopes]
         above, below = map(product, rises, map(inverse, self.undelayed(omega)))
         return 1j * (above - below)
 
-    def open_poles(self) -> NDArray[Any]:
+    def open_poles(self) -> AnyArray:
         """Return the roots of the denominator."""
         return polynomials.roots(self.denominator)
 
-    def closed_poles(self) -> NDArray[Any]:
+    def closed_poles(self) -> AnyArray:
         """Return the roots of D + N, the closed-loop poles without the delay."""
         return polynomials.roots(self.denominator + self.numerator)
 
-    def zeros(self) -> NDArray[Any]:
+    def zeros(self) -> AnyArray:
         """Return the roots of numerators ``(k, n + 1)``; NaN fills the rows."""
         return polynomials.roots_of_each(self.numerator)
 
-    def crossovers(self, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
         """Return where |L| is `size` [rad/s], and whether |L| falls with the frequency there.
 
         They are roots of |D|^2 size^2 - |N|^2 in omega^2; rising, NaN fills the rows.
@@ -110,13 +102,10 @@ class Rational:
         """Return a number that no pole exceeds in size [rad/s], ``(...)``."""
         return polynomials.bound(self.denominator)
 
-    def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
+    def vanishes(self, omega: FloatArray) -> BoolArray:
         """Return whether numerator or denominator is zero, to rounding, at one frequency each.
 
-        Parameters
-        ----------
-        omega : ndarray
-            Frequencies [rad/s], of the shape of the batch.
+        `omega`: frequencies [rad/s], of the shape of the batch.
         """
         omega, parts = omega[..., np.newaxis], []
         for polynomial in (self.numerator, self.denominator):
@@ -131,7 +120,7 @@ class Rational:
         return type(self)(above, below, self.delay.reshape(-1)[index])
 
 
-def product(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+def product(first: AnyArray, second: AnyArray) -> AnyArray:
     """Return the product of complex numbers in real ones: numpy's own rounds by place in memory."""
     found = np.empty(np.broadcast_shapes(first.shape, second.shape), dtype=complex)
     found.real = first.real * second.real - first.imag * second.imag
@@ -139,7 +128,7 @@ def product(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
     return found
 
 
-def inverse(values: NDArray[Any]) -> NDArray[Any]:
+def inverse(values: AnyArray) -> AnyArray:
     """Return the inverses of complex numbers in real ones, as `product`, of any size."""
     scale = np.maximum(np.abs(values.real), np.abs(values.imag))
     real, imag = values.real / scale, values.imag / scale

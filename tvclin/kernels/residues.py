@@ -3,12 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.kernels import integrals
 from tvclin.kernels.pieces import Pieces
-
-FloatArray = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
 _DEAD = 750.0
@@ -18,11 +16,8 @@ _ROUNDINGS = 32.0
 
 
 def residues(
-    poles: NDArray[Any],
-    gains: tuple[NDArray[Any], ...],
-    inputs: tuple[Pieces, ...],
-    start: FloatArray,
-) -> tuple[NDArray[Any], FloatArray]:
+    poles: AnyArray, gains: tuple[AnyArray, ...], inputs: tuple[Pieces, ...], start: FloatArray
+) -> tuple[AnyArray, FloatArray]:
     """Return the residue at each pole, with the time counted from `start`, and its rounding.
 
     Parameters
@@ -48,7 +43,7 @@ def residues(
     return np.asarray(terms[0] + terms[1]), _EPS * roundings * np.real(sizes[0] + sizes[1])
 
 
-def _at_poles(transform: Any, pieces: Pieces, poles: NDArray[Any]) -> NDArray[Any]:
+def _at_poles(transform: Any, pieces: Pieces, poles: AnyArray) -> AnyArray:
     """Evaluate a transform at each pole; NaN poles stay NaN."""
     columns = []
     for pole in np.moveaxis(poles, -1, 0):

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tvclin.kernels.response_inputs import NOTHING, Case, distinct, measure, merge, put
-from tvclin.kernels.response_lines import BLOCK, Table, block, block_end, fill_evenly, grid
-from tvclin.kernels.source import kernel
+from tvclin.kernels.source import bare, kernel
 
 MARGINAL = 1e-12
 """A pole whose real part is below this part of the largest pole counts as not growing."""
@@ -68,7 +67,7 @@ class Span(NamedTuple):
 
 def room(
     kind: Any, plant: tuple[int, int], deflections: tuple[Any, ...], winds: tuple[Any, ...]
-) -> tuple[Case, Span, Table]:
+) -> tuple[Case, Span]:
     """Return the memory for one case: real or complex, so many modes and outputs, such inputs."""
     modes, rows = plant
     knots = deflections[0].shape[1] + winds[0].shape[1]
@@ -93,15 +92,7 @@ def room(
         np.empty((rows, rates, length), kind),
         np.empty(rates, np.int64),
     )
-    exponents = (modes + rates, BLOCK)
-    table = Table(
-        np.zeros(exponents),
-        np.zeros(exponents),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(length + 3),
-    )
-    return case, span, table
+    return case, span
 
 
 @kernel
@@ -119,25 +110,14 @@ def respond(
 ) -> None:
     """Answer the cases from `first` up to `last`.
 
-    Parameters
-    ----------
-    times : ndarray
-        Times, rising, ``(n,)``.
-    plants : tuple
-        Poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P, N, R)``, and whether the wind is taken
-        off the last of these.
-    deflections, winds : tuple of ndarray
-        Knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``.
-    which : ndarray
-        The plant, the deflection and the wind of each case, ``(3, cases)``.
-    out, near : ndarray
-        Written: ``(cases, R, n)``, and whether two poles are too near for modes to be told apart,
-        ``(cases,)``; such a case is not answered.
-    room : tuple
-        As from `room`; nobody else may use it meanwhile.
+    `times`: times, rising, ``(n,)``. `plants`: poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P,
+    N, R)``, and whether the wind is taken off the last of these. `deflections`, `winds`: knots
+    ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: the plant, the
+    deflection and the wind of each case, ``(3, cases)``. `out`, `near`: written: ``(cases, R, n)``,
+    and whether two poles are too near for modes to be told apart, ``(cases,)``; such a case is not
+    answered. `room`: as from `room`; nobody else may use it meanwhile.
     """
-    whole, span, table = room
-    step, off = grid(times)
+    whole, span = room
     for number in range(first, last):
         p, d, w = which[0, number], which[1, number], which[2, number]
         plant = Plant(plants[0][p], plants[1][p], plants[2][p], plants[3])
@@ -166,12 +146,11 @@ def respond(
                 size += magnitude(pole, gain[1], case.knots[0], winds, w)
                 if abs(span.known[m, 0]) > rounding * size:
                     span.excess[m] = -span.known[m, 0]
-        even = fill_evenly(plant.poles, case.rates, times.size, step, off, table)
-        carry(times, plant, case, even, span, table, out[number])
+        carry(times, plant, case, span, out[number])
 
 
 @kernel
-def carry(times: Any, plant: Any, case: Any, even: Any, span: Any, table: Any, out: Any) -> None:
+def carry(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
     """Write the outputs of one case, span by span."""
     first = np.searchsorted(times, case.knots[0])
     for r in range(out.shape[0]):
@@ -199,10 +178,72 @@ def carry(times: Any, plant: Any, case: Any, even: Any, span: Any, table: Any, o
         if plant.less_wind:
             subtract_wind(case, i, span)
         last = np.searchsorted(times, case.knots[i + 1])
-        while first < last:
-            stop = block_end(times, first, last, plant.poles, case.rates)
-            block(times[first:stop], plant, case, i, even, span, table, out, first)
-            first = stop
+        sum_up(times[first:last], plant, case, i, span, out[:, first:last])
+        first = last
+
+
+@bare
+def sum_up(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> None:
+    """Write the outputs ``(R, n)`` at times of span `i`: real parts, where 0 times inf is 0."""
+    width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
+    for j in range(times.size):
+        u = times[j] - case.knots[i]
+        for r in range(out.shape[0]):
+            out[r, j] = 0.0
+        for q in range(case.rates.size):
+            if span.lengths[q] > 0:
+                add_answer(u, case.rates[q], span.shares[:, q, : span.lengths[q]], out[:, j])
+        for m in range(plant.poles.size):
+            real, imaginary = amplitude(plant.poles[m], m, u, width, since, span)
+            for r in range(out.shape[0]):
+                share = plant.outputs[m, r]
+                if real != 0.0 and share.real != 0.0:
+                    out[r, j] += share.real * real
+                if imaginary != 0.0 and share.imag != 0.0:
+                    out[r, j] -= share.imag * imaginary
+
+
+@bare
+def add_answer(u: Any, rate: Any, shares: Any, out: Any) -> None:
+    """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``."""
+    real, imaginary = exponential(rate, u)
+    for r in range(out.size):
+        total = shares[r, shares.shape[1] - 1]
+        for k in range(shares.shape[1] - 2, -1, -1):
+            total = total * u + shares[r, k]
+        out[r] += total.real * real
+        if imaginary != 0.0:
+            out[r] -= total.imag * imaginary
+
+
+@bare
+def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Any) -> Any:
+    """Return real and imaginary part of what there is of a mode's exponential at `u`.
+
+    lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the shares that are counted
+    from the left end, from the right end, and from the first knot of all.
+    """
+    real, imaginary = 0.0, 0.0
+    for part in range(3):
+        share, time = span.lead[mode], u
+        if part == 1:
+            share, time = span.tail[mode], u - width
+        elif part == 2:
+            share, time = span.excess[mode], u + since
+        if share != 0.0:
+            a, b = exponential(pole, time)
+            real += share.real * a
+            if pole.imag != 0.0:
+                real -= share.imag * b
+                imaginary += share.real * b + share.imag * a
+    return real, imaginary
+
+
+@bare
+def exponential(exponent: Any, u: Any) -> Any:
+    """Return the real and the imaginary part of e^(exponent u)."""
+    real, angle = np.exp(exponent.real * u), exponent.imag * u
+    return (real, 0.0) if angle == 0.0 else (real * np.cos(angle), real * np.sin(angle))
 
 
 @kernel

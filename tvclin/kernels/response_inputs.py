@@ -43,14 +43,14 @@ def merge(first: Any, second: Any, knots: Any) -> Any:
 def distinct(own: Any, rates: Any, used: Any) -> Any:
     """Write those rates that are new behind the first `used`; return how many there are then."""
     for q in range(own.size):
-        if find(own[q], rates, used) == used:
+        if place_of(own[q], rates, used) == used:
             rates[used] = own[q]
             used += 1
     return used
 
 
 @kernel
-def find(rate: Any, rates: Any, used: Any) -> Any:
+def place_of(rate: Any, rates: Any, used: Any) -> Any:
     """Return where a rate is among the first `used`; `used` where it is not."""
     at = 0
     while at < used and rates[at] != rate:
@@ -72,7 +72,7 @@ def put(case: Any, forces: Any, knots: Any, coefficients: Any, rates: Any) -> No
             continue
         u = case.knots[i] - knots[piece]
         for q in range(rates.size):
-            terms = forces[i, find(rates[q], case.rates, case.rates.size)]
+            terms = forces[i, place_of(rates[q], case.rates, case.rates.size)]
             for k in range(coefficients.shape[2]):
                 terms[k] += coefficients[piece, q, k]
         for q in range(case.rates.size if u > 0.0 else 0):

@@ -16,17 +16,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import prod
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.pieces import Pieces, flat, spread
 from tvclin.kernels.response_cases import MARGINAL, respond, room
 from tvclin.kernels.threads import in_slices
-
-FloatArray = NDArray[np.float64]
 
 _PLAIN = (1e-3, 2e-6)
 """Seconds that plain Python takes for one case, and for one time of one output."""
@@ -39,21 +36,14 @@ _REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
 class System:
     """A plant as a sum of modes.
 
-    Attributes
-    ----------
-    poles : ndarray
-        Poles [1/s], ``(..., N)``.
-    gains : ndarray
-        What each input does to each mode, ``(..., N, 2)``.
-    outputs : ndarray
-        How much of each mode is in each output, ``(..., N, R)``.
-    less_wind : bool
-        Whether the second input, the wind, is taken off the last output.
+    `poles`: poles [1/s], ``(..., N)``. `gains`: what each input does to each mode, ``(..., N, 2)``.
+    `outputs`: how much of each mode is in each output, ``(..., N, R)``. `less_wind`: whether the
+    second input, the wind, is taken off the last output.
     """
 
-    poles: NDArray[Any]
-    gains: NDArray[Any]
-    outputs: NDArray[Any]
+    poles: AnyArray
+    gains: AnyArray
+    outputs: AnyArray
     less_wind: bool = True
 
     def only(self, rows: Sequence[int]) -> "System":
@@ -62,7 +52,7 @@ class System:
         return System(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
 
 
-def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
+def growing(poles: AnyArray) -> BoolArray:
     """Return which of all the poles ``(..., N)`` of a plant grow; those on the axis do not."""
     size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
     return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
@@ -70,27 +60,13 @@ def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
 
 def responses(
     system: System, inputs: tuple[Pieces, Pieces], times: FloatArray, shape: tuple[int, ...]
-) -> tuple[FloatArray, NDArray[np.bool_] | None]:
+) -> tuple[FloatArray, BoolArray | None]:
     """Return the outputs ``(*shape, R, n)``, and for which cases they are not to be used.
 
-    Parameters
-    ----------
-    system : System
-        One plant or a batch.
-    inputs : tuple of Pieces
-        Deflection and wind.
-    times : ndarray
-        Times [s], ``(n,)``, in any order.
-    shape : tuple of int
-        Of the batch, to which plants and inputs broadcast.
-
-    Returns
-    -------
-    outputs : ndarray
-        In the units of the inputs.
-    near : ndarray or None
-        ``shape``; True where two poles are too near for modes to be told apart in that time.
-        None where this is nowhere so.
+    `inputs`: deflection and wind. `times`: times [s], ``(n,)``, in any order. `shape`: of the
+    batch, to which plants and inputs broadcast. Returned `outputs`: in the units of the inputs.
+    Returned `near`: ``shape``; True where two poles are too near for modes to be told apart in that
+    time. None where this is nowhere so.
     """
     histories = [spread(p, p.batch) if p.batch else p for p in inputs]
     arrays = [system.poles, *(a for h in histories for a in (h.coefficients, h.rates))]
@@ -124,7 +100,7 @@ def responses(
     return out.reshape(*shape, *out.shape[1:]), near.reshape(shape) if near.any() else None
 
 
-def _which(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> NDArray[np.int64]:
+def _which(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:
     """For each case its positions in the batches, ``(len(batches), cases)``."""
     if not shape:
         return np.zeros((len(batches), 1), np.int64)

@@ -1,14 +1,12 @@
 """Where functions cross zero, and where they are least, for a whole batch at once."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 
-Evaluate = Callable[[FloatArray, NDArray[np.intp]], FloatArray]
+Evaluate = Callable[[FloatArray, IndexArray], FloatArray]
 """Values at times ``(k,)`` of the batch elements at the flat positions ``(k,)``."""
 
 
@@ -21,7 +19,7 @@ def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) ->
     return np.where(np.any(reached, axis=-1), found, np.inf)
 
 
-def refine(times: FloatArray, index: NDArray[Any], evaluate: Evaluate) -> FloatArray:
+def refine(times: FloatArray, index: AnyArray, evaluate: Evaluate) -> FloatArray:
     """Return the root between ``times[index - 1]`` and ``times[index]``, to rounding.
 
     Where the ends have no different signs it is the later end.

@@ -8,14 +8,11 @@ Marshall, IEE Proceedings D 134, 1987): no approximation of the delay enters the
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels.any_loop import AnyLoop
-
-FloatArray = NDArray[np.float64]
 
 _AXIS = 1e-12
 """Nearer to the imaginary axis than this part of the largest pole is on it."""
@@ -32,32 +29,20 @@ _STEPS, _CLOSE = 4, 1e-6
 class Stability:
     """What the closed loop does.
 
-    Attributes
-    ----------
-    poles : ndarray
-        The closed-loop poles without the delay, ``(..., n)``.
-    unstable_poles : ndarray of int
-        Closed-loop poles in the right half plane, ``(...)``.
-    marginal : ndarray of bool
-        Whether one lies on the imaginary axis, ``(...)``.
-    crossovers : ndarray
-        Frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with NaN.
+    `poles`: the closed-loop poles without the delay, ``(..., n)``. `unstable_poles`: closed-loop
+    poles in the right half plane, ``(...)``. `marginal`: whether one lies on the imaginary axis,
+    ``(...)``. `crossovers`: frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with
+    NaN.
     """
 
-    poles: NDArray[Any]
-    unstable_poles: NDArray[np.intp]
-    marginal: NDArray[np.bool_]
+    poles: AnyArray
+    unstable_poles: IndexArray
+    marginal: BoolArray
     crossovers: FloatArray
 
 
 def stability(loop: AnyLoop) -> Stability:
-    """Return how many closed-loop poles are unstable, and the gain crossovers.
-
-    Parameters
-    ----------
-    loop : AnyLoop
-        One or a batch.
-    """
+    """Return how many closed-loop poles are unstable, and the gain crossovers."""
     poles = loop.closed_poles()
     slack = _AXIS * np.abs(poles).max(axis=-1, keepdims=True)
     grown = np.sum(np.real(poles) > slack, axis=-1)
@@ -82,7 +67,7 @@ def stability(loop: AnyLoop) -> Stability:
 
 
 def _first_due(
-    poles: NDArray[Any], slack: FloatArray, omega: FloatArray, rising: NDArray[np.bool_]
+    poles: AnyArray, slack: FloatArray, omega: FloatArray, rising: BoolArray
 ) -> FloatArray:
     """The phase [rad] still to be lost by poles that begin on the axis or next to it.
 

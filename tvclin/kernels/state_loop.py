@@ -11,13 +11,10 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels.rational import product
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
-"""Of complex numbers."""
 
 _INDEPENDENT = 1e6
 """Eigenvectors with a higher condition number are not used: poles are repeated, or nearly so."""
@@ -52,18 +49,10 @@ class StateLoop:
     Made by `balanced`. The arrays are those of all loops that were made together, and `case` says
     which of them are meant.
 
-    Attributes
-    ----------
-    A, B, C, D : ndarray
-        ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
-    late : ndarray
-        Delay [s], ``(k,)``.
-    poles, residues : ndarray
-        L without delay is D + sum of residue/(s - pole), both ``(k, n)``.
-    modal : ndarray of bool
-        Whether that holds, ``(k,)``: not where poles are repeated.
-    case : ndarray of int
-        Positions among the ``(k,)``.
+    `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``. `late`: delay [s],
+    ``(k,)``. `poles`, `residues`: L without delay is D + sum of residue/(s - pole), both ``(k,
+    n)``. `modal`: whether that holds, ``(k,)``: not where poles are repeated. `case`: positions
+    among the ``(k,)``.
     """
 
     A: FloatArray
@@ -71,10 +60,10 @@ class StateLoop:
     C: FloatArray
     D: FloatArray
     late: FloatArray
-    poles: ComplexArray
-    residues: ComplexArray
-    modal: NDArray[np.bool_]
-    case: NDArray[np.intp]
+    poles: AnyArray
+    residues: AnyArray
+    modal: BoolArray
+    case: IndexArray
 
     @classmethod
     def balanced(
@@ -123,7 +112,7 @@ class StateLoop:
         stored = (self.A, self.B, self.C, self.D, self.late, self.poles, self.residues, self.modal)
         return type(self)(*stored, self.case[index])
 
-    def parts(self, omega: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
+    def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
         """Return L with its delay, over one, at j omega ``(k, m)``; at a pole one over zero."""
         omega = np.broadcast_to(np.asarray(omega, float), (len(self.case), np.shape(omega)[-1]))
         values = self._values(1j * omega)
@@ -134,27 +123,27 @@ class StateLoop:
                 values = product(values, late)
         return self._over(values, omega)
 
-    def value(self, s: ComplexArray) -> ComplexArray:
+    def value(self, s: AnyArray) -> AnyArray:
         """Return L with its delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
         return product(self._values(s), np.exp(-s * self.delay[:, np.newaxis]))
 
-    def slope(self, s: ComplexArray) -> ComplexArray:
+    def slope(self, s: AnyArray) -> AnyArray:
         """Return dL/ds with the delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
         late = self.delay[:, np.newaxis]
         value, slope = self._solved(s)
         return (slope - late * value) * np.exp(-s * late)
 
-    def undelayed(self, omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return L without its delay, over one, at j omega ``(k, m)``, by solving for it."""
         return self._over(self._solved(1j * omega)[0], omega)
 
-    def log_slope(self, omega: FloatArray) -> ComplexArray:
+    def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B."""
         value, slope = self._solved(1j * omega)
         with np.errstate(all="ignore"):
             return 1j * (slope / value)
 
-    def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
+    def vanishes(self, omega: FloatArray) -> BoolArray:
         """Return whether L is zero or infinite, to rounding, at one frequency each ``(k,)``."""
         s = 1j * omega[:, np.newaxis]
         poles, residues = self.poles[self.case], self.residues[self.case]
@@ -165,11 +154,11 @@ class StateLoop:
             small = np.abs(self._values(s)[:, 0]) <= _VANISHING * size
         return np.asarray(at_pole | (small & self.modal[self.case]))
 
-    def open_poles(self) -> ComplexArray:
+    def open_poles(self) -> AnyArray:
         """Return the poles without the delay [1/s], ``(k, n)``."""
         return self.poles[self.case]
 
-    def closed_poles(self) -> ComplexArray:
+    def closed_poles(self) -> AnyArray:
         """Return the closed-loop poles without the delay [1/s]: eig(A - B C/(1 + D))."""
         A, B, C, D = self._matrices
         returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
@@ -177,13 +166,13 @@ class StateLoop:
             complex
         )
 
-    def zeros(self) -> ComplexArray:
+    def zeros(self) -> AnyArray:
         """Return the zeros [1/s], ``(k, n)``; NaN fills the rows."""
         roots = _zeros(*self._matrices)
         near = np.abs(roots) < _FAR * self.bound()[:, np.newaxis]
         return np.where(near, roots, np.nan)
 
-    def crossovers(self, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
         """Return where |L| is `size` [rad/s], rising, and whether |L| falls there, ``(k, m)``.
 
         The frequencies are imaginary eigenvalues of the Hamiltonian matrix of L/size (Boyd,
@@ -239,7 +228,7 @@ class StateLoop:
         ratio = np.sqrt(np.where(whole, sizes[0], 1.0) / np.where(whole, sizes[1], 1.0))
         return A, B / ratio, C * ratio, D
 
-    def _values(self, s: ComplexArray) -> ComplexArray:
+    def _values(self, s: AnyArray) -> AnyArray:
         """L without its delay at s ``(k, m)``: the sum over the poles, in real numbers.
 
         r/(s - p) = r conj(s - p)/|s - p|^2, added one after the other, so that the same sum has
@@ -263,7 +252,7 @@ class StateLoop:
             found[repeated] = self.take(repeated)._solved(s[repeated])[0]
         return found
 
-    def _solved(self, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    def _solved(self, s: AnyArray) -> tuple[AnyArray, AnyArray]:
         """L without its delay, and dL/ds, at s ``(k, m)``; infinite at a pole, NaN at NaN."""
         together = max(1, _ENTRIES // max(1, s.shape[1] * self.A.shape[-1] ** 2))
         if len(s) > together:
@@ -285,8 +274,8 @@ class StateLoop:
             first = np.linalg.solve(matrix, right)
         second = np.linalg.solve(matrix, first)
         row = C[:, np.newaxis, np.newaxis, :]
-        value: ComplexArray = (row @ first)[..., 0, 0] + D[:, np.newaxis]
-        slope: ComplexArray = -(row @ second)[..., 0, 0]
+        value: AnyArray = (row @ first)[..., 0, 0] + D[:, np.newaxis]
+        slope: AnyArray = -(row @ second)[..., 0, 0]
         for array in (value, slope):
             array[at_pole], array[np.isnan(s)] = np.inf, np.nan
         return value, slope
@@ -309,14 +298,14 @@ class StateLoop:
         return np.sort(omega, axis=-1)
 
     @staticmethod
-    def _over(values: ComplexArray, omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    def _over(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """The values over one, and at a pole one over zero."""
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
         one = np.ones_like(values)
         return np.where(at_pole, one, values), np.where(at_pole, 0.0, one)
 
 
-def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> ComplexArray:
+def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
     """The finite s at which [[A - s, B], [C, D]] is singular, ``(k, n)``, filled with NaN."""
     from scipy.linalg import eigvals  # late: it takes 0.1 s to import
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from tvclin.base.arrays import FloatArray
+
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
@@ -48,12 +49,8 @@ def summed(systems: Sequence[Matrices]) -> Matrices:
 def to_steps(system: Matrices, c: FloatArray) -> Matrices:
     """Return the system in steps that s = c (z - 1)/(z + 1) makes of one in continuous time.
 
-    Parameters
-    ----------
-    system : tuple of ndarray
-        A, B, C and D.
-    c : ndarray
-        Two over the period, or what makes one frequency exact [1/s], ``(...)``.
+    `system`: A, B, C and D. `c`: two over the period, or what makes one frequency exact [1/s],
+    ``(...)``.
     """
     A, B, C, D = system
     c = np.asarray(c)[..., np.newaxis, np.newaxis]
@@ -66,12 +63,7 @@ def to_steps(system: Matrices, c: FloatArray) -> Matrices:
 def from_steps(system: Matrices, half: FloatArray) -> Matrices:
     """Return the system in w, z = (1 + w h/2)/(1 - w h/2), of one in steps.
 
-    Parameters
-    ----------
-    system : tuple of ndarray
-        A, B, C and D.
-    half : ndarray
-        Half the period [s], ``(...)``.
+    `system`: A, B, C and D. `half`: half the period [s], ``(...)``.
     """
     A, B, C, D = system
     half = np.asarray(half)[..., np.newaxis, np.newaxis]

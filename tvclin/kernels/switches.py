@@ -44,18 +44,10 @@ def switches(
 ) -> None:
     """Write time [s], demand and status of the cases from `first` up to `last`.
 
-    Parameters
-    ----------
-    winds
-        Knots, coefficients and rates of winds over their peaks, with one axis for the batch.
-    which
-        The wind of each case, ``(n,)``.
-    numbers
-        p, K, b1, b2 and q of each case, ``(n, 5)``.
-    literal
-        For each driver that is asked for, whether it is trim itself, ``(m,)``.
-    out
-        Time, demand and status, ``(n, m, 3)``.
+    `winds`: knots, coefficients and rates of winds over their peaks, with one axis for the batch.
+    `which`: the wind of each case, ``(n,)``. `numbers`: p, K, b1, b2 and q of each case, ``(n,
+    5)``. `literal`: for each driver that is asked for, whether it is trim itself, ``(m,)``. `out`:
+    time, demand and status, ``(n, m, 3)``.
     """
     knots, coefficients, rates = winds
     kept, marks = np.empty((3, knots.shape[1])), np.empty((4, 3))

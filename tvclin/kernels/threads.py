@@ -28,14 +28,8 @@ def thread_count() -> int:
 def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> None:
     """Call `work(first, last)` for slices that make up the cases, side by side.
 
-    Parameters
-    ----------
-    work : callable
-        Does the cases from `first` up to `last`; it must release the interpreter's lock.
-    cases : int
-        How many cases there are.
-    seconds : float
-        About what all of them take in one thread.
+    `work`: does the cases from `first` up to `last`; it must release the interpreter's lock.
+    `cases`: how many cases there are. `seconds`: about what all of them take in one thread.
     """
     blocks = -(-cases // _ALIGN)
     threads = int(min(seconds / _WORTH, blocks))

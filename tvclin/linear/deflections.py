@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -28,8 +29,6 @@ from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.searches import first_crossing
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
-
-FloatArray = NDArray[np.float64]
 
 SWITCHES = ("report", "literal")
 
@@ -214,7 +213,7 @@ def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> Flo
     times = relative.probe_times()
     pieces = kernel.spread(relative.pieces, shape)
 
-    def excess(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+    def excess(t: FloatArray, index: IndexArray) -> FloatArray:
         values = kernel.value(kernel.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level[index]
 

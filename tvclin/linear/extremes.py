@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import keyed
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
 Function = Callable[[FloatArray], FloatArray]
 
 _COARSE, _BETWEEN = 2001, 100
@@ -75,19 +74,9 @@ class Extremes:
 def extremes(plant: Plant, deflection: History, wind: History, length: float) -> Extremes:
     """Return what stands out in the attitude from 0 to `length` [s].
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant.
-    deflection : History
-        Its deflection [rad].
-    wind : History
-        Its wind [rad], which ends.
-    length : float
-        Duration of the response [s].
+    `plant`: one plant. `deflection`: its deflection [rad]. `wind`: its wind [rad], which ends.
+    `length`: duration of the response [s].
 
-    Notes
-    -----
     Extremes are sought between the samples; nothing depends on how fine a response is written.
     """
     turned = _turned(plant, wind)
@@ -130,16 +119,9 @@ def shown_until(
     it when the attitude is back at zero, and so the response ends there. Where the limit turns the
     vehicle over to the other side at once, it ends with the wind.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant.
-    deflection, wind : History
-        Its inputs [rad]; the wind ends.
-    longest : float
-        The end that was asked for [s].
-    lets_go : bool
-        Whether the limit is enough, so that the last return to zero is the end of its work.
+    `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: the end
+    that was asked for [s]. `lets_go`: whether the limit is enough, so that the last return to zero
+    is the end of its work.
     """
     from scipy.optimize import brentq
 
@@ -163,15 +145,9 @@ def shown_until(
 def let_go(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
     """Return when a limit that is held for ever is let go in a flight [s]; infinite if never.
 
-    Parameters
-    ----------
-    plant, wind : Plant, History
-        What flies.
-    times, attitude : ndarray
-        Samples of a flight that survives [s, rad], ``(n,)``; NaN where there is none.
+    `plant`, `wind`: what flies. `times`, `attitude`: samples of a flight that survives [s, rad],
+    ``(n,)``; NaN where there is none.
 
-    Notes
-    -----
     As of `shown_until`, but between the samples the attitude is taken for straight.
     """
     known = np.isfinite(attitude)

@@ -3,29 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.motions import axial_acceleration
 
 
-def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], NDArray[np.complex128]]:
+def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], ComplexArray]:
     """Return the names of bending modes and tanks, and their poles in the airframe.
 
-    Parameters
-    ----------
-    plant : FlexiblePlant
-        One or a batch.
+    The names are "bending 1", .., "slosh 1", .., as in the structure, and the poles the upper ones
+    [1/s], ``(..., n)``; NaN of a mode that does not oscillate.
 
-    Returns
-    -------
-    names : tuple of str
-        "bending 1", .., "slosh 1", .., as in the structure.
-    poles : ndarray
-        Upper pole of each [1/s], ``(..., n)``; NaN of a mode that does not oscillate.
-
-    Notes
-    -----
     Motion together moves the frequencies, and hardly ever changes their order: in it poles and the
     frequencies of the structure are matched. An oscillation of the rigid vehicle is left out.
     """

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.base import errors
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, nonnegative
 from tvclin.base.lines import Table, degrees, number
@@ -15,8 +15,6 @@ from tvclin.linear.extremes import Extremes, Point, probe_times, summit
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _NAMES = ("angle_of_attack", "attitude")
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
@@ -37,9 +36,9 @@ class Modes(Shown):
         NaN at a repeated pole.
     """
 
-    poles: NDArray[Any]
-    deflection_residues: NDArray[Any]
-    wind_residues: NDArray[Any]
+    poles: AnyArray
+    deflection_residues: AnyArray
+    wind_residues: AnyArray
 
     _keys = "poles_per_s deflection_residues_per_s wind_residues_per_s"
 
@@ -96,24 +95,16 @@ def unstable_modes(plant: Plant) -> Modes:
     return _with_residues(plant, unstable_poles(plant))
 
 
-def unstable_poles(plant: Plant) -> NDArray[Any]:
+def unstable_poles(plant: Plant) -> AnyArray:
     """Return the poles of `unstable_modes` alone, which take a third of the time.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant or a batch.
-
-    Returns
-    -------
-    ndarray
-        The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
-        where all are.
+    The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real where
+    all are.
     """
     return that_grow(plant.poles)
 
 
-def that_grow(every: NDArray[Any]) -> NDArray[Any]:
+def that_grow(every: AnyArray) -> AnyArray:
     """Return those of all poles ``(..., N)``, the fastest first, that `unstable_poles` has."""
     unstable = growing(every)
     most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
@@ -123,16 +114,13 @@ def that_grow(every: NDArray[Any]) -> NDArray[Any]:
     return poles
 
 
-def parted(poles: NDArray[Any]) -> NDArray[Any]:
+def parted(poles: AnyArray) -> AnyArray:
     """Return unstable poles ``(..., N)``, of which two that are together are set apart a little.
 
     What two poles ask for together depends on their mean and on the square of their distance, so a
     distance of 2e-6 of their size changes it by some 1e-12, and keeps it from 0/0.
 
-    Parameters
-    ----------
-    poles : ndarray
-        The fastest first, as `unstable_poles` gives them; NaN where there is none.
+    `poles`: the fastest first, as `unstable_poles` gives them; NaN where there is none.
     """
     apart = np.array(poles)
     for i in range(poles.shape[-1] - 1):
@@ -146,7 +134,15 @@ def parted(poles: NDArray[Any]) -> NDArray[Any]:
     return np.real(apart) if np.all((np.imag(apart) == 0.0) | np.isnan(apart)) else apart
 
 
-def wind_strength(plant: Plant, poles: NDArray[Any]) -> NDArray[Any]:
+def left_row(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Return the eigenvalue p of A ``(..., n, n)`` next to a pole ``(...)``, and l of l A = p l."""
+    values, left = np.linalg.eig(np.swapaxes(A, -1, -2))
+    nearest = np.abs(values - pole[..., np.newaxis]).argmin(axis=-1)[..., np.newaxis]
+    row = np.take_along_axis(left, nearest[..., np.newaxis, :], axis=-1)[..., 0]
+    return np.take_along_axis(values, nearest, axis=-1)[..., 0], row
+
+
+def wind_strength(plant: Plant, poles: AnyArray) -> AnyArray:
     """Return N_wind(p)/N_deflection(p) of the attitude at poles ``(..., N)``.
 
     It is B times the K1 of each pole; infinite where the deflection does not reach the pole.
@@ -156,7 +152,7 @@ def wind_strength(plant: Plant, poles: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(np.where(turned == 0.0, np.inf, blown / turned))
 
 
-def poles_in_words(poles: NDArray[Any]) -> str:
+def poles_in_words(poles: AnyArray) -> str:
     """Return which unstable poles one plant has: how many real ones, and each pair by name."""
     upper = poles[np.imag(poles) > 0.0]
     real = int(np.sum(np.imag(poles) == 0.0))
@@ -164,7 +160,7 @@ def poles_in_words(poles: NDArray[Any]) -> str:
     return " and ".join([f"{real} real" if real else "", *pairs]).removeprefix(" and ") or "none"
 
 
-def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:
+def _with_residues(plant: Plant, poles: AnyArray) -> Modes:
     slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.vehicle.structure import SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
-
-FloatArray = NDArray[np.float64]
 
 _LEAST = 1e-12
 """Of the eigenvalues of a mass matrix scaled to a diagonal of about one; rounding leaves 1e-15."""
@@ -28,12 +26,9 @@ _LEAST = 1e-12
 class Motions:
     """Accelerations q'' per unit of everything they follow, solved for: M is divided out.
 
-    Attributes
-    ----------
-    displacement, rate : ndarray
-        Per amplitude and per its rate, -K/M and -C/M, ``(..., n, n)``.
-    deflection, deflection_acceleration, angle_of_attack : ndarray
-        Per angle [rad], and per its second derivative, ``(..., n)``.
+    `displacement`, `rate`: per amplitude and per its rate, -K/M and -C/M, ``(..., n, n)``.
+    `deflection`, `deflection_acceleration`, `angle_of_attack`: per angle [rad], and per its second
+    derivative, ``(..., n)``.
     """
 
     displacement: FloatArray
@@ -51,11 +46,8 @@ def axial_acceleration(vehicle: Vehicle) -> Any:
 def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     """Return the motions of a vehicle and its structure, which broadcast.
 
-    Raises
-    ------
-    InputError
-        Where the mass matrix is not positive definite, and for a pendulum that nothing pulls
-        straight.
+    `InputError` where the mass matrix is not positive definite, and for a pendulum that nothing
+    pulls straight.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _Rows(shape, 2 + len(structure.bending), len(structure.slosh))

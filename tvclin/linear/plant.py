@@ -19,8 +19,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, one_of, positive
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
@@ -32,7 +33,6 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 
 INPUTS = ("deflection", "wind")
 RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
@@ -102,7 +102,7 @@ class Plant:
         held = {name: float(getattr(few, name)[0]) for name in NUMBERS}
         return self._with(held)
 
-    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Plant:
+    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> Plant:
         """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
         held = {
             name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
@@ -198,7 +198,7 @@ class Plant:
         return polynomials.add(angle, -self.denominator) if input == "wind" else angle
 
     @cached_property
-    def poles(self) -> NDArray[Any]:
+    def poles(self) -> AnyArray:
         """All poles [1/s], the fastest growing first, ``(..., order)``; real where all are."""
         poles = polynomials.roots(self.denominator)
         order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
@@ -316,7 +316,7 @@ class Plant:
         D[..., -1, 1] = -1.0
         return A, B, C, D
 
-    def path_per_attitude(self, poles: NDArray[Any]) -> NDArray[Any]:
+    def path_per_attitude(self, poles: AnyArray) -> AnyArray:
         """Return how much flight path angle goes with the attitude in a free mode e^(p t).
 
         From the flight path equation, (p + damping + q/p) gamma = attitude theta; the angle of

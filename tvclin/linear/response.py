@@ -18,8 +18,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     broadcast,
@@ -34,8 +35,6 @@ from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

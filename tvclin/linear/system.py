@@ -16,16 +16,16 @@ from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.kernels import state_space
-from tvclin.kernels.propagation import driven_steps
+from tvclin.kernels.propagation import driven, exponentials
 
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 Names = tuple[str, ...]
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
@@ -67,11 +67,11 @@ class LinearSystem:
         return np.broadcast_shapes(*(one.shape[:-2] for one in self.matrices()))
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """The eigenvalues of A, ``(..., n)``: s [1/s], or z in steps."""
         return np.linalg.eigvals(self.A).astype(complex)
 
-    def response(self, s: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, s: ArrayLike) -> ComplexArray:
         """Return C (s - A)^-1 B + D, ``batch + s.shape + (outputs, inputs)``.
 
         Parameters
@@ -120,7 +120,7 @@ class LinearSystem:
         """Return the system with other names of some inputs."""
         return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
 
-    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> LinearSystem:
+    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
         """Return some of the batch spread to `shape`, ``(k,)``, by their flat positions there."""
 
         def of(array: FloatArray, axes: int) -> FloatArray:
@@ -136,8 +136,8 @@ class LinearSystem:
 
         Exactly: with d whole samples of the delay and a rest f,
 
-            x[k+1] = F x[k] + G0 u[k-d] + G1 u[k-d-1],    e^([A, B; 0, 0] t) = [.., P(t); 0, 1],
-            F = e^(A h),    G0 = P(h - f),    G1 = P(h) - G0,
+            x[k+1] = F x[k] + G0 u[k-d] + G1 u[k-d-1],    e^([A, B; 0, 0] t) = [E(t), P(t); 0, 1],
+            F = E(h - f) E(f),    G0 = P(h - f),    G1 = E(h - f) P(f),
 
         and commands that have not arrived are states.
 
@@ -156,24 +156,21 @@ class LinearSystem:
         h, late = np.asarray(period, float), np.asarray(delay, float)
         whole, rest = delay_parts(late, h)
         shape = broadcast(system=self.batch, period=h.shape, delay=late.shape)
-        parts = np.stack(np.broadcast_arrays(h, h - rest), axis=-1)
-        F, P = driven_steps(self.A, self.B, np.broadcast_to(parts, (*shape, 2)))
-        F, G0, G1 = F[..., 0, :, :], P[..., 1, :, :], P[..., 0, :, :] - P[..., 1, :, :]
-        G1 = np.where(rest[..., np.newaxis, np.newaxis] > 0.0, G1, 0.0)
+        parts = [h - rest, rest] if np.any(rest) else [h]
+        n, moved = len(self.states), [self._moved(np.broadcast_to(one, shape)) for one in parts]
+        F, pushes = moved[0][..., :n], [moved[0][..., n:]]
+        if np.any(rest):
+            F, pushes = F @ moved[1][..., :n], [*pushes, F @ moved[1][..., n:]]
         period = np.broadcast_to(h, shape)
         if not np.any(late):
-            return replace(self, A=F, B=G0, period=period)
+            return replace(self, A=F, B=pushes[0], period=period)
         if len(self.inputs) > 1 or np.any(self.D):
             raise InputError("a delayed system needs one input, which no output follows at once")
         # The commands on their way: u[k-1], u[k-2], .., as many as the longest delay asks for.
         count = int((whole + (rest > 0.0)).max(initial=0))
-        places = np.arange(1 + count)
-        now, before = (
-            (places == (whole + k)[..., np.newaxis]).astype(float)[..., np.newaxis, :]
-            for k in (0, 1)
-        )
-        pushed = G0 * now + G1 * before  # of u[k], u[k-1], ..
-        n = len(self.states)
+        pushed = np.zeros((*shape, n, 1 + count))  # by u[k], u[k-1], ..
+        for k, push in enumerate(pushes):
+            pushed += push * (np.arange(1 + count) == (whole + k)[..., np.newaxis, np.newaxis])
         A = np.zeros((*shape, n + count, n + count))
         B = np.zeros((*shape, n + count, 1))
         A[..., :n, :n], A[..., :n, n:], B[..., :n, :] = F, pushed[..., 1:], pushed[..., :1]
@@ -182,6 +179,16 @@ class LinearSystem:
         waiting = tuple(f"{self.inputs[0]}_{k}" for k in range(1, count + 1))
         states = (*self.states, *waiting)
         return replace(self, A=A, B=B, C=C, states=states, period=period)
+
+    def _moved(self, times: FloatArray) -> FloatArray:
+        """States a time [s] later, ``(..., n, n + inputs)``: of states and inputs, which are held.
+
+        The batch of times is that of the whole.
+        """
+        whole = driven(self.A, self.B)
+        shape = (*times.shape, *whole.shape[-2:])
+        every = np.broadcast_to(whole, shape).reshape(-1, *shape[-2:])
+        return exponentials(every, times.ravel()).reshape(shape)[..., : len(self.states), :]
 
     def to_control(self, name: str) -> control.StateSpace:
         """Return one system in continuous time as `control.StateSpace`, its signals named.
@@ -200,9 +207,9 @@ class LinearSystem:
         return control.StateSpace(*self.matrices(), 0, name=name, **named)
 
 
-def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[IndexArray, FloatArray]:
     """Return the whole samples of a delay, and the rest [s] of it."""
-    samples = delay / period
+    samples = delay / np.where(period > 0.0, period, 1.0)
     whole = np.floor(samples + WHOLE)
     rest = np.where(samples - whole > WHOLE, samples - whole, 0.0) * period
     return whole.astype(np.intp), rest
@@ -213,6 +220,16 @@ def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:
     rows = np.stack(np.broadcast_arrays(*(np.asarray(f, float) for f in factors.values())), -1)
     none = (np.zeros((0, 0)), np.zeros((0, len(factors))), np.zeros((1, 0)))
     return LinearSystem(*none, rows[..., np.newaxis, :], tuple(factors), (output,), ())
+
+
+def rising(name: str, terms: int) -> LinearSystem:
+    """Return the block without inputs whose output is a polynomial of the time, c0 + c1 t + ...
+
+    Its states are the coefficients about now.
+    """
+    A, C = np.diag(np.arange(1.0, terms), k=1), np.eye(1, terms)
+    states = tuple(f"{name}_{k}" for k in range(terms))
+    return LinearSystem(A, np.zeros((terms, 0)), C, np.zeros((1, 0)), (), (name,), states)
 
 
 def connect(

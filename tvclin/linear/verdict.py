@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.kernels import polynomials
@@ -20,8 +20,6 @@ from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import INPUTS, Plant
 from tvclin.winds.histories import History, Piecewise
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +41,7 @@ class Verdict(Shown):
     """
 
     stable: Any
-    residues: NDArray[Any]
+    residues: AnyArray
     tolerance: FloatArray
     left_over: LeftOver
 
@@ -91,7 +89,7 @@ class LeftOver:
         return ", ".join(parts) or "nothing"
 
 
-def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
+def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
     """Return the residue of the attitude response [rad] at each unstable pole, ``(..., N)``.
 
     Parameters
@@ -151,7 +149,7 @@ def first_time(deflection: History, wind: History) -> FloatArray:
 
 def residues_at(
     modes: Modes, deflection: History, wind: History, start: FloatArray
-) -> tuple[NDArray[Any], FloatArray]:
+) -> tuple[AnyArray, FloatArray]:
     """Return the residues [rad] at the poles of `modes`, and the rounding to which they are known.
 
     They are those of the same flight with its time counted from `start` [s], and so neither

@@ -42,3 +42,4 @@ from .sketches import sketch_b as sketch_b
 from .sketches import sketch_c as sketch_c
 from .style import save_figure as save_figure
 from .vehicle_sketch import figure_1 as figure_1
+from .vehicle_to_scale import vehicle_chart as vehicle_chart

@@ -7,7 +7,6 @@ these show to be unstable is drawn, and has none.
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.base.errors import instance
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
 
 _CURVE: dict[str, Any] = {"color": INK, "lw": 1.8}
 _LINE: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}

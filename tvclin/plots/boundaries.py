@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.closed_forms import (
     rectangular_limit,
     triangular_limit,
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 CONFIGURATIONS = ("configuration-i", "configuration-ii")
@@ -168,7 +168,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
     sign = study.counts[0]
-    needs = "required" if sign == FROZEN else f"required, {sign} wind"
+    needs = "required, both planes" if study.in_both else "required"
+    needs += "" if sign == FROZEN else f", {sign} wind"
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)
     trim = float(np.degrees(study.trim_deflection))
     axes.axhline(trim, color="0.4", lw=1.0, ls=":", label="trim, no drift")

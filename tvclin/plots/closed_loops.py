@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance
 from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     import control
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 _POINTS, _MOST_POINTS, _PER_TURN = 2001, 20_001, 12
 """Points, the most there may be, and those in a turn of the fastest mode."""
@@ -215,12 +214,8 @@ def _wind_horizon(
 def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all modes that count die down, or one of them grows.
 
-    Parameters
-    ----------
-    system : control.StateSpace
-        The closed loop, with the outputs and the one input in question.
-    longest : float
-        The longest time [s] for which slow modes are followed; NaN for no end.
+    `system`: the closed loop, with the outputs and the one input in question. `longest`: the
+    longest time [s] for which slow modes are followed; NaN for no end.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0

@@ -1,5 +1,6 @@
 """An autopilot in a wind for comparison with trim."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,7 +50,8 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     times = np.linspace(start, start + _LONGER * (end - start), _POINTS)
     sides = np.concatenate([np.nextafter(c.wind.knots, -np.inf), c.wind.knots])
     times = np.unique(np.concatenate([times, sides[(sides >= times[0]) & (sides <= times[-1])]]))
-    answer = c.autopilot.answer(c.plant, c.wind)
+    steady = replace(c.autopilot, sample_rate=None)  # as its peaks
+    answer = steady.answer(c.plant, c.wind)
     seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
     against = -float(np.sign(B * c.wind.peak))

@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import write_rows
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Of a sum of few terms, over the largest number in sight."""
@@ -121,12 +119,7 @@ class Curves:
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
     """Return numbers with zero, without a minus, for what rounding leaves in its place.
 
-    Parameters
-    ----------
-    values : ndarray
-        The numbers.
-    size : float
-        The largest number in sight, if it is larger than all of them.
+    `size`: the largest number in sight, if it is larger than all of them.
     """
     sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
     return np.where(sizes <= _ROUNDING * sizes.max(initial=size), 0.0 * values, values) + 0.0

@@ -7,8 +7,8 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
@@ -19,8 +19,6 @@ from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
-
-FloatArray = NDArray[np.float64]
 
 Flights = Callable[[History, float, float, FloatArray], FloatArray]
 """Takes a wind, a deflection limit [rad], a dead band and times [s], ``(n,)``, and gives the
@@ -33,10 +31,7 @@ PEAK = float(np.radians(1.0))
 def chosen_engine(engine: str | None) -> str:
     """Return an engine by name, or where none is named JSBSim if it is installed, else "planar".
 
-    Raises
-    ------
-    InputError
-        For any other name.
+    `InputError` for any other name.
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
@@ -46,12 +41,7 @@ def chosen_engine(engine: str | None) -> str:
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
     """Return what flies the report's control on a vehicle with frozen parameters, in pitch.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle.
-    engine : str
-        One of `ENGINES`.
+    `engine`: one of `ENGINES`.
     """
     fly = ENGINES[engine].fly
 
@@ -79,23 +69,11 @@ def flown_limit(
 ) -> float:
     """Return the boundary limit of the report's control in a triangular wind, by flying.
 
-    Parameters
-    ----------
-    name : str
-        What `load_vehicle` and `load_flight_condition` find the vehicle by.
-    tau_beta, dead_band : float
-        Duration of the wind, and K.
-    plane : {"pitch", "yaw"}
-        Plane of the wind.
-    peak : float
-        Its peak [rad], at the vehicle's own time.
-    engine : str
-        One of `ENGINES`.
-    along : bool
-        Whether the parameters vary along the trajectory, which planar flights know; frozen where
-        not.
-    tolerance : float
-        As of `flown_boundary`.
+    `name`: what `load_vehicle` and `load_flight_condition` find the vehicle by. `tau_beta`,
+    `dead_band`: duration of the wind, and K. `plane` ({"pitch", "yaw"}): plane of the wind. `peak`:
+    its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`. `along`: whether the
+    parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
+    as of `flown_boundary`.
     """
     vehicle = load_vehicle(name)
     options: dict[str, Any] = {}

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import positive
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.flights.engines import ENGINES
@@ -20,7 +21,6 @@ from tvclin.vehicle.file import load_vehicle
 if TYPE_CHECKING:
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 TAU_BETA = (1.0, 2.0, 4.0, 8.0, 14.0, 20.0)
 ALONG = {
@@ -124,12 +124,7 @@ def _figure(
 
 
 def _panel(
-    panel: str,
-    name: str,
-    K: float,
-    x: FloatArray,
-    durations: Sequence[FloatArray],
-    engine: str,
+    panel: str, name: str, K: float, x: FloatArray, durations: Sequence[FloatArray], engine: str
 ) -> list[Column]:
     c = Coefficients.from_vehicle(load_vehicle(name))
     found = {

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.trials import law_curve
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.laws.law import Law
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.lines import Line2D
 
-FloatArray = NDArray[np.float64]
 
 TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
 _FINE = 400

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.sampled_loop import SampledLoop
 from tvclin.kernels import polynomials
 from tvclin.kernels.rational import Rational
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 _STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
 """The largest step of a pole, over its size and over its distance from the next one; how often,
@@ -32,17 +29,13 @@ _BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
 class LocusPoles:
     """The poles of one loop, whose gain is multiplied by a factor.
 
-    Attributes
-    ----------
-    poles, zeros : ndarray
-        Of the loop, with the approximation of its delay [1/s], ``(n,)`` and ``(m,)``.
-    closed : callable
-        From factors ``(k,)`` to closed-loop poles [1/s], ``(k, n)``, in any order.
+    `poles`, `zeros`: of the loop, with the approximation of its delay [1/s], ``(n,)`` and ``(m,)``.
+    `closed`: from factors ``(k,)`` to closed-loop poles [1/s], ``(k, n)``, in any order.
     """
 
-    poles: ComplexArray
-    zeros: ComplexArray
-    closed: Callable[[FloatArray], ComplexArray]
+    poles: AnyArray
+    zeros: AnyArray
+    closed: Callable[[FloatArray], AnyArray]
 
     @classmethod
     def of(cls, what: str, loop: Loop, order: int) -> LocusPoles:
@@ -68,7 +61,7 @@ class LocusPoles:
             above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
         padded = np.pad(above, (below.size - above.size, 0))
 
-        def closed(factors: FloatArray) -> ComplexArray:
+        def closed(factors: FloatArray) -> AnyArray:
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
@@ -82,12 +75,12 @@ class LocusPoles:
         half = 0.5 * float(np.ravel(loop.period)[0])
         least = np.exp(-2.0 * np.pi / _FAR)
 
-        def in_s(w: ComplexArray) -> ComplexArray:
+        def in_s(w: AnyArray) -> AnyArray:
             z = (1.0 + w * half) / (1.0 - w * half)
             size = np.maximum(np.abs(z), least)  # z = 0 is that of a command still to come
             return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
 
-        def closed(factors: FloatArray) -> ComplexArray:
+        def closed(factors: FloatArray) -> AnyArray:
             k = factors[:, np.newaxis, np.newaxis]
             return in_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 
@@ -105,7 +98,7 @@ class LocusPoles:
         enters = np.concatenate([B, np.zeros((len(A1), 1))])
         leaves = np.concatenate([D1 @ C, C1], axis=-1)
 
-        def closed(factors: FloatArray) -> ComplexArray:
+        def closed(factors: FloatArray) -> AnyArray:
             matrices = whole - factors[:, np.newaxis, np.newaxis] * (enters @ leaves)
             return np.linalg.eigvals(matrices).astype(complex)
 
@@ -119,12 +112,8 @@ class LocusPoles:
 
         Those at which two poles meet on the real axis are among them.
 
-        Parameters
-        ----------
-        factors : ndarray
-            To begin with, rising.
-        near, far : float
-            Sizes [1/s]: of a pole below the first its step is measured by that.
+        `factors`: to begin with, rising. `near`, `far`: sizes [1/s]: of a pole below the first its
+        step is measured by that.
         """
         for _ in range(_ROUNDS):
             poles = self.closed(factors)
@@ -154,10 +143,10 @@ class LocusPoles:
         beside = [low[:, np.newaxis] + (end - low)[:, np.newaxis] * _BESIDE for end in ends]
         return np.unique(np.concatenate([factors, low, *(part.ravel() for part in beside)]))
 
-    def _real(self, factors: FloatArray) -> NDArray[np.intp]:
+    def _real(self, factors: FloatArray) -> IndexArray:
         return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
 
-    def branches(self, factors: FloatArray) -> ComplexArray:
+    def branches(self, factors: FloatArray) -> AnyArray:
         """Return the poles ``(k, n)`` at rising factors, each column one pole on its way.
 
         The poles at one factor are given to those at the one before so that they go least far,
@@ -172,7 +161,7 @@ class LocusPoles:
         return poles
 
 
-def _apart(poles: ComplexArray) -> FloatArray:
+def _apart(poles: AnyArray) -> FloatArray:
     """The distance of each pole from the next one."""
     apart = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
     return np.min(apart + np.where(np.eye(poles.shape[-1]) > 0.0, np.inf, 0.0), axis=-1)

@@ -5,8 +5,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -23,8 +23,6 @@ from tvclin.plots.style import literal
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 ON_AXIS = 1e-9
 """Poles nearer to the imaginary axis than this part of the largest one are on it."""
@@ -47,35 +45,20 @@ _ORDER = 4
 class LoopSamples:
     """One loop with its exact delay, sampled finely enough to be drawn.
 
-    Attributes
-    ----------
-    loop : Loop
-        The loop.
-    margins : Margins
-        Its margins.
-    bands : BandMargins or None
-        Those of each mode of structure and liquid, where there are any.
-    airframe : ndarray
-        Poles of the rigid vehicle [1/s], as far as they are known.
-    omega : ndarray
-        Frequencies [rad/s], rising, above zero, ``(n,)``; those of the margins are among them.
-    response : ndarray
-        L at these, ``(n,)``.
-    phase : ndarray
-        Its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a
-        turn of -180 deg.
-    words : str
-        What the loop is made of, in one line.
-    pade_order : int
-        Order of the approximation that stands for the delay in a root locus.
+    `bands`: those of each mode of structure and liquid, where there are any. `airframe`: poles of
+    the rigid vehicle [1/s], as far as they are known. `omega`: frequencies [rad/s], rising, above
+    zero, ``(n,)``; those of the margins are among them. `response`: L at these, ``(n,)``. `phase`:
+    its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a turn of
+    -180 deg. `words`: what the loop is made of, in one line. `pade_order`: order of the
+    approximation that stands for the delay in a root locus.
     """
 
     loop: Loop
     margins: Margins
     bands: BandMargins | None
-    airframe: ComplexArray
+    airframe: AnyArray
     omega: FloatArray
-    response: NDArray[np.complex128]
+    response: ComplexArray
     phase: FloatArray
     words: str
     pade_order: int
@@ -132,12 +115,7 @@ class LoopSamples:
 def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
-    Parameters
-    ----------
-    what : str
-        Name of the figure, for the refusals.
-    autopilot, plant
-        As of `nichols_chart`.
+    `what`: name of the figure, for the refusals. `autopilot`, `plant`: as of `nichols_chart`.
     """
     if isinstance(autopilot, Loop):
         if plant is not None:
@@ -164,7 +142,7 @@ def _samples(
     loop: Loop,
     margins: Margins,
     bands: BandMargins | None,
-    airframe: ComplexArray,
+    airframe: AnyArray,
     words: str,
     order: int,
 ) -> LoopSamples:

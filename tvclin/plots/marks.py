@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.plots.style import INK
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.text import Annotation
     from matplotlib.transforms import Bbox
 
-FloatArray = NDArray[np.float64]
 
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """How far from its mark a number may stand, in points; the nearest clear place is taken."""
@@ -31,18 +30,8 @@ _MARK_SIZE = 7.0
 class Mark:
     """One point.
 
-    Attributes
-    ----------
-    x, y : float
-        Where it is.
-    text : str
-        What stands beside it; empty for a mark alone.
-    shape : str
-        Marker, as of matplotlib.
-    name : str
-        Entry of the legend; empty for none.
-    colour : str
-        Colour of the mark.
+    `x`, `y`: where it is. `text`: what stands beside it; empty for a mark alone. `shape`: marker,
+    as of matplotlib. `name`: entry of the legend; empty for none. `colour`: colour of the mark.
     """
 
     x: float
@@ -79,11 +68,8 @@ def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
 def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
     """Write the numbers beside the marks in the frame, clear of curves and of each other.
 
-    Parameters
-    ----------
-    *panels : tuple of matplotlib.axes.Axes and sequence of Mark
-        The panels of one figure, with their final frames, titles and legends, and the marks in
-        each of them.
+    `panels`: the panels of one figure, with their final frames, titles and legends, and the marks
+    in each of them.
     """
     for axes, marks in panels:
         for mark in marks:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.study import Study
 from tvclin.base.errors import InputError, instance
@@ -21,7 +20,6 @@ from tvclin.winds.plane_wind import PlaneWind, unit
 if TYPE_CHECKING:
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 TRIMS, MEANS = "trim, over time", "mean of the trim to come"
 HELD, STOP = "held from the dead band on", "the stop at the least limit"

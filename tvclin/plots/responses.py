@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import number, positive, within
 from tvclin.boundary.limit import boundary_limit
 from tvclin.flights.engines import ENGINES
@@ -23,7 +23,6 @@ from tvclin.winds.pulses import TriangularWind
 if TYPE_CHECKING:
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 TAU_BETA = (2.0, 4.0, 8.0, 20.0)
 FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)

@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError, nonnegative
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.loop import Loop
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 _END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}
 _LEFT = 1.2
@@ -35,9 +34,7 @@ _TALL = 1.15
 
 
 def root_locus_chart(
-    autopilot: Autopilot | Loop,
-    plant: AnyPlant | None = None,
-    gains: ArrayLike | None = None,
+    autopilot: Autopilot | Loop, plant: AnyPlant | None = None, gains: ArrayLike | None = None
 ) -> ControlPlot:
     """Draw where the closed-loop poles go when a factor multiplies the loop gain.
 
@@ -102,7 +99,7 @@ def root_locus_chart(
     return control_plot(lines, panels, _locus_curves(factors, branches, samples))
 
 
-def _within(branches: ComplexArray, loop: Loop) -> ComplexArray:
+def _within(branches: AnyArray, loop: Loop) -> AnyArray:
     """The branches, broken where a sampled pole steps over half the rate and comes back below."""
     if not isinstance(loop, SampledLoop):
         return branches
@@ -131,7 +128,7 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
     return locus.refined(steps, radii[-1], radii[0])
 
 
-def _radii(samples: LoopSamples, poles: ComplexArray) -> list[float]:
+def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     """How far the panels go: all poles but those of the delay, and those close to the origin."""
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
@@ -147,7 +144,7 @@ def _radii(samples: LoopSamples, poles: ComplexArray) -> list[float]:
     return [whole, near] if near < 0.35 * whole else [whole]
 
 
-def _pole_marks(poles: NDArray[Any]) -> list[Mark]:
+def _pole_marks(poles: AnyArray) -> list[Mark]:
     """The closed-loop poles, with a number beside one of each pair."""
     name, marks = "closed-loop poles (factor 1)", []
     for pole in poles[np.argsort(-poles.imag)]:
@@ -171,7 +168,7 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     return found
 
 
-def _end_marks(branches: ComplexArray, factors: FloatArray, radius: float) -> list[Mark]:
+def _end_marks(branches: AnyArray, factors: FloatArray, radius: float) -> list[Mark]:
     """Where the branches end that do not end at a zero or out of the frame: at the last factor."""
     name, marks = f"end of the locus (factor {factors[-1]:.3g})", []
     for end in branches[-1][np.abs(branches[-1]) < radius]:
@@ -191,7 +188,7 @@ def _mode_marks(samples: LoopSamples) -> list[Mark]:
     return marks
 
 
-def _draw_locus(axes: Axes, locus: LocusPoles, branches: ComplexArray) -> list[Any]:
+def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0.5)
     axes.axvline(0.0, color="0.4", lw=1.0, zorder=0.5)
     lines = axes.plot(locus.poles.real, locus.poles.imag, "x", label="poles of the loop", **_END)
@@ -203,7 +200,7 @@ def _draw_locus(axes: Axes, locus: LocusPoles, branches: ComplexArray) -> list[A
     return lines
 
 
-def _frame_round(axes: Axes, radius: float, poles: ComplexArray) -> None:
+def _frame_round(axes: Axes, radius: float, poles: AnyArray) -> None:
     rightmost = np.max(poles.real[np.abs(poles) < radius], initial=0.0)
     _frame(axes, (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost))), (-radius, radius))
     axes.set_aspect("equal", adjustable="box")
@@ -226,7 +223,7 @@ def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> 
     fine_grid(axes)
 
 
-def _locus_curves(factors: FloatArray, branches: ComplexArray, samples: LoopSamples) -> Curves:
+def _locus_curves(factors: FloatArray, branches: AnyArray, samples: LoopSamples) -> Curves:
     """The branches; those that set out from a mode, in a row of factors from zero, by its name."""
     names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
     for mode in samples.modes:

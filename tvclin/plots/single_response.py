@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves, without_rounding
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
@@ -13,7 +13,6 @@ from tvclin.winds.histories import History
 if TYPE_CHECKING:
     from control import ControlPlot, TimeResponseData
 
-FloatArray = NDArray[np.float64]
 
 _ORDINATES = {
     "angles": "angles [deg]",

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import number, positive
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_then_hold
@@ -19,7 +19,6 @@ from tvclin.winds.pulses import RectangularWind, TriangularWind
 if TYPE_CHECKING:
     from control import ControlPlot
 
-FloatArray = NDArray[np.float64]
 
 _JUMP = 1e-9
 """How far before a jump, in units of tau, the value before it is drawn."""

@@ -45,20 +45,10 @@ _SYMBOLS = {
 class Look:
     """How the curves of a figure are drawn.
 
-    Attributes
-    ----------
-    title : str
-        Title of the figure.
-    ordinate : str or mapping of str to str
-        Label of the ordinate with its unit, for all panels or for each.
-    styles : mapping of str to dict
-        For each label of a curve, what matplotlib is to draw it with.
-    legend : str
-        Heading of the legend.
-    limits : mapping of str to tuple of float
-        For each panel, the ends of the ordinate.
-    across : int
-        Panels in one row.
+    `title`: title of the figure. `ordinate`: label of the ordinate with its unit, for all panels or
+    for each. `styles`: for each label of a curve, what matplotlib is to draw it with. `legend`:
+    heading of the legend. `limits`: for each panel, the ends of the ordinate. `across`: panels in
+    one row.
     """
 
     title: str
@@ -72,17 +62,8 @@ class Look:
 def draw(curves: Curves, look: Look) -> "ControlPlot":
     """Draw curves, a panel for each heading, and one legend beside them all.
 
-    Parameters
-    ----------
-    curves : Curves
-        The numbers; nothing else is drawn.
-    look : Look
-        How they look.
-
-    Raises
-    ------
-    InputError
-        For an abscissa of fewer than two values, which has no width.
+    `curves`: the numbers; nothing else is drawn. `look`: how they look. `InputError` for an
+    abscissa of fewer than two values, which has no width.
     """
     if not np.ptp(curves.abscissa[np.isfinite(curves.abscissa)]) > 0.0:
         what = pretty(curves.abscissa_label)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Style, control_plot
 
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
 
 _ARM_A, _ARM_C, _NOSE, _TAIL, _RADIUS, _SPEED = 3.2, 6.0, 6.4, -6.0, 0.55, 11.0
 _ALONG = np.linspace(0.0, 1.0, 41)

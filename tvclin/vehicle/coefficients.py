@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Row, card
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
@@ -30,8 +30,6 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-
-FloatArray = NDArray[np.float64]
 
 PLANES, BOTH = ("pitch", "yaw"), "both"
 IN_WORDS = {**dict(zip(PLANES, PLANES, strict=True)), BOTH: "both planes"}
@@ -154,13 +152,7 @@ class Coefficients:
         )
 
     @classmethod
-    def from_beta(
-        cls,
-        *,
-        beta: float | FloatArray,
-        B: float | FloatArray,
-        **others: Any,
-    ) -> Self:
+    def from_beta(cls, *, beta: float | FloatArray, B: float | FloatArray, **others: Any) -> Self:
         """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
 
         Parameters

@@ -15,12 +15,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, nonnegative, one_of, plain, positive, together
 from tvclin.base.tables import FileTable
-
-FloatArray = NDArray[np.float64]
 
 RATES = {"qL/2V": 2.0, "qL/V": 1.0}
 """The rates of which tables give the coefficient, and f: of aircraft and DATCOM, of missiles."""
@@ -146,11 +144,8 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
 def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
     """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping.
 
-    Raises
-    ------
-    InputError
-        For a damping that is given in whole and in parts, a part that lacks a key, and as
-        `aerodynamic_damping` and `jet_damping`.
+    `InputError` for a damping that is given in whole and in parts, a part that lacks a key, and as
+    `aerodynamic_damping` and `jet_damping`.
     """
     found = {name: value for name, value in values.items() if name not in QUANTITIES}
     given = [name for name in _PARTS if name in values]

@@ -38,7 +38,7 @@ _MASS = {"mass": "mass"}
 VEHICLE_TABLE = FileTable(
     "[vehicle]",
     _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS,
-    words=("name",),
+    words=("name", "numbers_from"),
 )
 COEFFICIENTS = "coefficients"
 """The table of files that hold no vehicle, see `load_any_vehicle`."""
@@ -147,10 +147,7 @@ def build_vehicle(
 ) -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
-    Raises
-    ------
-    InputError
-        As `load_vehicle`, but for the file.
+    `InputError` as `load_vehicle`, but for the file.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
     values = _weighed(damping_of(table.read(given), table), table)

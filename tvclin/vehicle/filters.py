@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, broadcast, finite, nonzero, shown, within
 from tvclin.base.lines import Line, significant
 from tvclin.kernels import polynomials
-
-FloatArray = NDArray[np.float64]
 
 LARGEST = 1e9
 """Of frequencies [rad/s] and damping ratios, and one over the smallest frequency."""
@@ -167,15 +166,12 @@ class Filter(Carded):
         """How many poles the filter has."""
         return self.denominator.shape[-1] - 1
 
-    def __call__(self, s: ArrayLike) -> NDArray[np.complex128]:
+    def __call__(self, s: ArrayLike) -> ComplexArray:
         """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
 
         Infinite at a pole.
 
-        Raises
-        ------
-        InputError
-            For what is no number, and for numbers beyond 1e12 1/s.
+        `InputError` for what is no number, and for numbers beyond 1e12 1/s.
         """
         at = _complex("s", s)
         above, below = (
@@ -223,7 +219,7 @@ def cells_of(one: Filter, name: str) -> tuple[Line, Line, Line]:
     return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
 
 
-def _roots(name: str, roots: NDArray[Any]) -> Line:
+def _roots(name: str, roots: AnyArray) -> Line:
     """What zeros or poles [1/s] are: a frequency with a damping of each pair, and the real ones."""
     found: Line = ()
     for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
@@ -241,7 +237,7 @@ def _rows(*coefficients: Any) -> FloatArray:
     return np.stack(np.broadcast_arrays(*coefficients), axis=-1)
 
 
-def _complex(name: str, value: ArrayLike) -> NDArray[np.complex128]:
+def _complex(name: str, value: ArrayLike) -> ComplexArray:
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "iufc":

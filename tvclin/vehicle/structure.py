@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Row, card
 from tvclin.base.errors import (
     InputError,
@@ -29,7 +29,6 @@ from tvclin.base.errors import (
 )
 from tvclin.vehicle.filters import Filter
 
-FloatArray = NDArray[np.float64]
 Number = float | FloatArray
 Check = Callable[..., FloatArray]
 
@@ -259,7 +258,7 @@ class Structure:
         return _batch(self)
 
 
-def chosen(value: Any, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Any:
+def chosen(value: Any, cases: IndexArray, shape: tuple[int, ...]) -> Any:
     """Return some of a batch spread to `shape`, ``(k,)``, by flat positions there: every number."""
     if isinstance(value, Filter):
         rows = [
@@ -324,8 +323,4 @@ _OF_SLOSH = (
     ("pendulum_length", _size, "m"),
     ("frequency", _size, "rad/s"),
 )
-_OF_ENGINES = (
-    ("mass", _size, "kg"),
-    ("arm", _any, "m"),
-    ("moment_of_inertia", _inertia, "kg m^2"),
-)
+_OF_ENGINES = (("mass", _size, "kg"), ("arm", _any, "m"), ("moment_of_inertia", _inertia, "kg m^2"))

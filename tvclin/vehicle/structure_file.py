@@ -57,10 +57,7 @@ SLOSH_TABLE = FileTable(
 def build_structure(document: Mapping[str, Any]) -> Structure:
     """Return the structure of a vehicle file's tables, all of which are optional.
 
-    Raises
-    ------
-    InputError
-        For what the tables may not hold, and as the values that are made of them.
+    `InputError` for what the tables may not hold, and as the values that are made of them.
     """
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import (
     Faults,
@@ -28,7 +29,6 @@ from tvclin.vehicle.structure import Structure
 STANDARD_GRAVITY = 9.80665
 """g [m/s^2]: the mass of a vehicle is its weight over this."""
 
-FloatArray = NDArray[np.float64]
 
 _SMALLEST, _LARGEST = 1e-9, 1e18
 _MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")
@@ -73,6 +73,8 @@ class Vehicle:
     pitch_damping : array_like
         Moment against the attitude rate M_q [N m s/rad], aerodynamic and of the jet, in either
         plane; zero or positive, and zero where it is not given, as in the report.
+    numbers_from : str
+        Where its numbers come from, for its page.
     structure : Structure, optional
         What bends, sloshes and swings in it, and the lags of its sensors; None of a rigid vehicle.
 
@@ -101,10 +103,12 @@ class Vehicle:
     time: float | FloatArray | None = None
     control_force_slope: float | FloatArray | None = None
     pitch_damping: float | FloatArray = 0.0
+    numbers_from: str = field(default="", compare=False)
     structure: Structure | None = None
 
     def __post_init__(self) -> None:
         text("name", self.name)
+        text("numbers_from", self.numbers_from)
         checked, faults = {}, Faults()
         for name, check, unit in _CHECKS:
             with faults.kept():
@@ -253,5 +257,6 @@ _CHECKS = (
     ("attitude", _attitude, "rad"),
     ("pitch_damping", nonnegative, "N m s/rad"),
 )
-NUMBERS = tuple(one.name for one in fields(Vehicle) if one.name not in {"name", "structure"})
+_WORDS = {"name", "numbers_from", "structure"}
+NUMBERS = tuple(one.name for one in fields(Vehicle) if one.name not in _WORDS)
 """Its fields that are numbers."""

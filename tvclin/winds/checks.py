@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     nonnegative,
@@ -16,8 +17,6 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _FAINTEST = 1e-12
 SHORTEST, LONGEST = 1e-9, 1e9

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.base.errors import (
-    InputError,
-    instance,
-)
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, instance
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
 
@@ -60,9 +57,7 @@ def equivalent_triangle(wind: History) -> History:
     return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle
 
 
-def _check_area(
-    area: NDArray[np.float64], peak: NDArray[np.float64], least: NDArray[np.float64]
-) -> None:
+def _check_area(area: FloatArray, peak: FloatArray, least: FloatArray) -> None:
     area, peak, least = np.broadcast_arrays(area, peak, least)
     bad = np.sign(peak) * area <= least
     if np.any(bad):

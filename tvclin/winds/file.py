@@ -45,10 +45,7 @@ _SAMPLES_TABLE = FileTable("[wind]", words=("time_s", "angle_rad"))
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
     """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight.
 
-    Raises
-    ------
-    InputError
-        For what is no table, and where there is no such wind.
+    `InputError` for what is no table, and where there is no such wind.
     """
     if "wind" not in document:
         raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
@@ -92,17 +89,8 @@ def heading_of(
 ) -> float | None:
     """Return the heading of `ShapedWind` [rad]; None without a direction.
 
-    Parameters
-    ----------
-    direction, azimuth : float or None
-        Where the wind blows from and where the flight goes to [rad], from north, clockwise.
-    names : tuple of str
-        How a message calls them.
-
-    Raises
-    ------
-    InputError
-        For one without the other.
+    `direction`, `azimuth`: where the wind blows from and where the flight goes to [rad], from
+    north, clockwise. `names`: how a message calls them. `InputError` for one without the other.
     """
     if direction is None and azimuth is None:
         return None
@@ -120,10 +108,8 @@ def with_gust(
 ) -> ShapedWind | WindEnsemble:
     """Return a wind with the gust of [gust] on top, by its speed as a vehicle meets it in a plane.
 
-    Raises
-    ------
-    InputError
-        For a gust on top of a file of winds, and as `gust_of` and `ShapedWind.gust_of_speed`.
+    `InputError` for a gust on top of a file of winds, and as `gust_of` and
+    `ShapedWind.gust_of_speed`.
     """
     if "gust" not in document:
         return wind
@@ -143,11 +129,8 @@ def with_gust(
 def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
     """Return a gust that rises and falls as a cosine, and stays at its peak [rad] between.
 
-    Raises
-    ------
-    InputError
-        For a plateau [s] that leaves of the duration [s] nothing to rise and fall in, and as
-        `OneMinusCosineGust`.
+    `InputError` for a plateau [s] that leaves of the duration [s] nothing to rise and fall in, and
+    as `OneMinusCosineGust`.
     """
     if not plateau:
         return OneMinusCosineGust(peak=peak, duration=duration)

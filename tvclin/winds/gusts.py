@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import ending, instance, nonnegative, single
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import Pulse
-
-FloatArray = NDArray[np.float64]
 
 # Parts of the peak at the rates 0, +j omega and -j omega. Every piece counts its time from its own
 # start, where its half wave is at an extreme, so that all coefficients are real.

@@ -12,25 +12,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    real,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, finite, real, shown, whole_number
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.searches import lowest
-
-FloatArray = NDArray[np.float64]
 
 _FASTEST = 1e100
 """Laplace variables beyond this [rad/s] would overflow in products."""
@@ -75,7 +67,7 @@ class History(Carded, ABC):
         values = np.real(kernel.value(self.pieces, times.ravel()))
         return values.reshape((*self.batch, *times.shape))
 
-    def laplace(self, s: ArrayLike) -> NDArray[Any]:
+    def laplace(self, s: ArrayLike) -> AnyArray:
         """Return the Laplace transform, the integral of e^(-s t) times the history.
 
         Parameters
@@ -107,7 +99,7 @@ class History(Carded, ABC):
         with np.errstate(over="ignore", invalid="ignore"):
             return _carried(integrals.magnitude(self.pieces, s), s)
 
-    def future(self, s: ArrayLike, t: ArrayLike) -> NDArray[Any]:
+    def future(self, s: ArrayLike, t: ArrayLike) -> AnyArray:
         """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
 
         It is what the history will still do, after the time `t` [s], to a mode that grows with
@@ -115,13 +107,13 @@ class History(Carded, ABC):
         """
         return self.future_of(s)(t)
 
-    def future_of(self, s: ArrayLike) -> Callable[[ArrayLike], NDArray[Any]]:
+    def future_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
         """Return `future` at `s` as a function of times, for many calls: it is made ready once."""
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
             ahead = integrals.future(self.pieces, s)
 
-        def at(t: ArrayLike) -> NDArray[Any]:
+        def at(t: ArrayLike) -> AnyArray:
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
                 values = _carried(ahead(times.ravel()), s)
@@ -194,7 +186,7 @@ class History(Carded, ABC):
         p = self.some(np.array([case]), shape).pieces
         return Piecewise(Pieces(p.knots[0], p.coefficients[0], p.rates[0]))
 
-    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> History:
+    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> History:
         """Return some histories of the batch spread to `shape`, ``(k,)``, by flat positions."""
         return Piecewise(kernel.take(kernel.spread(self.pieces, shape), cases))
 
@@ -297,7 +289,7 @@ class History(Carded, ABC):
         return np.sort(np.concatenate(every, axis=-1), axis=-1)
 
     @property
-    def _live(self) -> NDArray[np.bool_]:
+    def _live(self) -> BoolArray:
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes
         columns = np.moveaxis(c.reshape(*c.shape[:-2], c.shape[-2] * c.shape[-1]), -1, 0)
         filled = reduce(np.logical_or, columns != 0.0)
@@ -308,7 +300,7 @@ class History(Carded, ABC):
         return self.pieces.degree <= 1 and not np.any(self.pieces.rates)
 
     def _refined_peak(
-        self, times: FloatArray, where: NDArray[np.intp], largest: FloatArray
+        self, times: FloatArray, where: IndexArray, largest: FloatArray
     ) -> FloatArray:
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
@@ -355,7 +347,7 @@ def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pie
     return Pieces(np.asarray(knots, float), coefficients[..., np.newaxis, :], np.zeros(1))
 
 
-def _scaled(pieces: Pieces, factor: NDArray[Any]) -> Pieces:
+def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:
     factor = factor[..., np.newaxis, np.newaxis, np.newaxis]
     return Pieces(pieces.knots, pieces.coefficients * factor, pieces.rates)
 
@@ -379,7 +371,7 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
     return Piecewise(answer)
 
 
-def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
+def _laplace_variable(s: ArrayLike) -> AnyArray:
     try:
         array = np.asarray(s)
     except Exception:  # whatever a stranger's conversion to an array may raise
@@ -391,12 +383,12 @@ def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
     return array.astype(complex if array.dtype.kind == "c" else float)
 
 
-def _carried(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
+def _carried(values: AnyArray, s: AnyArray) -> AnyArray:
     """The values; `InputError` where e^(-s t) has outgrown every number and left none."""
     if np.any(np.isnan(values)):
         raise InputError(f"s must be such that e^(-s t) does not overflow; got {shown(s)}")
     return values
 
 
-def _real_if_real(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
+def _real_if_real(values: AnyArray, s: AnyArray) -> AnyArray:
     return values if np.iscomplexobj(s) else np.real(values)

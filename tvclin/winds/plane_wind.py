@@ -11,14 +11,13 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, directions, instance, plain, within
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-12
 _FASTEST = 1e3
@@ -26,7 +25,7 @@ _TURNS = 100.0
 """A wind that veers faster [rad/s] or further than this is no wind."""
 
 
-def unit(angle: ArrayLike) -> NDArray[np.complex128]:
+def unit(angle: ArrayLike) -> ComplexArray:
     """Return e^(j angle); a part below rounding is zero, so that an axis is met exactly."""
     parts = np.stack([np.cos(angle), np.sin(angle)])
     parts = np.where(np.abs(parts) < _ROUNDING, 0.0, parts)
@@ -135,11 +134,11 @@ class PlaneWind:
         """Return one wind of the batch spread to `shape`, by its flat position there."""
         return PlaneWind(pitch=self.pitch.one(case, shape), yaw=self.yaw.one(case, shape))
 
-    def __call__(self, t: ArrayLike) -> NDArray[np.complex128]:
+    def __call__(self, t: ArrayLike) -> ComplexArray:
         """Return the vectors [rad] at the times `t` [s], shape ``batch + t.shape``."""
         return np.asarray(self.pitch(t) + 1j * self.yaw(t))
 
-    def future(self, s: ArrayLike, t: ArrayLike) -> NDArray[np.complex128]:
+    def future(self, s: ArrayLike, t: ArrayLike) -> ComplexArray:
         """Return the vector of both `History.future`, the wind still to come after `t` [s].
 
         Shape ``broadcast(batch, s.shape) + t.shape``.
@@ -176,7 +175,7 @@ class PlaneWind:
         return np.where(self.one_direction, straight, np.sqrt(np.maximum(self.square.peak, 0.0)))
 
     @cached_property
-    def one_direction(self) -> NDArray[np.bool_]:
+    def one_direction(self) -> BoolArray:
         """Whether the wind keeps to one line, shape ``batch``."""
         pitch, yaw = self._terms
         line = unit(self.direction)[..., np.newaxis]
@@ -192,7 +191,7 @@ class PlaneWind:
         return plain(np.arctan2(y, x))
 
     @cached_property
-    def _terms(self) -> tuple[NDArray[Any], NDArray[Any]]:
+    def _terms(self) -> tuple[AnyArray, AnyArray]:
         """The terms of both on common knots and rates, ``(..., m)``."""
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         still = [(0.0 * one).pieces for one in (self.pitch, self.yaw)]

@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import nonnegative
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import straight_lines
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

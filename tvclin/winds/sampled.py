@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, finite, within
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import LONGEST
 from tvclin.winds.histories import History, linear_pieces
-
-FloatArray = NDArray[np.float64]
 
 
 def straight_lines(time: FloatArray, angle: FloatArray) -> Pieces:

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, directions, instance, number, one_of, within
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
@@ -19,8 +20,6 @@ from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.speed import angle_in_plane, angles_from_speed, angles_of_vector
-
-FloatArray = NDArray[np.float64]
 
 SHAPES: dict[str, Callable[..., Any]] = {
     "triangular": TriangularWind,
@@ -236,7 +235,7 @@ class WindEnsemble:
         """The largest wind angle [rad] of all, without sign."""
         return float(np.abs(self.angle).max())
 
-    def chosen(self, numbers: ArrayLike) -> NDArray[np.int64]:
+    def chosen(self, numbers: ArrayLike) -> IntArray:
         """Return which wind each of the numbers in (0, 1) draws."""
         return np.asarray(np.asarray(numbers) * self.count, dtype=np.int64)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, directions, finite, number, positive, together
 
 _STEPS = 8
@@ -13,7 +14,7 @@ _AXIS = 1e-12
 
 def angle_from_speed(
     speed: ArrayLike, velocity: ArrayLike, flight_path_angle: ArrayLike
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the wind angle of attack [rad] of a horizontal wind, eq (B1e).
 
         sin(alpha_w) = (V_w/V_R) sin(gamma)
@@ -48,7 +49,7 @@ def angle_from_speed(
 
 def angle_in_plane(
     speed: ArrayLike, velocity: ArrayLike, attitude: ArrayLike, plane: str
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the angle [rad] of a wind [m/s] that meets a flight along its attitude [rad].
 
     In yaw the wind comes across, at right angles. Raise `InputError` as `angle_from_speed`.
@@ -59,13 +60,9 @@ def angle_in_plane(
 def along_and_across(heading: float, attitude: float) -> tuple[float, float]:
     """Return the sines of both wind angles over V_w/V_R: in pitch, and in yaw from the right.
 
-    Parameters
-    ----------
-    heading : float
-        Direction [rad] from which a horizontal wind blows, clockwise from that of the flight: pi
-        is a tail wind, pi/2 one from the right.
-    attitude : float
-        Attitude of the flight above the horizontal [rad].
+    `heading`: direction [rad] from which a horizontal wind blows, clockwise from that of the
+    flight: pi is a tail wind, pi/2 one from the right. `attitude`: attitude of the flight above the
+    horizontal [rad].
     """
     parts = -np.cos(heading) * np.sin(attitude), np.sin(heading)
     along, across = (0.0 if abs(one) < _AXIS else float(one) for one in parts)
@@ -77,18 +74,10 @@ def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[floa
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
-    Parameters
-    ----------
-    peak : float
-        Size [rad] of the vector of both angles; with a sign, the wind blows the other way.
-    heading, attitude : float
-        As of `along_and_across`.
-
-    Raises
-    ------
-    InputError
-        For numbers that are not finite, a wind along a level flight, which has no angle, and a
-        vector that no wind slower than the flight makes.
+    `peak`: size [rad] of the vector of both angles; with a sign, the wind blows the other way.
+    `heading`, `attitude`: as of `along_and_across`. `InputError` for numbers that are not finite, a
+    wind along a level flight, which has no angle, and a vector that no wind slower than the flight
+    makes.
     """
     size = number("peak", peak, unit="rad")
     psi = number("heading", heading, directions, "rad")
@@ -119,17 +108,8 @@ def angles_from_speed(
 ) -> tuple[float, float]:
     """Return the wind angles [rad] in pitch and in yaw of a horizontal wind [m/s], eq (B1e).
 
-    Parameters
-    ----------
-    speed, velocity : float
-        Of the wind and of the vehicle relative to the air [m/s].
-    attitude, heading : float
-        As of `along_and_across`.
-
-    Raises
-    ------
-    InputError
-        As `angle_from_speed`.
+    `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`,
+    `heading`: as of `along_and_across`. `InputError` as `angle_from_speed`.
     """
     parts = along_and_across(number("heading", heading, directions, "rad"), float(attitude))
     wind = number("speed", speed, unit="m/s")

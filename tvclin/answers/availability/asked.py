@@ -11,27 +11,13 @@ from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.wind_sign import FROZEN
-from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
-from tvclin.base.tables import FileTable
+from tvclin.base.declared import checked, file_table, quantity, word
+from tvclin.base.errors import InputError, between, directions, fraction, instance, one_of
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
-
-AVAILABILITY_TABLE = FileTable(
-    "[availability]",
-    {
-        "azimuth": "angle",
-        "known_to": "length",
-        "persistence": "angle",
-        **dict.fromkeys(
-            ("persistence_hours", "utc_offset_hours", "confidence", "least_part"), "number"
-        ),
-    },
-    words=("archive", "station", "plane", "in_order"),
-    lists=("months", "years"),
-)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,8 +30,16 @@ class AvailabilityAsked:
         The flight.
     soundings : Soundings
         The archive.
-    azimuth, plane, persistence, known_to, confidence
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    plane : str
+        Plane that counts.
+    persistence : float, WindGrowth, PairGrowth or "pairs", optional
         As of `availability`.
+    known_to : float, optional
+        Height that a sounding must reach to be judged [m].
+    confidence : float
+        Confidence of the intervals, from 0 to 1.
     least_part : float, optional
         So many of the days it must fly; without it nothing is asked.
 
@@ -57,12 +51,12 @@ class AvailabilityAsked:
 
     flight: FlightSchedule
     soundings: Soundings
-    azimuth: float
-    plane: str = BOTH
+    azimuth: float = quantity("angle", check=directions)
+    plane: str = word((BOTH, *PLANES), BOTH)
     persistence: float | WindGrowth | PairGrowth | str | None = None
-    known_to: float | None = None
-    confidence: float = 0.95
-    least_part: float | None = None
+    known_to: float | None = quantity("length", None, between(0.0, 1e5))
+    confidence: float = quantity("number", 0.95, fraction)
+    least_part: float | None = quantity("number", None, between(0.0, 1.0))
 
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
@@ -71,14 +65,8 @@ class AvailabilityAsked:
             raise InputError(
                 "soundings must hold one or more; got none (check month, years and station)"
             )
-        one_of("plane of availability", self.plane, (BOTH, *PLANES))
-        bearing("azimuth", self.azimuth)
+        checked(self)
         growth_of(self.persistence)
-        if self.known_to is not None:
-            number("known_to", self.known_to, between(0.0, 1e5), "m")
-        fraction("confidence", self.confidence)
-        if self.least_part is not None:
-            number("least_part", self.least_part, between(0.0, 1.0))
 
     def availability(
         self, case: Case, progress: Callable[[int, int], None] | None = None
@@ -107,3 +95,16 @@ class AvailabilityAsked:
             sign=FROZEN if getattr(case, "sign", None) == FROZEN else None,
             progress=progress,
         )
+
+
+AVAILABILITY_TABLE = file_table(
+    "[availability]",
+    AvailabilityAsked,
+    quantities={
+        "persistence": "angle",
+        "persistence_hours": "number",
+        "utc_offset_hours": "number",
+    },
+    words=("archive", "station", "in_order"),
+    lists=("months", "years"),
+)

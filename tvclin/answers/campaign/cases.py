@@ -5,27 +5,24 @@ A case has the same bits whichever cases are computed with it.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.dispersions import WIND, is_of_modes
 from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import dispersed_modes
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.linear.flexible import FlexiblePlant, plant_of
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.models import flexible_model
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import WindEnsemble
-
-FloatArray = NDArray[np.float64]
 
 _TOGETHER = 4096
 """Cases that are held in memory at a time."""
@@ -38,18 +35,14 @@ UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 class Cases:
     """What was drawn for some cases.
 
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        Dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
-    possible : ndarray of bool
-        Which of the cases can be.
+    `values`: dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
+    `possible`: which of the cases can be.
     """
 
-    values: dict[str, NDArray[Any]]
-    possible: NDArray[np.bool_]
+    values: dict[str, AnyArray]
+    possible: BoolArray
 
-    def take(self, which: slice | NDArray[Any]) -> "Cases":
+    def take(self, which: slice | AnyArray) -> "Cases":
         """Return some of the cases."""
         return Cases({k: v[which] for k, v in self.values.items()}, self.possible[which])
 
@@ -64,13 +57,13 @@ def drawn(campaign: Campaign, rows: FloatArray) -> Cases:
     """Return the cases that have these random numbers."""
     each = len(campaign.dispersions.each)
     found = campaign.dispersions.apply(campaign.nominal, rows[:, :each])
-    values: dict[str, NDArray[Any]] = dict(found.values)
+    values: dict[str, AnyArray] = dict(found.values)
     if isinstance(campaign.wind, WindEnsemble):
         values["wind"] = campaign.wind.chosen(rows[:, each])
     return Cases(values, found.possible)
 
 
-def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[Any]]:
+def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
     """Return the columns of the cases `first` to `first + count`, ``(count,)`` each.
 
     They are "case", what was dispersed, the outputs and "status".
@@ -91,10 +84,7 @@ def draw_case(campaign: Campaign, case: int) -> Cases:
 def batch(campaign: Campaign, cases: Cases) -> Batch:
     """Return plant, wind and gains of possible cases.
 
-    Raises
-    ------
-    InputError
-        When one of the cases is no vehicle or no wind.
+    `InputError` when one of the cases is no vehicle or no wind.
     """
     changes = {
         k: v
@@ -112,10 +102,7 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
 def nominal(campaign: Campaign) -> dict[str, float]:
     """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble.
 
-    Raises
-    ------
-    InputError
-        When they cannot be answered.
+    `InputError` when they cannot be answered.
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}
@@ -126,24 +113,24 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 
 def _flexible(
-    campaign: Campaign, vehicle: Vehicle, values: dict[str, NDArray[Any]]
+    campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray]
 ) -> FlexiblePlant | None:
     """The flexible plant of vehicles, with the modes that were drawn; None of a rigid campaign."""
     if vehicle.structure is None:
         return None
-    plant = plant_of(vehicle, flexible_model(vehicle, campaign.model), campaign.plane)
-    assert isinstance(plant, FlexiblePlant)
+    model = flexible_model(vehicle, campaign.model)
+    plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
     return dispersed_modes(plant, values)
 
 
-def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, NDArray[Any]]:
+def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:
     """The columns of the cases with these random numbers, from the case `first` on."""
     cases, count = drawn(campaign, rows), len(rows)
     index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
 
-    def answer(which: NDArray[np.intp], alone: bool) -> None:
+    def answer(which: IndexArray, alone: bool) -> None:
         made = batch(campaign, cases.take(which))
         for name, values in compute(campaign, made, alone=alone).items():
             answers[name][which] = values
@@ -166,9 +153,9 @@ def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, NDA
 
 
 def _divide(
-    work: Callable[[NDArray[np.intp]], None],
+    work: Callable[[IndexArray], None],
     refused: Callable[[np.intp, Exception], None],
-    which: NDArray[np.intp],
+    which: IndexArray,
 ) -> None:
     """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
     if not which.size:

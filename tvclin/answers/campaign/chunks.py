@@ -15,10 +15,10 @@ from time import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.manifest import NAME, Manifest, check_versions, read_manifest
+from tvclin.base.arrays import AnyArray
 from tvclin.base.errors import InputError, imported
 from tvclin.base.files import called, exists, make_directory, write_whole
 from tvclin.kernels.choice import pinned
@@ -42,11 +42,8 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 
     Everything a worker needs is read from the folder, once in each process.
 
-    Raises
-    ------
-    InputError
-        When the manifest is not the one with this seal, something here has another version, or
-        the file cannot be written.
+    `InputError` when the manifest is not the one with this seal, something here has another
+    version, or the file cannot be written.
     """
     manifest = _manifest(folder, seal)
     with pinned(manifest.compiled):
@@ -55,15 +52,10 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
     return chunk
 
 
-def write_chunk(
-    folder: Path, manifest: Manifest, chunk: int, columns: dict[str, NDArray[Any]]
-) -> None:
+def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str, AnyArray]) -> None:
     """Write the columns of a chunk; what stands in its place and is no file is moved aside.
 
-    Raises
-    ------
-    InputError
-        When the folder is not there any more, or the file cannot be written.
+    `InputError` when the folder is not there any more, or the file cannot be written.
     """
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
@@ -120,13 +112,10 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 
 def read_columns(
     folder: Path, manifest: Manifest, chunk: int, names: Sequence[str]
-) -> dict[str, NDArray[Any]]:
+) -> dict[str, AnyArray]:
     """Return some columns of a chunk.
 
-    Raises
-    ------
-    InputError
-        For a file that is missing, damaged, or of another campaign.
+    `InputError` for a file that is missing, damaged, or of another campaign.
     """
     table = _read(folder, manifest, chunk, list(names))
     return {name: np.asarray(table[name].to_numpy()) for name in names}

@@ -6,25 +6,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from tvclin.base.errors import (
-    InputError,
-    each,
-    finite,
-    flag,
-    instance,
-    number,
-    one_of,
-    positive,
-)
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.errors import InputError, each, finite, flag, instance, number, one_of, positive
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.file import VEHICLE_TABLE
 from tvclin.vehicle.vehicle import NUMBERS
-
-FloatArray = NDArray[np.float64]
 
 SHAPES = ("normal", "uniform", "truncated")
 WIND = {"wind_peak": "angle", "wind_duration": "time"}
@@ -77,16 +67,12 @@ class Dispersion:
 class Dispersed:
     """Dispersed numbers, ``(n,)`` each, and which of the cases are possible.
 
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        By parameter [SI].
-    possible : ndarray of bool
-        False where a number cannot be: a thrust below zero is no vehicle.
+    `values`: by parameter [SI]. `possible`: False where a number cannot be: a thrust below zero is
+    no vehicle.
     """
 
     values: dict[str, FloatArray]
-    possible: NDArray[np.bool_]
+    possible: BoolArray
 
 
 @dataclass(frozen=True)
@@ -201,7 +187,7 @@ _POSITIVE = (
     "control_force_slope",
     "wind_duration",
 )
-_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bool_]]], ...] = (
+_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], ...] = (
     (_POSITIVE, lambda value, _: value > 0.0),
     (("normal_force_slope", "axial_force", "pitch_damping"), lambda value, _: value >= 0.0),
     (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
@@ -210,12 +196,7 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bo
 MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
 """Factors on the modes of a flexible vehicle, on all; of one mode as in bending_2_frequency."""
 _ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
-PARAMETERS = (
-    *(name for name in NUMBERS if name != "time"),
-    *WIND,
-    *GAINS,
-    *MODES,
-)
+PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MODES)
 """What can be dispersed, beside a single mode."""
 
 
@@ -249,10 +230,7 @@ CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"
 def spread_table(parameter: Any, recorded: bool = False) -> FileTable:
     """Return the keys of the dispersion of a parameter; recorded spreads are in SI, without unit.
 
-    Raises
-    ------
-    InputError
-        For what cannot be dispersed.
+    `InputError` for what cannot be dispersed.
     """
     name = known_parameter("parameter in [[dispersion]]", parameter)
     kind = "number" if recorded else KINDS.get(name, "number")

@@ -6,11 +6,9 @@ anyway; a Latin hypercube is laid over the whole campaign, and so needs its size
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of, whole_number
-
-FloatArray = NDArray[np.float64]
 
 METHODS = ("plain", "sobol", "latin")
 _BLOCK = 1024
@@ -23,23 +21,11 @@ def draw(
 ) -> FloatArray:
     """Return numbers in (0, 1) for the cases `first` to `first + count`, ``(count, dimension)``.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the campaign, zero or positive.
-    first, count : int
-        Which cases.
-    dimension : int
-        Numbers of each case.
-    method : {"plain", "sobol", "latin"}
-        Independent numbers, a scrambled Sobol sequence, or a Latin hypercube.
-    size : int
-        Number of cases of the whole campaign; only a Latin hypercube needs it.
-
-    Raises
-    ------
-    InputError
-        For a seed that is no integer, cases outside the campaign, and an unknown method.
+    `seed`: seed of the campaign, zero or positive. `first`, `count`: which cases. `dimension`:
+    numbers of each case. `method` ({"plain", "sobol", "latin"}): independent numbers, a scrambled
+    Sobol sequence, or a Latin hypercube. `size`: number of cases of the whole campaign; only a
+    Latin hypercube needs it. `InputError` for a seed that is no integer, cases outside the
+    campaign, and an unknown method.
 
     Examples
     --------

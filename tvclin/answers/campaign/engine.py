@@ -17,14 +17,7 @@ from tvclin.answers.campaign.chunks import arrow, chunk_file, flaw, run_chunk, s
 from tvclin.answers.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.answers.campaign.plan import Campaign, checkpoints
 from tvclin.answers.campaign.results import CampaignResults
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    flag,
-    instance,
-    path,
-    shown,
-)
+from tvclin.base.errors import InputError, callable_for, flag, instance, path, shown
 
 Progress = Callable[[int, int], None]
 Shard = tuple[int, int]

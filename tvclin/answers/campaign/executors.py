@@ -21,15 +21,7 @@ _STDERR = 2
 def processes(workers: int) -> Iterator[Executor]:
     """Lend so many processes of this machine, each with one thread.
 
-    Parameters
-    ----------
-    workers : int
-        How many, from 1.
-
-    Raises
-    ------
-    InputError
-        For a number of workers that is none.
+    `workers`: how many, from 1. `InputError` for a number of workers that is none.
     """
     if not 1 <= whole_number("workers", workers) <= _MOST_WORKERS:
         raise InputError(f"workers must be from 1 to {_MOST_WORKERS}; got {workers}")
@@ -47,16 +39,8 @@ def processes(workers: int) -> Iterator[Executor]:
 def cluster(address: str) -> Iterator[Executor]:
     """Lend the workers of a Dask scheduler.
 
-    Parameters
-    ----------
-    address : str
-        Of the scheduler, such as "tcp://10.0.0.1:8786".
-
-    Raises
-    ------
-    InputError
-        When no scheduler answers there within five seconds, or it or its workers are lost for
-        good.
+    `address`: of the scheduler, such as "tcp://10.0.0.1:8786". `InputError` when no scheduler
+    answers there within five seconds, or it or its workers are lost for good.
     """
     distributed = imported("distributed", "a scheduler needs distributed", "campaign")
     try:

@@ -29,14 +29,8 @@ _MENDED = (
 class Manifest:
     """A campaign and what computes it.
 
-    Attributes
-    ----------
-    campaign : Campaign
-        The campaign.
-    versions : dict of str to str
-        Of tvclin, numpy and scipy, and of numba where its kernels are used.
-    seal : str
-        SHA-256 of all this.
+    `versions`: of tvclin, numpy and scipy, and of numba where its kernels are used. `seal`: SHA-256
+    of all this.
     """
 
     campaign: Campaign
@@ -52,17 +46,8 @@ class Manifest:
 def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
     """Return the manifest of a campaign that is computed here.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign.
-    compiled : bool, optional
-        Whether compiled kernels are used; by default where there is a compiler.
-
-    Raises
-    ------
-    InputError
-        When compiled kernels are asked for without a compiler.
+    `compiled`: whether compiled kernels are used; by default where there is a compiler.
+    `InputError` when compiled kernels are asked for without a compiler.
     """
     wanted = available() if compiled is None else compiled
     versions = _versions(wanted)
@@ -72,10 +57,7 @@ def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
     """Write the manifest into a folder, or find it there, and return it.
 
-    Raises
-    ------
-    InputError
-        When the folder holds another campaign or cannot be written.
+    `InputError` when the folder holds another campaign or cannot be written.
     """
     if exists(folder / NAME):
         found = read_manifest(folder)
@@ -95,10 +77,7 @@ def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Man
 def read_manifest(folder: Path) -> Manifest:
     """Return the manifest of a folder.
 
-    Raises
-    ------
-    InputError
-        When there is none, or it was changed after the campaign began.
+    `InputError` when there is none, or it was changed after the campaign began.
     """
     file = folder / NAME
     try:

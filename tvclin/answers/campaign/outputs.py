@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import first_plant
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.sizing.wind_sign import OWN, batch_factors
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
@@ -26,8 +26,6 @@ from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 COLUMNS = {
     "flight_survived": "",
@@ -46,20 +44,10 @@ _FLOWN_TO = 5e-4
 class Batch:
     """Cases to be computed together.
 
-    Attributes
-    ----------
-    plant : Plant
-        A batch of shape ``(n,)``, or one plant for all.
-    wind : History
-        A batch of shape ``(n,)``, or one wind for all.
-    gains : dict of str to float or ndarray
-        Gains of the autopilot, if one flies, ``(n,)`` where they are dispersed.
-    count : int
-        n.
-    vehicle : Vehicle
-        What the plant was made of.
-    flexible : FlexiblePlant or None
-        The same vehicles with their structure.
+    `plant`: a batch of shape ``(n,)``, or one plant for all. `wind`: a batch of shape ``(n,)``, or
+    one wind for all. `gains`: gains of the autopilot, if one flies, ``(n,)`` where they are
+    dispersed. `vehicle`: what the plant was made of. `flexible`: the same vehicles with their
+    structure.
     """
 
     plant: Plant
@@ -95,15 +83,9 @@ class Batch:
 class Output:
     """One kind of answer.
 
-    Attributes
-    ----------
-    columns : callable
-        From a campaign to the names of its columns and their units.
-    work : callable
-        From a campaign and a batch to those columns, ``(n,)`` each or one number for all;
-        `InputError` when one of the cases cannot be answered.
-    alone : callable
-        From a campaign to whether the work takes one case at a time.
+    `columns`: from a campaign to the names of its columns and their units. `work`: from a campaign
+    and a batch to those columns, ``(n,)`` each or one number for all; `InputError` when one of the
+    cases cannot be answered. `alone`: from a campaign to whether the work takes one case at a time.
     """
 
     columns: Callable[[Campaign], dict[str, str]]
@@ -120,10 +102,7 @@ def columns(campaign: Campaign) -> dict[str, str]:
 def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
     """Return the outputs of a batch that are computed together or alone, ``(n,)`` each.
 
-    Raises
-    ------
-    InputError
-        When one of the cases cannot be answered.
+    `InputError` when one of the cases cannot be answered.
     """
     found: dict[str, Any] = {}
     for name in campaign.outputs:
@@ -167,7 +146,8 @@ def _slow(campaign: Campaign) -> bool:
 def law_of(campaign: Campaign, batch: Batch) -> Law:
     """Return the law that flies the first case: the nominal one, or with gains of its own."""
     gains: dict[str, Any] = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    own = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    own: dict[str, Any] = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    own["rate_limit"] = campaign.hardware["rate_limit"]
     law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
     return with_filters(law, campaign.asked)
 

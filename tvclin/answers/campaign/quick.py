@@ -1,10 +1,8 @@
 """The first answer: how much deflection covers a dispersed vehicle, in seconds, without a file."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
@@ -21,19 +19,12 @@ from tvclin.answers.campaign.statistics import (
 from tvclin.answers.requirement import covers
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    fraction,
-    instance,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
-
-FloatArray = NDArray[np.float64]
 
 _MOST_CASES = 10_000_000
 """Cases that are held in memory at once; a campaign has more."""
@@ -72,7 +63,7 @@ class DispersedStudy(Shown):
     seed: int
     values: dict[str, FloatArray]
     deflection: FloatArray
-    status: NDArray[Any]
+    status: AnyArray
     required: Quantile
     success: Success | None
     drivers: dict[str, float]
@@ -214,11 +205,7 @@ def disperse_study(
 
 
 def _campaign(
-    study: Study,
-    dispersions: Dispersions,
-    cases: int,
-    seed: int,
-    method: str,
+    study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
 ) -> Campaign:
     instance("study", study, Study, "see Study.from_vehicle")
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:

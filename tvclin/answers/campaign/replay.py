@@ -12,11 +12,7 @@ from tvclin.answers.campaign.dispersions import UNITS_OF
 from tvclin.answers.campaign.outputs import columns, law_of, required_name
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.documents import picked
-from tvclin.base.errors import (
-    InputError,
-    shown,
-    whole_number,
-)
+from tvclin.base.errors import InputError, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly
@@ -40,24 +36,10 @@ _WATCHED = 20.0
 class Replay:
     """One case of a campaign.
 
-    Attributes
-    ----------
-    campaign : Campaign
-        The campaign.
-    case : int
-        Its number.
-    inputs : dict of str to float
-        What was drawn for it [SI].
-    outputs : dict of str to float
-        What was found [SI]; with the versions of the manifest the same bits as in the campaign.
-    status : str
-        "ok", or in words what is different.
-    plant, wind : Plant and History, or None
-        Its plant and wind; None where the case cannot be.
-    law : Law or None
-        What flew it, where the campaign flies.
-    flexible : FlexiblePlant or None
-        What was flown then, where the vehicle has a structure.
+    `inputs`: what was drawn for it [SI]. `outputs`: what was found [SI]; with the versions of the
+    manifest the same bits as in the campaign. `status`: "ok", or in words what is different.
+    `plant`, `wind`: its plant and wind; None where the case cannot be. `law`: what flew it, where
+    the campaign flies. `flexible`: what was flown then, where the vehicle has a structure.
     """
 
     campaign: Campaign
@@ -89,18 +71,10 @@ class Replay:
     def response(self, capability: float = 1.0, points: int = 401) -> "TimeResponseData":
         """Return the exact response to the wind and to trim until the dead band is left.
 
-        Parameters
-        ----------
-        capability : float
-            Deflection limit over what is required, positive. With more than one the limit
-            that is held for ever drives the attitude away to the other side.
-        points : int
-            How many times, from the onset of the wind to twice its duration.
-
-        Raises
-        ------
-        InputError
-            When the case cannot be, or needs no deflection.
+        `capability`: deflection limit over what is required, positive. With more than one the limit
+        that is held for ever drives the attitude away to the other side. `points`: how many times,
+        from the onset of the wind to twice its duration. `InputError` when the case cannot be, or
+        needs no deflection.
         """
         plant, wind = self._flown()
         if self.required == 0.0:
@@ -169,10 +143,7 @@ class Replay:
     def flown(self) -> "TimeResponseData":
         """Return its flight with limits, at the samples of its law, until some time after its wind.
 
-        Raises
-        ------
-        InputError
-            When the case cannot be, or the campaign flies nothing.
+        `InputError` when the case cannot be, or the campaign flies nothing.
         """
         plant, wind = self._flown()
         if self.law is None or self.campaign.nozzle.limit is None:
@@ -228,19 +199,8 @@ def _plain(found: dict[str, float]) -> Iterator[Row]:
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
     """Return one case of a campaign, computed anew.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign.
-    case : int
-        Which case.
-    compiled : bool
-        Whether compiled kernels are used.
-
-    Raises
-    ------
-    InputError
-        For a case that the campaign does not have.
+    `case`: which case. `compiled`: whether compiled kernels are used. `InputError` for a case that
+    the campaign does not have.
     """
     if whole_number("case", case) >= campaign.cases:
         raise InputError(

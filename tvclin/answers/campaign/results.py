@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.campaign.chunks import chunk_file, read_columns
@@ -24,17 +23,17 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, imported, number, one_of, path, small_angle, whole_number
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
 
 if TYPE_CHECKING:
-    import xarray
-
-FloatArray = NDArray[np.float64]
+    pass
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignResults(Shown):
+class CampaignResults(Tabled):
     """The finished chunks of a campaign. Columns are read when they are asked for.
 
     Attributes
@@ -111,7 +110,7 @@ class CampaignResults(Shown):
         """Those of `angles` that are deflections, with which a limit is compared."""
         return tuple(name for name in self.angles if name not in MOTIONS)
 
-    def column(self, name: str) -> NDArray[Any]:
+    def column(self, name: str) -> AnyArray:
         """Return one column of all finished cases, in the order of the cases.
 
         Parameters
@@ -247,7 +246,7 @@ class CampaignResults(Shown):
         good = ~np.isnan(values)
         return sensitivities(self._inputs(good), values[good]) if np.any(good) else {}
 
-    def _inputs(self, which: NDArray[np.bool_]) -> dict[str, FloatArray]:
+    def _inputs(self, which: BoolArray) -> dict[str, FloatArray]:
         """What was dispersed, of some cases."""
         return {name: self.column(name)[which] for name in self.campaign.dispersions.parameters}
 
@@ -257,7 +256,7 @@ class CampaignResults(Shown):
         sizes = sorted({max(found.size >> k, 1) for k in range(5)}) if found.size else []
         return tuple(quantile_bound(found[:n], *self._asked(None, None)) for n in sizes)
 
-    def worst(self, count: int = 5, output: str | None = None) -> NDArray[np.int64]:
+    def worst(self, count: int = 5, output: str | None = None) -> IntArray:
         """Return the numbers of the cases that need the most, the worst first."""
         most = whole_number("count", count)
         values = self.column(self._output(output))
@@ -268,27 +267,17 @@ class CampaignResults(Shown):
         """Return one case in full; see `Replay`."""
         return replay_case(self.campaign, case, self.manifest.compiled)
 
-    def to_xarray(self) -> "xarray.Dataset":
-        """Return all finished cases as an `xarray.Dataset` along the dimension "case".
-
-        Units are in the attributes of each variable.
-        """
-        of = imported("xarray", "a Dataset needs xarray", "campaign")
-        make: type[xarray.Dataset] = of.Dataset
-        units = UNITS_OF | columns(self.campaign)
-        data = {
-            name: ("case", self.column(name), {"units": units[name]} if name in units else {})
-            for name in self._names
-            if name != "case"
-        }
-        about = {
-            "vehicle": self.campaign.vehicle.name,
-            "model": self.campaign.model,
-            "plane": self.campaign.plane,
-            "seed": self.campaign.seed,
-            "sha256": self.manifest.seal,
-        }
-        return make(data, coords={"case": self.column("case")}, attrs=about)
+    def _columns(self) -> Columns:
+        units, plan = UNITS_OF | columns(self.campaign), self.campaign
+        of = {name: units.get(name, "") for name in self._names if name != "case"}
+        return Columns(
+            (Column("case", self.column("case"), ""),),
+            tuple(Column(name, self.column(name), unit) for name, unit in of.items()),
+            {
+                **picked(plan, "vehicle=vehicle.name model plane seed"),
+                "sha256": self.manifest.seal,
+            },
+        )
 
     def answers(self, output: str | None = None) -> FloatArray:
         """Return an output of the cases that have an answer, in the order of the cases."""

@@ -4,17 +4,12 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    fraction,
-    whole_number,
-)
+from tvclin.base.errors import InputError, fraction, whole_number
 from tvclin.base.lines import Line, number
-
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-12
 """A probability that is so near to a confidence is equal to it."""
@@ -30,19 +25,10 @@ def shares(probability: float, confidence: float) -> tuple[str, str]:
 class Quantile(Shown):
     """A quantile of a sample with its confidence bounds, by order statistics.
 
-    Attributes
-    ----------
-    probability, confidence : float
-        Of the quantile, and of each bound.
-    estimate : float
-        The sample quantile.
-    upper : float
-        With the confidence asked for, the quantile is no larger; infinite if the sample is too
-        small to say so.
-    lower : float
-        With the same confidence it is no smaller; minus infinite if that cannot be said.
-    cases : int
-        Size of the sample.
+    `probability`, `confidence`: of the quantile, and of each bound. `estimate`: the sample
+    quantile. `upper`: with the confidence asked for, the quantile is no larger; infinite if the
+    sample is too small to say so. `lower`: with the same confidence it is no smaller; minus
+    infinite if that cannot be said. `cases`: size of the sample.
     """
 
     probability: float
@@ -70,12 +56,8 @@ class Quantile(Shown):
 class Success(Shown):
     """A probability of success, or of loss, with its Clopper-Pearson interval.
 
-    Attributes
-    ----------
-    estimate, lower, upper : float
-        Successes (or losses) over cases, and the ends of the interval.
-    confidence : float
-        Of the interval.
+    `estimate`, `lower`, `upper`: successes (or losses) over cases, and the ends of the interval.
+    `confidence`: of the interval.
     """
 
     estimate: float
@@ -99,12 +81,8 @@ class Success(Shown):
 class Driver:
     """How an input goes with the loss of flights.
 
-    Attributes
-    ----------
-    rank : float
-        Rank correlation with the loss: positive where larger values are lost more often.
-    sure : float
-        One minus the probability that, of as many inputs that drive nothing, one shows as much.
+    `rank`: rank correlation with the loss: positive where larger values are lost more often.
+    `sure`: one minus the probability that, of as many inputs that drive nothing, one shows as much.
     """
 
     rank: float
@@ -114,15 +92,9 @@ class Driver:
 def zero_failure_size(probability: float, consumer_risk: float = 0.1) -> int:
     """Return how many cases without a failure prove a probability of success.
 
-    Parameters
-    ----------
-    probability : float
-        Of success, in (0, 1).
-    consumer_risk : float
-        The risk that a worse system passes, in (0, 1).
+    `probability`: of success, in (0, 1). `consumer_risk`: the risk that a worse system passes, in
+    (0, 1).
 
-    Notes
-    -----
     n = ln(risk)/ln(probability), after Hanson and Beard, NASA/TP-2010-216447.
 
     Examples
@@ -140,20 +112,10 @@ def quantile_bound(
 ) -> Quantile:
     """Return a quantile of a sample and its one-sided bounds, whatever the distribution.
 
-    Parameters
-    ----------
-    values : array_like
-        The sample, ``(n,)``; infinite values are legal.
-    probability, confidence : float
-        Of the quantile, and of each bound, in (0, 1).
+    `values`: the sample, ``(n,)``; infinite values are legal. `probability`, `confidence`: of the
+    quantile, and of each bound, in (0, 1). `InputError` for an empty sample, NaN in it, and numbers
+    outside (0, 1).
 
-    Raises
-    ------
-    InputError
-        For an empty sample, NaN in it, and numbers outside (0, 1).
-
-    Notes
-    -----
     The r-th smallest of n values is at least the p-quantile with the probability that a binomial
     number of n and p is below r.
     """
@@ -183,17 +145,8 @@ def quantile_bound(
 def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
     """Return a probability of success and its two-sided Clopper-Pearson interval.
 
-    Parameters
-    ----------
-    successes, cases : int
-        How many of how many.
-    confidence : float
-        Of the interval, in (0, 1).
-
-    Raises
-    ------
-    InputError
-        For numbers that are not whole, more successes than cases, and no cases.
+    `successes`, `cases`: how many of how many. `confidence`: of the interval, in (0, 1).
+    `InputError` for numbers that are not whole, more successes than cases, and no cases.
     """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
@@ -210,15 +163,9 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
 def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:
     """Return the rank correlation of each input with the output, the strongest first.
 
-    Parameters
-    ----------
-    inputs : dict of str to ndarray
-        Dispersed values, ``(n,)`` each.
-    output : array_like
-        What they drive, ``(n,)``, without NaN; infinite values have the highest rank.
+    `inputs`: dispersed values, ``(n,)`` each. `output`: what they drive, ``(n,)``, without NaN;
+    infinite values have the highest rank.
 
-    Notes
-    -----
     Spearman's coefficient: its square is about the part of the variance of the ranks that the
     input explains alone, when inputs are independent. Zero where one of the two is constant.
     """
@@ -239,20 +186,9 @@ def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str,
 def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
     """Return how each input goes with the loss of flights, the strongest first.
 
-    Parameters
-    ----------
-    inputs : dict of str to ndarray
-        Dispersed values, ``(n,)`` each.
-    lost : array_like of bool
-        Which flights are lost, ``(n,)``.
+    `inputs`: dispersed values, ``(n,)`` each. `lost`: which flights are lost, ``(n,)``. Returned:
+    nothing where no flight or every flight is lost.
 
-    Returns
-    -------
-    dict of str to Driver
-        Nothing where no flight or every flight is lost.
-
-    Notes
-    -----
     How sure it is comes from the test of Mann and Whitney, exact for few flights without ties,
     times the number of inputs (Bonferroni).
 

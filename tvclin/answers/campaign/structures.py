@@ -7,9 +7,9 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.nozzle import Nozzle
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.detuning import with_modes
@@ -22,8 +22,6 @@ from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
-
-FloatArray = NDArray[np.float64]
 
 Recorded = TypeVar("Recorded", Vehicle, Nozzle, AutopilotDesign)
 _BODIES = {"bending": BendingMode, "slosh": SloshTank, "engine": Engine}
@@ -94,10 +92,7 @@ def record_of(value: Any) -> Any:
 def of_record(kind: type[Recorded], record: Any) -> Recorded:
     """Return the vehicle or the autopilot of a record.
 
-    Raises
-    ------
-    InputError
-        For a record that holds something else.
+    `InputError` for a record that holds something else.
     """
     try:
         made = _made(kind, record)

@@ -24,20 +24,10 @@ _SURE = 0.999
 class CampaignSummary(Shown):
     """One output of a campaign, over all finished cases; make it with `of`.
 
-    Attributes
-    ----------
-    found : CampaignResults
-        The campaign.
-    output : str
-        The angle in question.
-    limit : float or None
-        The limit in question [rad].
-    required : Quantile
-        What covers the probability asked for [rad].
-    answers : ndarray
-        The output of the cases that have an answer [rad], ``(n,)``.
-    success, survival, loss : Success or None
-        How probable the limit is enough, a flight survives, and is lost.
+    `output`: the angle in question. `limit`: the limit in question [rad]. `required`: what covers
+    the probability asked for [rad]. `answers`: the output of the cases that have an answer [rad],
+    ``(n,)``. `success`, `survival`, `loss`: how probable the limit is enough, a flight survives,
+    and is lost.
     """
 
     found: CampaignResults

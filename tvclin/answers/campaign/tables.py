@@ -29,7 +29,8 @@ from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
-from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
+from tvclin.vehicle.file import build_vehicle, list_vehicles
+from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
@@ -64,11 +65,8 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
     They stand in [study] or in [campaign], so that one file serves both.
 
-    Raises
-    ------
-    InputError
-        For an unknown table, one that is none, a wrong one that only studies read, a vehicle or its
-        table that is missing, and what is given twice.
+    `InputError` for an unknown table, one that is none, a wrong one that only studies read, a
+    vehicle or its table that is missing, and what is given twice.
     """
     if not document:
         raise InputError(
@@ -141,7 +139,7 @@ def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
     return read(NOZZLE_TABLE.one(document))
 
 
-def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
+def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> AnyVehicle:
     if isinstance(source, dict) and not recorded:
         return build_vehicle(source, f"[{where}.vehicle]")
     if isinstance(source, dict):
@@ -149,7 +147,7 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
         return of_record(Vehicle, source)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
-    return load_vehicle(beside(source, folder))
+    return load_any_vehicle(beside(source, folder))
 
 
 def beside(source: str, folder: Path) -> str | Path:

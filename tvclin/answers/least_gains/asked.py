@@ -20,10 +20,7 @@ if TYPE_CHECKING:
 def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
     """Return the autopilot of a case; for a wind and criteria where its rule needs them.
 
-    Raises
-    ------
-    InputError
-        As `Case.autopilot` and `least_asked`.
+    `InputError` as `Case.autopilot` and `least_asked`.
     """
     if case.asked.design != LEAST_NOZZLE:
         return case.autopilot
@@ -35,10 +32,7 @@ def least_asked(
 ) -> LeastGains:
     """Return the gains for the least nozzle with the nozzle, delay and filters of a case.
 
-    Raises
-    ------
-    InputError
-        For gains and numbers of other rules beside it, and as `least_deflection_gains`.
+    `InputError` for gains and numbers of other rules beside it, and as `least_deflection_gains`.
     """
     asked = case.asked
     given = [

@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.least_gains.least import answered
 from tvclin.answers.least_gains.record import LeastGains
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_row, positive
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-
-FloatArray = NDArray[np.float64]
 
 DEAD_BANDS = (1.0, 0.5)
 

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.least_gains.question import (
     CROSSOVER,
@@ -19,6 +18,7 @@ from tvclin.answers.least_gains.question import (
 from tvclin.answers.least_gains.race import needs
 from tvclin.answers.least_gains.record import BOUNDARY, PEAK, LeastGains
 from tvclin.answers.search import least
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -32,8 +32,6 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SETTLED = 8.0
 """Loops are followed behind a wind for so long, over the fastest pole of the plant."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     each,
@@ -30,8 +30,6 @@ from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 FREE = (("attitude", "rate"), ("attitude", "rate", "alpha"))
 """Gains that can be free."""

@@ -10,14 +10,12 @@ from functools import reduce
 from operator import add
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.least_gains.question import Question
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.flights.closed_loop.many import SURVIVED, fly_many
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST, LOWEST = 2.0, 0.02
 """Limits among which it is sought, over the largest trim deflection; as `closed_loop_boundary`."""
@@ -42,16 +40,8 @@ def stopped(winds: tuple[History, ...], stops: int) -> History:
 def needs(question: Question, points: FloatArray, goal: float, clean: int) -> FloatArray:
     """Return the limit that each row of gains needs, over the largest trim, ``(n,)``.
 
-    Parameters
-    ----------
-    question : Question
-        What is asked.
-    points : ndarray
-        Of the unit box, ``(n, axes)``.
-    goal : float
-        Above it a limit need not be known closely.
-    clean : int
-        So many limits above what was found are flown as well: windows of losses lie there.
+    `points`: of the unit box, ``(n, axes)``. `goal`: above it a limit need not be known closely.
+    `clean`: so many limits above what was found are flown as well: windows of losses lie there.
     """
     rows = question.autopilot(points)
     winds = stopped(question.winds, question.stops)
@@ -91,8 +81,8 @@ def needs(question: Question, points: FloatArray, goal: float, clean: int) -> Fl
 
 
 def _survive(
-    question: Question, rows: Autopilot, which: NDArray[np.intp], winds: History, limits: FloatArray
-) -> NDArray[np.bool_]:
+    question: Question, rows: Autopilot, which: IndexArray, winds: History, limits: FloatArray
+) -> BoolArray:
     """Which of the limits ``(k, n)``, over the largest trim, the rows survive in all winds."""
     law = Autopilot(
         attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tvclin.answers.least_gains.question import Question
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins
-
-FloatArray = NDArray[np.float64]
 
 PEAK, BOUNDARY = "peak", "boundary"
 

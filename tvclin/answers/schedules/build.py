@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.checks import (
     check_angle_of_attack,
@@ -13,10 +12,12 @@ from tvclin.answers.schedules.checks import (
     check_masses,
 )
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.schedules.sheet import Column
+from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 MOST_ROWS = 200
 """Rows of a schedule, where not asked for otherwise."""
@@ -33,22 +34,11 @@ def schedule_of_flight(
 ) -> FlightSchedule:
     """Return the schedule of a powered flight.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are known.
-    columns : dict of str to Column
-        The fields of a vehicle but its name and time, and altitude and nominal deflection where
-        they are known, for the same rows.
-    name : str
-        What to call the vehicle.
-    most_rows : int
-        More rows than that are thinned.
-
-    Raises
-    ------
-    InputError
-        For what is silently wrong; see `checks`.
+    `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
+    known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
+    deflection where they are known, for the same rows. `name`: what to call the vehicle.
+    `most_rows`: more rows than that are thinned. `InputError` for what is silently wrong; see
+    `checks`.
     """
     most = whole_number("most_rows", most_rows)
     if most < 2:
@@ -62,16 +52,13 @@ def schedule_of_flight(
     check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
     kept, off = _thinned(time, values, most)
-    thin = (
-        (f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent",)
-        if kept.size < time.size
-        else ()
-    )
+    thin = f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent"
+    thinned = (thin,) if kept.size < time.size else ()
     beside = {key: values.pop(key)[kept] for key in _BESIDE if key in values}
     numbers: dict[str, Any] = {key: one[kept] for key, one in values.items()}
     vehicle = Vehicle(name=name, time=time[kept], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]
-    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thin, *_stability(vehicle))
+    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle))
     return FlightSchedule(vehicle, **beside, notes=notes)
 
 
@@ -86,6 +73,18 @@ def control_arm_of(flight: Flight, gimbal: Column) -> Column:
     gravity = flight.columns["gravity_station"]
     check_gimbal(flight, gimbal.values, gravity.values)
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
+
+
+def weight_of(flight: Flight) -> Column:
+    """Return the weight [N] of the mass at each row."""
+    mass = flight.columns["mass"]
+    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+
+
+def given_slope(flight: Flight, given: Slope) -> Column:
+    """Return the slope that is given [1/rad] at the Mach number of each row."""
+    slopes = slope_over_mach(given)
+    return Column(slopes.at(flight["mach"]), slopes.origin)
 
 
 def given_gimbal(flight: Flight, station: float) -> Column:
@@ -104,7 +103,7 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
 
 
-def _stability(vehicle: Vehicle) -> tuple[str, ...]:
+def _stable(vehicle: Vehicle) -> tuple[str, ...]:
     arm = np.asarray(vehicle.aerodynamic_arm)
     if np.all(arm > 0.0):
         return ()
@@ -119,7 +118,7 @@ def _stability(vehicle: Vehicle) -> tuple[str, ...]:
 
 def _thinned(
     time: FloatArray, values: dict[str, FloatArray], most: int
-) -> tuple[NDArray[np.intp], float]:
+) -> tuple[IndexArray, float]:
     """The rows to keep, and how far straight lines between them are off, in parts of the largest.
 
     All where they are few; else the ends, and again and again the row that is farthest off.

@@ -4,7 +4,7 @@ import numpy as np
 
 from tvclin.answers.schedules.flight import Flight
 from tvclin.answers.schedules.slopes import LEAST, MOST
-from tvclin.answers.schedules.table import FloatArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, positive
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.schedules.sheet import Column
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, number
 
 _BURNING = 0.05
@@ -24,17 +24,9 @@ _POSITIVE = {
 class Flight:
     """Rows of a flight, one after the other.
 
-    Attributes
-    ----------
-    source : str
-        What to call the whole in messages.
-    places : tuple of str
-        What to call each row.
-    columns : dict of str to Column
-        Numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are
-        there.
-    notes : tuple of str
-        What a reader should know.
+    `source`: what to call the whole in messages. `places`: what to call each row. `columns`:
+    numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are there.
+    `notes`: what a reader should know.
     """
 
     source: str
@@ -53,30 +45,18 @@ class Flight:
         """Return the same with notes more."""
         return replace(self, notes=(*self.notes, *notes))
 
-    def rows(self, index: NDArray[np.intp]) -> Flight:
+    def rows(self, index: IndexArray) -> Flight:
         """Return some rows of it."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
         return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
 
 
-def powered(
-    flight: Flight, begun: NDArray[np.bool_], start: float | None, stop: float | None
-) -> Flight:
+def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float | None) -> Flight:
     """Return the rows of one burn, of which no number is missing.
 
-    Parameters
-    ----------
-    flight : Flight
-        All rows.
-    begun : ndarray of bool
-        The rows at which the vehicle flies freely.
-    start, stop : float, optional
-        Earliest and latest time [s].
-
-    Raises
-    ------
-    InputError
-        For times that fall, fewer than two rows, and a number that is missing between them.
+    `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
+    [s]. `InputError` for times that fall, fewer than two rows, and a number that is missing between
+    them.
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)
@@ -123,7 +103,7 @@ def _check_times(flight: Flight) -> None:
         )
 
 
-def _check_complete(flight: Flight, chosen: NDArray[np.intp]) -> None:
+def _check_complete(flight: Flight, chosen: IndexArray) -> None:
     """Refuse rows in which a number is missing, or is none that a flight can have."""
     for name, column in flight.columns.items():
         values = column.values[chosen]
@@ -144,7 +124,7 @@ def _check_complete(flight: Flight, chosen: NDArray[np.intp]) -> None:
 
 
 def _left_out(
-    flight: Flight, twice: NDArray[np.bool_], index: NDArray[np.intp], first: int, last: int
+    flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
 ) -> list[str]:
     """What to say of the rows that were not taken."""
     time = flight["time"][index]

@@ -13,16 +13,16 @@ from tvclin.answers.schedules.build import (
     aerodynamic_arm_of,
     control_arm_of,
     schedule_of_flight,
+    weight_of,
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.sheet import Column, Heading, Sheet, letters, read_sheet
 from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
-from tvclin.base.files import called
+from tvclin.base.tables import FileTable
 from tvclin.base.units import POUND_FORCE, UNITS
-from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _QUANTITIES = {
     "time": "time",
@@ -49,16 +49,11 @@ _QUANTITIES = {
     "pitch_damping": "damping moment",
 }
 """What may be mapped: the names of vehicle files, and what arms and forces are made of."""
-_UNITS = UNITS | {"mass": {"kg": 1.0, "lb": WRITTEN["mass"]["lb"], "slug": WRITTEN["mass"]["slug"]}}
 _EITHER = {
     "weight": ("mass",),
     "aerodynamic_arm": ("gravity_station", "pressure_station"),
     "control_arm": ("gravity_station", "gimbal_station"),
-    "normal_force_slope": (
-        "dynamic_pressure",
-        "reference_area",
-        "normal_force_coefficient_slope",
-    ),
+    "normal_force_slope": ("dynamic_pressure", "reference_area", "normal_force_coefficient_slope"),
     "axial_force": ("dynamic_pressure", "reference_area", "axial_force_coefficient"),
 }
 """What stands in the place of a quantity."""
@@ -113,10 +108,12 @@ def read_table(
     ((1.0, 5.0), 1.214)
     """
     wanted = _wanted(columns)
-    table = _table(path, wanted)
-    found = {name: _column(table, name, *one) for name, one in wanted.items()}
-    flight = Flight(source=table.text.source, places=table.places, columns=found)
-    flight = powered(flight, np.ones(table.line.size, dtype=bool), start, stop)
+    time = str(wanted["time"][2])
+    missing = f"column names with {shown(time)} among them"
+    sheet = read_sheet(path, "a table of a flight", lambda each: bool(_named(each, time)), missing)
+    found = {name: _column(sheet, name, *one) for name, one in wanted.items()}
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
+    flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
     return schedule_of_flight(flight, _vehicle(flight), "mapped table", most_rows)
 
 
@@ -130,11 +127,7 @@ def _wanted(columns: Mapping[str, str | float]) -> Wanted:
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
-    known = {
-        f"{name}_{unit}" if unit else name: (name, factor)
-        for name, dimension in _QUANTITIES.items()
-        for unit, factor in _UNITS[dimension].items()
-    }
+    known = FileTable("columns", _QUANTITIES).keys
     found: Wanted = {}
     for key, source in columns.items():
         bare = key if isinstance(key, str) and key in _QUANTITIES else None
@@ -149,7 +142,7 @@ def _wanted(columns: Mapping[str, str | float]) -> Wanted:
         if not isinstance(source, str):
             number(f"columns: {key}", source)
             if factor is None and _QUANTITIES[name] != "number":
-                unit = next(iter(_UNITS[_QUANTITIES[name]]))
+                unit = next(iter(UNITS[_QUANTITIES[name]]))
                 raise InputError(f"columns: {key} is a number without a unit; write {name}_{unit}")
         found[name] = (key, factor, source)
     _check_complete(found)
@@ -168,18 +161,6 @@ def _check_complete(found: Wanted) -> None:
             raise InputError(f"columns must have {name}{made}")
 
 
-def _table(path: str | PathLike[str], wanted: Wanted) -> Table:
-    time = str(wanted["time"][2])
-    table = read_table_text(
-        path, "a table of a flight", lambda found: _named(found, time) is not None
-    )
-    if table is None:
-        raise InputError(
-            f"{called(path)} has no line of column names with {shown(time)} among them"
-        )
-    return table
-
-
 def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
     same = " ".join(name.split())
     found = [one for one in headings if same in (one.text, one.name)]
@@ -188,39 +169,39 @@ def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
     return found[0] if found else None
 
 
-def _column(table: Table, name: str, key: str, factor: float | None, source: str | float) -> Column:
+def _column(sheet: Sheet, name: str, key: str, factor: float | None, source: str | float) -> Column:
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)
-        return Column(np.full(table.line.size, value), f"given, {key} = {source:g}")
-    heading = _named(table.headings, source)
+        return Column(np.full(sheet.line.size, value), f"given, {key} = {source:g}")
+    heading = _named(sheet.headings, source)
     if heading is None:
         raise InputError(
-            f"{table.text.source} has no column {shown(source)}, which columns has for {key}; it"
-            f" has {shown(', '.join(one.text for one in table.headings))}"
+            f"{sheet.text.source} has no column {shown(source)}, which columns has for {key}; it"
+            f" has {shown(', '.join(one.text for one in sheet.headings))}"
         )
     if name == "normal_force_coefficient_slope" and _is_coefficient(heading):
         raise InputError(
-            f"{table.text.source}: {heading.text} is a coefficient and not its slope over the angle"
+            f"{sheet.text.source}: {heading.text} is a coefficient and not its slope over the angle"
             " of attack; give a column of the slope, or a number"
         )
     if factor is None:
-        return table.numbers(heading, _QUANTITIES[name])
+        return sheet.numbers(heading, _QUANTITIES[name])
     known = WRITTEN[_QUANTITIES[name]]
     if name in ("weight", "thrust", "axial_force"):
         known = known | {"lb": POUND_FORCE}  # as many tools write a force
     theirs = unit_of(heading.unit, known) if heading.unit else None
     if heading.unit and theirs is None:
         raise InputError(
-            f"{table.text.source}: the unit of the column {shown(heading.text)}, which columns has"
+            f"{sheet.text.source}: the unit of the column {shown(heading.text)}, which columns has"
             f" for {key}, is not known; known are {', '.join(filter(None, known)) or 'none'}; if"
             " the bracket is no unit, leave it out of the name"
         )
     if theirs is not None and not np.isclose(theirs.factor, factor):
         raise InputError(
-            f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
+            f"{sheet.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
             " the unit of the column, or without a unit where the column names its own"
         )
-    values = table.numbers(replace(heading, unit=""), "number").values
+    values = sheet.numbers(replace(heading, unit=""), "number").values
     return Column(values * factor, f"column {heading.text}, read as {key}")
 
 
@@ -243,9 +224,7 @@ def _vehicle(flight: Flight) -> dict[str, Column]:
         if name in have:
             made[name] = have[name]
     if "weight" not in made:
-        made["weight"] = Column(
-            have["mass"].values * STANDARD_GRAVITY, f"{have['mass'].origin} times 9.80665 m/s^2"
-        )
+        made["weight"] = weight_of(flight)
     if "aerodynamic_arm" not in made:
         made["aerodynamic_arm"] = aerodynamic_arm_of(flight)
     if "control_arm" not in made:

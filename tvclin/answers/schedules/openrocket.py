@@ -12,7 +12,9 @@ from tvclin.answers.schedules.build import (
     aerodynamic_arm_of,
     control_arm_of,
     given_gimbal,
+    given_slope,
     schedule_of_flight,
+    weight_of,
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
@@ -24,11 +26,10 @@ from tvclin.answers.schedules.openrocket_columns import (
     trusted_damping,
     unread,
 )
-from tvclin.answers.schedules.slopes import Slope, slope_over_mach
-from tvclin.answers.schedules.table import Column
+from tvclin.answers.schedules.sheet import Column
+from tvclin.answers.schedules.slopes import Slope
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import between, finite, number
-from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _WINDY = 0.02
 """Speeds over the ground and through the air that differ by more: there was wind."""
@@ -102,27 +103,18 @@ def read_openrocket(
     ((0.5, 5.0), 756.6)
     """
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
-    table = table_of(path)
-    columns = columns_of(table, ground, normal_force_coefficient_slope is None)
-    flight = Flight(source=table.text.source, places=table.places, columns=columns)
-    flight = powered(flight, free(table, flight), start, stop)
-    slope = _slope(flight, normal_force_coefficient_slope)
+    sheet = table_of(path)
+    columns = columns_of(sheet, ground, normal_force_coefficient_slope is None)
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
+    flight = powered(flight, free(sheet, flight), start, stop)
+    given = normal_force_coefficient_slope
+    slope = flight.columns["slope"] if given is None else given_slope(flight, given)
+    check_slope(slope.values)
     made = _vehicle(flight, gimbal, slope, reference_area)
     damping, told = trusted_damping(flight, made["control_arm"])
     made |= damping
-    flight = flight.noted(*unread(table), *told, *rounded(table, flight), *_wind(flight))
+    flight = flight.noted(*unread(sheet), *told, *rounded(sheet, flight), *_wind(flight))
     return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
-
-
-def _slope(flight: Flight, given: Slope | None) -> Column:
-    """The slope at each row [1/rad]."""
-    if given is None:
-        found = flight.columns["slope"]
-    else:
-        slopes = slope_over_mach(given)
-        found = Column(slopes.at(flight["mach"]), slopes.origin)
-    check_slope(found.values)
-    return found
 
 
 def _wind(flight: Flight) -> list[str]:
@@ -146,9 +138,8 @@ def _vehicle(
     if "temperature" in flight.columns:
         density = flight["pressure"] / (_GAS_CONSTANT * flight["temperature"])
         q = 0.5 * density * flight["velocity"] ** 2
-        told = (
-            f"q = p V^2/(2 R T) of {flight.origin('pressure')} and {flight.origin('temperature')}"
-        )
+        air = f"{flight.origin('pressure')} and {flight.origin('temperature')}"
+        told = f"q = p V^2/(2 R T) of {air}"
     elif "density" in flight.columns:
         q = 0.5 * flight["density"] * flight["velocity"] ** 2
         told = f"q = rho V^2/2 of {flight.origin('density')}"
@@ -163,19 +154,13 @@ def _vehicle(
     if reference_area is not None:
         area = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
         on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"
+    origin = f"q S dC_N/dalpha; {told}; {on}; slope: {slope.origin}"
     return {
-        "weight": Column(
-            flight["mass"] * STANDARD_GRAVITY, f"{flight.origin('mass')} times 9.80665 m/s^2"
-        ),
+        "weight": weight_of(flight),
         "moment_of_inertia": flight.columns["moment_of_inertia"],
-        "normal_force_slope": Column(
-            q * area * slope.values, f"q S dC_N/dalpha; {told}; {on}; slope: {slope.origin}"
-        ),
+        "normal_force_slope": Column(q * area * slope.values, origin),
         "thrust": flight.columns["thrust"],
         "aerodynamic_arm": aerodynamic_arm_of(flight),
         "control_arm": control_arm_of(flight, given_gimbal(flight, gimbal)),
-        "axial_force": flight.columns["axial_force"],
-        "velocity": flight.columns["velocity"],
-        "attitude": flight.columns["attitude"],
-        "altitude": flight.columns["altitude"],
+        **{k: flight.columns[k] for k in ("axial_force", "velocity", "attitude", "altitude")},
     }

@@ -6,13 +6,12 @@ import re
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.sheet import Column, Heading, Sheet, letters, read_sheet
+from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError
-from tvclin.base.files import called
 
 _NEEDED = {
     "time": ("time", "Time"),
@@ -32,134 +31,107 @@ _SLOPE = "Normal force coefficient derivative"
 _COEFFICIENT = "Normal force coefficient"
 _DENSITY = "Air density"
 _DAMPING, _UNREAD = "Damping moment coefficient", "Pitch damping coefficient"
-_ROD = re.compile(r"Event LAUNCHROD occurred at t=([\d.eE+-]+) s")
+_ROD = re.compile(r"Event LAUNCHROD occurred at t=([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?) s")
 _ROUGH = 5e-3
 """An inertia or a density that is rounded by more is told."""
 
 
-def table_of(path: str | PathLike[str]) -> Table:
+def table_of(path: str | PathLike[str]) -> Sheet:
     """Return the rows of an export; `InputError` where its line of names was left off."""
 
     def is_header(headings: tuple[Heading, ...]) -> bool:
         return any("time" in one.names and one.unit is not None for one in headings)
 
-    table = read_table_text(path, "data that OpenRocket exports", is_header)
-    if table is None:
-        raise InputError(
-            f"{called(path)} has no line of column names with their units, such as Time (s);"
-            " export it again with field descriptions included"
-        )
-    return table
+    missing = (
+        "column names with their units, such as Time (s); export it again with field descriptions"
+        " included"
+    )
+    return read_sheet(path, "data that OpenRocket exports", is_header, missing)
 
 
-def columns_of(table: Table, ground: float | None, own_slope: bool) -> dict[str, Column]:
+def columns_of(sheet: Sheet, ground: float | None, own_slope: bool) -> dict[str, Column]:
     """Return the columns of an export by name, in SI units.
 
-    Parameters
-    ----------
-    table : Table
-        The rows.
-    ground : float, optional
-        Elevation of the launch site [m].
-    own_slope : bool
-        Whether the slope of the normal force coefficient is to be read too.
-
-    Raises
-    ------
-    InputError
-        For a column that is not there, is there twice, or has no known unit.
+    `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
+    coefficient is to be read too. `InputError` for a column that is not there, is there twice, or
+    has no known unit.
     """
-    found = {name: _column(table, name) for name in _NEEDED}
-    found |= _air(table) | _attitude(table) | _altitude(table, ground) | _damping(table)
-    return found | _own_slope(table) if own_slope else found
+    found = {name: _column(sheet, name) for name in _NEEDED}
+    found |= _air(sheet) | _attitude(sheet) | _altitude(sheet, ground)
+    found |= sheet.maybe("damping", _DAMPING, "damping moment")
+    return found | _own_slope(sheet) if own_slope else found
 
 
-def _column(table: Table, name: str) -> Column:
+def _column(sheet: Sheet, name: str) -> Column:
     dimension, called = _NEEDED[name]
-    heading = table.find(called)
-    if heading is None:
-        raise InputError(
-            f"{table.text.source} has no column {called}; tick it and export the file again"
-        )
-    return table.numbers(heading, dimension)
+    return sheet.need(called, dimension, "tick it and export the file again")
 
 
-def _air(table: Table) -> dict[str, Column]:
+def _air(sheet: Sheet) -> dict[str, Column]:
     """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
-    density, pressure = table.find(_DENSITY), table.find("Air pressure")
-    temperature, sound = table.find("Air temperature"), table.find("Speed of sound")
-    found = {} if sound is None else {"sound": table.numbers(sound, "speed")}
-    if pressure is not None and temperature is not None:
-        found |= {"temperature": table.numbers(temperature, "temperature")}
-    elif density is not None:
-        return found | {"density": table.numbers(density, "density")}
-    if pressure is not None:
-        return found | {"pressure": table.numbers(pressure, "pressure")}
+    found = sheet.maybe("sound", "Speed of sound", "speed")
+    there = sheet.find("Air pressure") is not None
+    heat = sheet.maybe("temperature", "Air temperature", "temperature") if there else {}
+    if not heat and (density := sheet.maybe("density", _DENSITY, "density")):
+        return found | density
+    if there:
+        return found | heat | sheet.maybe("pressure", "Air pressure", "pressure")
     raise InputError(
-        f"{table.text.source} has neither a column Air density nor Air pressure, of which the"
+        f"{sheet.text.source} has neither a column Air density nor Air pressure, of which the"
         " dynamic pressure is made; tick one and export the file again"
     )
 
 
-def _attitude(table: Table) -> dict[str, Column]:
+def _attitude(sheet: Sheet) -> dict[str, Column]:
     """The attitude above the horizon, or else the direction of flight."""
-    heading = table.find("Vertical orientation (zenith)", "Vertical orientation")
-    vertical = table.find("Vertical velocity")
+    heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
+    vertical = sheet.find("Vertical velocity")
     if heading is not None:
-        found = table.numbers(heading, "angle")
+        found = sheet.numbers(heading, "angle")
         told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
-        return told if vertical is None else told | {"climb": table.numbers(vertical, "speed")}
+        return told | sheet.maybe("climb", "Vertical velocity", "speed")
     if vertical is None:
         raise InputError(
-            f"{table.text.source} has neither a column Vertical orientation nor Vertical velocity,"
+            f"{sheet.text.source} has neither a column Vertical orientation nor Vertical velocity,"
             " of which the attitude is made; tick one and export the file again"
         )
-    up, total = table.numbers(vertical, "speed"), _column(table, "velocity")
+    up, total = sheet.numbers(vertical, "speed"), _column(sheet, "velocity")
     speed = np.where(total.values > 0.0, total.values, np.nan)
     angle = np.arcsin(np.clip(up.values / speed, -1.0, 1.0))
     return {"attitude": Column(angle, f"asin of {up.origin} over the speed: that of the path")}
 
 
-def _altitude(table: Table, ground: float | None) -> dict[str, Column]:
+def _altitude(sheet: Sheet, ground: float | None) -> dict[str, Column]:
     """The altitude above the sea, to which winds belong."""
-    sea = table.find("Altitude above sea level")
+    sea = sheet.find("Altitude above sea level")
     if sea is not None:
         if ground is not None:
             raise InputError(
-                f"{table.text.source} has altitudes above the sea already, in {sea.name}: leave"
+                f"{sheet.text.source} has altitudes above the sea already, in {sea.name}: leave"
                 " ground out"
             )
-        return {"altitude": table.numbers(sea, "length")}
-    heading = table.find("Altitude")
-    if heading is None:
-        raise InputError(f"{table.text.source} has no column Altitude; tick it and export again")
-    found = table.numbers(heading, "length")
-    return {"altitude": above_sea(found, table.text.source, ground)}
+        return {"altitude": sheet.numbers(sea, "length")}
+    found = sheet.need("Altitude", "length", "tick it and export again")
+    return {"altitude": above_sea(found, sheet.text.source, ground)}
 
 
-def _own_slope(table: Table) -> dict[str, Column]:
-    heading = table.find(_SLOPE)
+def _own_slope(sheet: Sheet) -> dict[str, Column]:
+    heading = sheet.find(_SLOPE)
     if heading is not None:
-        return {"slope": table.numbers(heading, "per angle")}
-    near = table.find(_COEFFICIENT)
+        return {"slope": sheet.numbers(heading, "per angle")}
+    near = sheet.find(_COEFFICIENT)
     is_none = f"; {near.text} is the coefficient of the flight, not its slope" if near else ""
     raise InputError(
-        f"{table.text.source} has no column {_SLOPE}{is_none}: give"
+        f"{sheet.text.source} has no column {_SLOPE}{is_none}: give"
         " normal_force_coefficient_slope, a number per rad or a table over Mach"
     )
 
 
-def _damping(table: Table) -> dict[str, Column]:
-    """The damping of air and jet, where it is there."""
-    heading = table.find(_DAMPING)
-    return {} if heading is None else {"damping": table.numbers(heading, "damping moment")}
-
-
-def unread(table: Table) -> list[str]:
+def unread(sheet: Sheet) -> list[str]:
     """Return what to say of columns that are not read."""
-    one, parts = table.find(_UNREAD), []
-    if table.find(_DAMPING) is None:
-        parts = [h for h in table.headings if h.names[0].startswith(letters(_DAMPING))]
+    one, parts = sheet.find(_UNREAD), []
+    if sheet.find(_DAMPING) is None:
+        parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
     told = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
     if one is not None:
         told += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
@@ -171,12 +143,7 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 
     OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away.
 
-    Parameters
-    ----------
-    flight : Flight
-        The rows.
-    exit_arm : Column
-        l_e [m].
+    `exit_arm`: l_e [m].
     """
     if "damping" not in flight.columns:
         return {}, []
@@ -198,21 +165,21 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
     ]
 
 
-def rounded(table: Table, flight: Flight) -> list[str]:
+def rounded(sheet: Sheet, flight: Flight) -> list[str]:
     """Return what to say of an inertia or a density that was written with too few decimals."""
     told = []
     for name, dimension, header in (
         ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
         ("density", "density", _DENSITY),
     ):
-        heading = table.find(header)
+        heading = sheet.find(header)
         if heading is None or name not in flight.columns:
             continue
-        written = [row[heading.index] for row in table.cells]
+        written = [row[heading.index] for row in sheet.cells]
         if any("e" in cell.lower() for cell in written):
             continue
         decimals = max(len(cell.partition(".")[2]) for cell in written)
-        part = 0.5 * 10.0**-decimals * table.factor(heading, dimension) / flight[name]
+        part = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
         if part.max() >= _ROUGH:
             told.append(
                 f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g}"
@@ -221,16 +188,9 @@ def rounded(table: Table, flight: Flight) -> list[str]:
     return told
 
 
-def free(table: Table, flight: Flight) -> NDArray[np.bool_]:
+def free(sheet: Sheet, flight: Flight) -> BoolArray:
     """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
-    events = [_ROD.search(content) for content in table.text.lines]
-    times = [float(one[1]) for one in events if one is not None and _is_number(one[1])]
-    cleared = min(times, default=-np.inf)
+    events = [_ROD.search(content) for content in sheet.text.lines]
+    times = [float(one[1]) for one in events if one is not None]
+    cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
     return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return bool(np.isfinite(float(text)))
-    except ValueError:
-        return False

@@ -13,15 +13,15 @@ from tvclin.answers.schedules.build import (
     aerodynamic_arm_of,
     control_arm_of,
     given_gimbal,
+    given_slope,
     schedule_of_flight,
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.slopes import Slope, slope_over_mach
-from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
+from tvclin.answers.schedules.sheet import Column, Heading, read_sheet
+from tvclin.answers.schedules.slopes import Slope
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
-from tvclin.base.files import called
 from tvclin.base.units import POUND_FORCE
 
 _POUNDS = {"lb": POUND_FORCE, "lbf": POUND_FORCE, "N": 1.0}
@@ -40,6 +40,8 @@ _NEEDED = {
     "attitude": ("angle", "Pitch Attitude"),
     "altitude": ("length", "Altitude"),
 }
+
+_MEND = "export all columns of the flight"
 
 
 def read_rasaero(
@@ -91,17 +93,20 @@ def read_rasaero(
     """
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
     times, inertias = _inertias(moment_of_inertia)
-    table = _table(path)
-    columns = {name: _column(table, name) for name in _NEEDED}
-    columns["altitude"] = above_sea(columns["altitude"], table.text.source, ground)
-    climb = table.find("Vel-V")
-    if climb is not None:
-        columns["climb"] = table.numbers(climb, "speed")
-    flight = Flight(source=table.text.source, places=table.places, columns=columns)
+    missing = (
+        "column names such as Time (sec), Thrust (lb), CG (in); export the flight again as CSV"
+    )
+    sheet = read_sheet(path, "a flight that RASAero II exports", _is_header, missing)
+    columns = {
+        key: sheet.need(name, kind, _MEND, _POUNDS if kind == "force" else None)
+        for key, (kind, name) in _NEEDED.items()
+    }
+    columns["altitude"] = above_sea(columns["altitude"], sheet.text.source, ground)
+    columns |= sheet.maybe("climb", "Vel-V", "speed")
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
     flight = powered(flight, np.isfinite(columns["pressure_station"].values), start, stop)
-    slopes = slope_over_mach(normal_force_coefficient_slope)
-    slope = slopes.at(flight["mach"])
-    check_slope(slope)
+    slope = given_slope(flight, normal_force_coefficient_slope)
+    check_slope(slope.values)
     made = {name: flight.columns[name] for name in ("weight", "thrust", "axial_force")}
     made |= {
         "aerodynamic_arm": aerodynamic_arm_of(flight),
@@ -111,9 +116,9 @@ def read_rasaero(
             f"given at {times.size} times from {times[0]:g} to {times[-1]:g} s",
         ),
         "normal_force_slope": Column(
-            flight["axial_force"] / flight["drag_coefficient"] * slope,
+            flight["axial_force"] / flight["drag_coefficient"] * slope.values,
             f"q S dC_N/dalpha; q S = {flight.origin('axial_force')} over"
-            f" {flight.origin('drag_coefficient')}; slope: {slopes.origin}",
+            f" {flight.origin('drag_coefficient')}; slope: {slope.origin}",
         ),
         **{name: flight.columns[name] for name in ("velocity", "attitude", "altitude")},
     }
@@ -138,25 +143,5 @@ def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarra
     return times, inertias
 
 
-def _table(path: str | PathLike[str]) -> Table:
-    def is_header(headings: tuple[Heading, ...]) -> bool:
-        names = {name for one in headings for name in one.names}
-        return {"time", "cg", "thrust"} <= names
-
-    table = read_table_text(path, "a flight that RASAero II exports", is_header)
-    if table is None:
-        raise InputError(
-            f"{called(path)} has no line of column names such as Time (sec), Thrust (lb), CG (in);"
-            " export the flight again as CSV"
-        )
-    return table
-
-
-def _column(table: Table, name: str) -> Column:
-    dimension, called = _NEEDED[name]
-    heading = table.find(called)
-    if heading is None:
-        raise InputError(
-            f"{table.text.source} has no column {called}; export all columns of the flight"
-        )
-    return table.numbers(heading, dimension, _POUNDS if dimension == "force" else None)
+def _is_header(headings: tuple[Heading, ...]) -> bool:
+    return {"time", "cg", "thrust"} <= {name for one in headings for name in one.names}

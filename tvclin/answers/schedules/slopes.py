@@ -9,7 +9,8 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.schedules.table import FloatArray, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.sheet import Heading, Sheet, letters, read_sheet
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
 
 LEAST = 0.5
@@ -34,10 +35,7 @@ class SlopeOverMach:
     def at(self, mach: FloatArray) -> FloatArray:
         """Return the slope [1/rad] at Mach numbers.
 
-        Raises
-        ------
-        InputError
-            For Mach numbers beyond the table.
+        `InputError` for Mach numbers beyond the table.
         """
         if self.mach.size == 1:
             return np.full(mach.shape, self.slope[0])
@@ -54,10 +52,7 @@ class SlopeOverMach:
 def slope_over_mach(given: Slope) -> SlopeOverMach:
     """Return the slope over Mach of a number, a pair of rows, or a file.
 
-    Raises
-    ------
-    InputError
-        For rows that are no Mach numbers with a slope each, and files as `read_slopes`.
+    `InputError` for rows that are no Mach numbers with a slope each, and files as `read_slopes`.
     """
     if isinstance(given, str | PathLike):
         return read_slopes(given)
@@ -81,68 +76,64 @@ def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
     zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
     the column of the whole rocket.
 
-    Raises
-    ------
-    InputError
-        For a file that is neither, and one that holds a coefficient but no slope.
+    `InputError` for a file that is neither, and one that holds a coefficient but no slope.
     """
-    table = read_table_text(path, "a table of slopes over Mach", _over_mach)
-    if table is None:
-        raise InputError(
-            f"{shown(str(path))} has no line of names with Mach; give the table that RASAero II"
-            " (aero plots) or OpenRocket (component analysis) exports over Mach"
-        )
-    potential = table.find("CN Potential")
-    return _potential(table, potential) if potential is not None else _analysed(table)
+    missing = (
+        "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"
+        " analysis) exports over Mach"
+    )
+    sheet = read_sheet(path, "a table of slopes over Mach", _over_mach, missing)
+    potential = sheet.find("CN Potential")
+    return _potential(sheet, potential) if potential is not None else _analysed(sheet)
 
 
 def _over_mach(headings: tuple[Heading, ...]) -> bool:
     return any(set(one.names) & {"mach", "machnumber"} for one in headings[:2])
 
 
-def _potential(table: Table, heading: Heading) -> SlopeOverMach:
+def _potential(sheet: Sheet, heading: Heading) -> SlopeOverMach:
     """CN Potential over the angle of attack at the smallest of these that is not zero."""
-    angle = table.find("Alpha")
+    angle = sheet.find("Alpha")
     if angle is None:
-        raise InputError(f"{table.text.source} has no column Alpha beside {heading.text}")
-    mach = table.numbers(_mach_of(table), "number").values
-    alpha = table.numbers(angle, "angle", {"": np.pi / 180}).values
-    force = table.numbers(heading, "number").values
+        raise InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
+    mach = sheet.numbers(_mach_of(sheet), "number").values
+    alpha = sheet.numbers(angle, "angle", {"": np.pi / 180}).values
+    force = sheet.numbers(heading, "number").values
     least = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
     first = np.array([alpha[i] == least.get(mach[i]) for i in range(mach.size)])
     if not np.any(first):
         raise InputError(
-            f"{table.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
+            f"{sheet.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
         )
-    origin = f"{table.text.source}, column {heading.text} over the smallest Alpha"
+    origin = f"{sheet.text.source}, column {heading.text} over the smallest Alpha"
     order = np.argsort(mach[first], kind="stable")
     return _checked(mach[first][order], (force[first] / alpha[first])[order], origin)
 
 
-def _analysed(table: Table) -> SlopeOverMach:
+def _analysed(sheet: Sheet) -> SlopeOverMach:
     """The column of the whole rocket: the only one, or the one that is the sum of the others."""
-    found = [one for one in table.headings if _SLOPE.fullmatch(one.name)]
+    found = [one for one in sheet.headings if _SLOPE.fullmatch(one.name)]
     if not found:
         near = [
-            one.text for one in table.headings if letters(one.name).startswith(("cn", "normal"))
+            one.text for one in sheet.headings if letters(one.name).startswith(("cn", "normal"))
         ]
         is_none = f"; {near[0]} is a coefficient, not its slope" if near else ""
         raise InputError(
-            f"{table.text.source} has no slope of the normal force coefficient{is_none}: it must"
+            f"{sheet.text.source} has no slope of the normal force coefficient{is_none}: it must"
             " have a column CN Potential (RASAero II) or CN alpha (OpenRocket's component analysis)"
         )
-    slopes = [table.numbers(one, "per angle").values for one in found]
+    slopes = [sheet.numbers(one, "per angle").values for one in found]
     if len(found) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
         raise InputError(
-            f"{table.text.source} holds {len(found)} columns CN alpha, the first of them not the"
+            f"{sheet.text.source} holds {len(found)} columns CN alpha, the first of them not the"
             " sum of the others; export that of the whole rocket alone"
         )
-    mach = table.numbers(_mach_of(table), "number").values
-    return _checked(mach, slopes[0], f"{table.text.source}, column {found[0].text}")
+    mach = sheet.numbers(_mach_of(sheet), "number").values
+    return _checked(mach, slopes[0], f"{sheet.text.source}, column {found[0].text}")
 
 
-def _mach_of(table: Table) -> Heading:
-    found = table.find("Mach", "Mach number")
+def _mach_of(sheet: Sheet) -> Heading:
+    found = sheet.find("Mach", "Mach number")
     assert found is not None  # by `_over_mach`
     return found
 

@@ -64,14 +64,8 @@ _ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
 class Unit:
     """A unit that was recognised.
 
-    Attributes
-    ----------
-    factor : float
-        To SI.
-    spelling : str
-        As it is properly written.
-    mangled : bool
-        Whether it had lost letters, and was told by the quantity.
+    `factor`: to SI. `spelling`: as it is properly written. `mangled`: whether it had lost letters,
+    and was told by the quantity.
     """
 
     factor: float

@@ -19,12 +19,12 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
+from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
     bearing,
+    between,
     each,
-    finite,
-    flag,
     instance,
     naming,
     nonnegative,
@@ -32,10 +32,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
     small_angle,
-    text,
-    within,
 )
-from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -43,19 +40,6 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
 
-SIZE_TABLE = FileTable(
-    "[size]",
-    {
-        **dict.fromkeys(("start", "stop", "every", "window"), "time"),
-        "peak_speed": "speed",
-        "dispersion": "percent",
-        "thrust_offset": "angle",
-        "gravity_offset": "length",
-        "reserve": "percent",
-    },
-    words=("law", "varying", "count"),
-    lists=("dead_bands",),
-)
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
 _MOST_TIMES = 10_000
@@ -99,27 +83,38 @@ class SizingAsked:
     others : tuple of ShapedWind
         Other winds that do.
     peak_speed : float, optional
-        Wind speed [m/s] at the peak of the pulses, in place of their angle: the vehicle meets it at
-        the angle of its flight time, by eq (B1e).
+        Peak wind speed of the pulses [m/s], in place of their angle: the vehicle meets it at the
+        angle of its flight time, by eq (B1e).
     soundings : dict of str to SoundingAsked
         Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
         time, or when the dead band that counts needs most, of a sounding about each flight time.
     gust_speed : float, optional
         Wind speed [m/s] at the peak of the gust of pulses, in place of its angle.
     window : float, optional
-        As of `MeasuredWind` [s].
-    start, stop : float, optional
-        First and last flight time [s]; as far as the schedule covers the whole of the pulses.
+        Length of the part of a sounding that counts, about each flight time [s].
+    start : float, optional
+        First flight time [s]; without it the first that has the whole of the pulses about it.
+    stop : float, optional
+        Last flight time [s]; without it the last of these.
     every : float
         Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
-        K of the report's control.
-    law, varying
-        As of `size`.
+        Dead band K, from 0 to 1; may be given several times.
+    law : str
+        Column 'no forecast': bound, the lower bound for all laws without a forecast, or flown, what
+        such a law needs in flight (slow).
+    varying : bool, optional
+        Let parameters vary while the wind blows, or take those of each flight time alone.
     count : str, optional
-        The requirement that counts as the wind's; see `counted`.
-    dispersion, thrust_offset, gravity_offset, reserve
-        As of `worst_total`.
+        Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...
+    dispersion : float
+        What dispersions add, as a fraction of what the wind needs.
+    thrust_offset : float
+        Angle between the thrust and the nozzle's axis [rad].
+    gravity_offset : float
+        Distance of the centre of gravity from the axis [m].
+    reserve : float
+        Fraction of the limit to keep unused, from 0 to 1.
 
     Raises
     ------
@@ -128,61 +123,46 @@ class SizingAsked:
     """
 
     schedule: FlightSchedule
-    source: str = ""
-    another: str = ""
-    pulse: bool = True
+    source: str = text("", key=False, option=None)
+    another: str = text("", key=False, option=None)
+    pulse: bool = flag(True, key=False, option=None)
     others: tuple[ShapedWind, ...] = ()
-    peak_speed: float | None = None
-    gust_speed: float | None = None
+    peak_speed: float | None = quantity("speed", None, option=None)
+    gust_speed: float | None = quantity("speed", None, key=False, option=None)
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
-    window: float | None = None
-    start: float | None = None
-    stop: float | None = None
-    every: float = 5.0
-    dead_bands: tuple[float, ...] = (1.0, 0.5)
-    law: str = "bound"
-    varying: bool | None = None
-    count: str | None = None
-    dispersion: float = 0.0
-    thrust_offset: float = 0.0
-    gravity_offset: float = 0.0
-    reserve: float = 0.0
+    window: float | None = quantity("time", None, positive, shown="all of it")
+    start: float | None = quantity("time", None, option="--from", shown="the earliest possible")
+    stop: float | None = quantity("time", None, option="--to", shown="the latest possible")
+    every: float = quantity("time", 5.0, positive)
+    dead_bands: tuple[float, ...] = quantity(
+        "number", (1.0, 0.5), between(0.0, 1.0), many=True, option="--dead-band"
+    )
+    law: str = word(WORDS["law"], "bound")
+    varying: bool | None = flag(
+        None, option="--varying/--frozen", shown="varying where they can be followed"
+    )
+    count: str | None = text(
+        None, shown="the largest dead band, varying, in the wind that needs more"
+    )
+    dispersion: float = quantity("percent", 0.0, nonnegative)
+    thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
+    gravity_offset: float = quantity("length", 0.0)
+    reserve: float = quantity("percent", 0.0, nonnegative)
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
         object.__setattr__(self, "others", each("others", self.others, ShapedWind, "of one shape"))
         instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
         each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
-        self._check_words()
-        if not flag("pulse", self.pulse) and not self.others and not self.soundings:
+        checked(self)
+        if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
         for pulse in self.others:
             one_of("shape of a pulse", pulse.shape, PULSES)
-        if not finite("dead_bands", self.dead_bands).size:
-            raise InputError("dead_bands must hold one number or more")
-        within("dead_bands", self.dead_bands, 0.0, 1.0)
-        object.__setattr__(self, "every", number("every", self.every, positive, "s"))
-        if self.window is not None:
-            number("window", self.window, positive, "s")
-        for name in ("dispersion", "reserve"):
-            number(name, getattr(self, name), nonnegative)
         if self.gust_speed is not None and self.soundings:
             raise InputError(
                 "a gust on top of a sounding has an angle: give it in degrees, not by its speed"
             )
-        number("thrust_offset", self.thrust_offset, small_angle("an angle"))
-        for name in ("peak_speed", "gust_speed", "start", "stop", "gravity_offset"):
-            if getattr(self, name) is not None:
-                number(name, getattr(self, name), finite)
-
-    def _check_words(self) -> None:
-        for name in ("source", "another"):
-            text(name, getattr(self, name))
-        if self.count is not None:
-            text("count", self.count)
-        one_of("law", self.law, WORDS["law"])
-        if self.varying is not None:
-            flag("varying", self.varying)
 
     def counted(self, found: Sizing) -> str:
         """Return the requirement that counts as the wind's, where none is named.
@@ -395,6 +375,9 @@ class SizingAsked:
         if self.gust_speed is not None:
             peak = f"{self.gust_speed:g} m/s"
         return f"{name}, gust of {peak}, {gust.end - gust.onset:g} s"
+
+
+SIZE_TABLE = file_table("[size]", SizingAsked)
 
 
 def _base(found: Sizing) -> str:

@@ -9,15 +9,8 @@ from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study import Study, pulse_of
-from tvclin.base.errors import (
-    InputError,
-    between,
-    fraction,
-    instance,
-    number,
-    one_of,
-    whole_number,
-)
+from tvclin.base.declared import count, quantity, word
+from tvclin.base.errors import InputError, between, fraction, instance
 from tvclin.linear.deflections import SWITCHES
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
@@ -40,17 +33,23 @@ class StudyPlan(Case):
     Attributes
     ----------
     dead_band : float
-        K of the verdict.
-    switch, sign : str
-        As of `Study.of`.
+        Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.
+    switch : str
+        What is compared with the dead band, in the boundaries shown: trim (literal) or the wind
+        (report).
+    sign : str, optional
+        Which sign of a wind along the path counts, with the dynamic pressure met in it: head, tail,
+        or frozen, that of calm air.
     laws : LawsAsked, optional
         Laws to be flown.
     criteria : Criteria, optional
         What its margins are held to.
     dispersions : Dispersions, optional
         What is uncertain.
-    cases, seed : int
-        How many dispersed cases are drawn, and from what.
+    cases : int
+        Number of dispersed cases.
+    seed : int
+        Seed of the dispersed cases.
     probability, confidence : float
         Of the deflection that covers them, as of `quantile_bound`.
     sizing : SizingAsked, optional
@@ -67,16 +66,16 @@ class StudyPlan(Case):
     """
 
     wind: ShapedWind | History = DEFAULT_WIND
-    dead_band: float = 1.0
-    switch: str = "literal"
-    sign: str | None = None
+    dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
+    switch: str = word(SWITCHES, "literal")
+    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
     laws: LawsAsked | None = None
     criteria: Criteria | None = None
     dispersions: Dispersions | None = None
-    cases: int = 2000
-    seed: int = 0
-    probability: float = 0.99865
-    confidence: float = 0.9
+    cases: int = count(2000)
+    seed: int = count(0)
+    probability: float = quantity("number", 0.99865, fraction)
+    confidence: float = quantity("number", 0.9, fraction)
     sizing: SizingAsked | None = None
     availability: AvailabilityAsked | None = None
     document: Document | None = None
@@ -85,15 +84,7 @@ class StudyPlan(Case):
         super().__post_init__()
         if not isinstance(self.wind, History):
             pulse_of(self)
-        one_of("switch", self.switch, SWITCHES)
-        if self.sign is not None:
-            one_of("sign", self.sign, (*SIGNS, FROZEN))
-        number("dead_band", self.dead_band, between(0.0, 1.0))
         self._check_parts()
-        for name in ("cases", "seed"):
-            whole_number(name, getattr(self, name))
-        for name in ("probability", "confidence"):
-            fraction(name, getattr(self, name))
 
     def _check_parts(self) -> None:
         """What may be asked besides; its kinds are imported only where something is."""

@@ -12,39 +12,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    number,
-    single,
-)
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.errors import InputError, instance, number, single
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
     """Moments that a deflection must have to leave no growing exponential.
 
-    Attributes
-    ----------
-    poles : ndarray
-        Unstable poles [1/s], ``(m,)``, of each complex pair the one with positive imaginary part.
-    demands : ndarray
-        d_i [rad s], ``(n,)``, two for each complex pair: the parts with cosine and with sine.
-    horizon : float
-        H [s], the time after the start at which the deflection must be zero again; inf if never.
+    `poles`: unstable poles [1/s], ``(m,)``, of each complex pair the one with positive imaginary
+    part. `demands`: d_i [rad s], ``(n,)``, two for each complex pair: the parts with cosine and
+    with sine. `horizon`: H [s], the time after the start at which the deflection must be zero
+    again; inf if never.
     """
 
-    poles: NDArray[Any]
+    poles: AnyArray
     demands: FloatArray
     horizon: float = np.inf
 
@@ -83,7 +71,7 @@ class Constraints:
         part = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
         return self.in_rows(np.exp(-column * knots[:-1]) * part / column)
 
-    def in_rows(self, values: NDArray[Any]) -> FloatArray:
+    def in_rows(self, values: AnyArray) -> FloatArray:
         """Split values at the poles ``(m, ...)`` into the rows ``(n, ...)`` of real conditions."""
         if self.real:
             return values
@@ -91,7 +79,7 @@ class Constraints:
         wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
         return both[wanted]
 
-    def joined(self, rows: FloatArray) -> NDArray[Any]:
+    def joined(self, rows: FloatArray) -> AnyArray:
         """Return the values ``(m,)`` that `in_rows` splits into the rows ``(n,)``."""
         if self.real:
             return rows
@@ -101,11 +89,11 @@ class Constraints:
         return rows[first] - 1j * second
 
     @cached_property
-    def _rows(self) -> NDArray[np.intp]:
+    def _rows(self) -> IndexArray:
         return np.where(np.imag(self.poles) == 0.0, 1, 2)
 
 
-def conditions(poles: NDArray[Any], demands: NDArray[Any], horizon: float = np.inf) -> Constraints:
+def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
     """Return the conditions of poles ``(m,)``, of each pair the upper one, and their demands."""
     bare = Constraints(poles, np.zeros(0), horizon)
     return Constraints(poles, bare.in_rows(demands), horizon)
@@ -116,26 +104,12 @@ def constraints_of(
 ) -> Constraints:
     """Return the conditions that a deflection between `start` and `horizon` must meet.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant.
-    wind : History
-        One wind, which must end.
-    start : float
-        First time [s] at which the deflection may differ from zero.
-    horizon : float, optional
-        Time [s] from which the deflection is zero again; never by default.
+    `wind`: one wind, which must end. `start`: first time [s] at which the deflection may differ
+    from zero. `horizon`: time [s] from which the deflection is zero again; never by default.
+    `InputError` for batches, a wind that is zero or never ends, a horizon not after the start or
+    before the end of the wind, a start so late that the deflection would overflow, and unstable
+    poles that the deflection cannot reach.
 
-    Raises
-    ------
-    InputError
-        For batches, a wind that is zero or never ends, a horizon not after the start or before
-        the end of the wind, a start so late that the deflection would overflow, and unstable
-        poles that the deflection cannot reach.
-
-    Notes
-    -----
     d_i = -(N_wind(p)/N_deflection(p)) e^(p start) L(alpha_w)(p): D_i of eq (C1), moved to the
     start, with a ratio K1_i = (beta_i + b2)/(beta_i + b1) for each pole of its own.
     """

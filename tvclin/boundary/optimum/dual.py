@@ -16,13 +16,11 @@ the sum, its gradient is L1 m - d and its Hessian
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.exponential_sums import SignedSum, Window
 from tvclin.boundary.optimum.grid import first_cells, grid_optimum, split, switches_in
-
-FloatArray = NDArray[np.float64]
 
 _NEWTON_STEPS = 60
 """Beyond those that a quadratic end takes, for a start with several small multipliers; where they
@@ -42,13 +40,8 @@ _ROUNDS = 4
 def best_multipliers(window: Window) -> SignedSum:
     """Return the sum whose sign is the deflection of least peak, scaled so that L1 = peak.
 
-    Parameters
-    ----------
-    window : Window
-        The functions e_i and their demands, which must not all be zero.
+    `window`: the functions e_i and their demands, which must not all be zero.
 
-    Notes
-    -----
     Where a real pole p is so fast that the others count only after p t = 700, their multipliers
     cannot be told from zero. What the fast pole does to the peak is then over long before, and
     a slower pole that asks for the same peak stands in for it. Where that is so of all poles but

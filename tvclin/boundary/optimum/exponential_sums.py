@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
-
-FloatArray = NDArray[np.float64]
 
 _FADED = 60.0
 """Past this many e-folding times of the slowest real pole a change of sign is not sought."""
@@ -32,10 +30,7 @@ _MOST_POINTS = 200_000
 class Window:
     """The functions e_i on a grid fine enough to see every change of sign.
 
-    Attributes
-    ----------
-    constraints : Constraints
-        The functions and their demands.
+    `constraints`: the functions and their demands.
     """
 
     constraints: Constraints
@@ -116,18 +111,9 @@ class Window:
 class SignedSum:
     """One sum lambda . e.
 
-    Attributes
-    ----------
-    multipliers : ndarray
-        lambda, ``(n,)``.
-    zeros : ndarray
-        Times [s] of its changes of sign, ``(k,)``.
-    signs : ndarray
-        Its sign between them, ``(k + 1,)``.
-    norm : float
-        Its L1 norm on the window.
-    moments : ndarray
-        The moments of its sign, ``(n,)``: the gradient of the norm.
+    `multipliers`: lambda, ``(n,)``. `zeros`: times [s] of its changes of sign, ``(k,)``. `signs`:
+    its sign between them, ``(k + 1,)``. `norm`: its L1 norm on the window. `moments`: the moments
+    of its sign, ``(n,)``: the gradient of the norm.
     """
 
     multipliers: FloatArray
@@ -144,7 +130,7 @@ def even_for(decay: float, last: float, count: int) -> FloatArray:
 
 
 def _refined(
-    multipliers: FloatArray, function: object, times: FloatArray, left: NDArray[np.intp]
+    multipliers: FloatArray, function: object, times: FloatArray, left: IndexArray
 ) -> FloatArray:
     """The zeros of lambda . function between ``times[left]`` and the times after them."""
     from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import

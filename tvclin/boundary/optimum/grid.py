@@ -5,12 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.exponential_sums import TRUNCATED, Window, even_for
-
-FloatArray = NDArray[np.float64]
 
 _FAINT = 1e-6
 """What is below this part of the largest counts as lost in the tolerance of a linear program."""
@@ -19,20 +17,10 @@ _FAINT = 1e-6
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the best deflection that is constant in each cell, over its peak, and its prices.
 
-    Parameters
-    ----------
-    constraints : Constraints
-        Conditions on the moments.
-    cells : ndarray
-        Knots [s] of the cells, ``(k + 1,)``; the last may be infinite.
+    `constraints`: conditions on the moments. `cells`: knots [s] of the cells, ``(k + 1,)``; the
+    last may be infinite. Returned: levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not
+    scaled.
 
-    Returns
-    -------
-    tuple of ndarray
-        Levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not scaled.
-
-    Notes
-    -----
     The multiplier of a slow pole that matters only long after the others have died out is many
     decades below theirs and lost in the tolerance of a linear program. So the program is solved
     again for the cells from there on: the poles whose multipliers are known are served best,
@@ -98,7 +86,7 @@ def first_cells(window: Window) -> FloatArray:
     return inside if last == window.end else np.append(inside, window.end)
 
 
-def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, IndexArray]:
     """Return where levels of -1 and 1 change, and the cells in which that is not certain.
 
     Cells between that are neither count for the parts of them that are.
@@ -128,7 +116,7 @@ def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, NDAr
     return np.array(times), np.array(doubtful, dtype=np.intp)
 
 
-def split(cells: FloatArray, doubtful: NDArray[np.intp]) -> FloatArray:
+def split(cells: FloatArray, doubtful: IndexArray) -> FloatArray:
     """Return cells of which the doubtful, and those beside them, are cut in 16 parts."""
     near = np.unique(np.concatenate([doubtful - 1, doubtful, doubtful + 1]))
     near = near[(near >= 0) & (near < cells.size - 1)]

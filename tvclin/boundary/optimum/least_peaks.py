@@ -7,11 +7,10 @@ go one by one through `optimum_deflection`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast, ending, instance
 from tvclin.boundary.optimum.constraints import conditions
 from tvclin.boundary.optimum.minimum_peak import optimum_of
@@ -23,8 +22,6 @@ from tvclin.kernels.searches import lowest
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
 """About what a breakpoint takes for each pole, in plain Python and as machine code."""
@@ -39,30 +36,12 @@ _DIRECTIONS = 128
 def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -> FloatArray:
     """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant or a batch.
-    wind : History
-        One wind or a batch, of winds that end; batches broadcast.
-    enough : ndarray, optional
-        Peaks [rad], which broadcast with the batch. With three poles, where this is proved to be
-        no less than what is asked, it is returned in its place: the search takes a tenth of a
-        second.
+    `wind`: one wind or a batch, of winds that end; batches broadcast. `enough`: peaks [rad], which
+    broadcast with the batch. With three poles, where this is proved to be no less than what is
+    asked, it is returned in its place: the search takes a tenth of a second. Returned: of the shape
+    of the batch; zero without an unstable pole, and infinite where the deflection does not reach
+    one. `InputError` for a wind that is zero or never ends.
 
-    Returns
-    -------
-    ndarray
-        Of the shape of the batch; zero without an unstable pole, and infinite where the
-        deflection does not reach one.
-
-    Raises
-    ------
-    InputError
-        For a wind that is zero or never ends.
-
-    Notes
-    -----
     With z_i = p_i d_i, d_i of eq (C1): one pole needs ``|z|``, two real ones the reach on whose
     edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
     lambda . e, over the directions of lambda.
@@ -88,21 +67,13 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     return peaks_of(poles, demands, peaks).reshape(shape)
 
 
-def peaks_of(
-    poles: NDArray[Any], demands: NDArray[Any], enough: FloatArray | None = None
-) -> FloatArray:
+def peaks_of(poles: AnyArray, demands: AnyArray, enough: FloatArray | None = None) -> FloatArray:
     """Return the least peaks [rad] that meet the demands of modes, for each case.
 
-    Parameters
-    ----------
-    poles : ndarray
-        Unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there is
-        none, and both of a pair.
-    demands : ndarray
-        d_i of eq (C1) from the start of the control on [rad s], ``(n, m)``; infinite where the
-        deflection does not reach a pole.
-    enough : ndarray, optional
-        As of `least_peaks`, ``(n,)``.
+    `poles`: unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there
+    is none, and both of a pair. `demands`: d_i of eq (C1) from the start of the control on [rad s],
+    ``(n, m)``; infinite where the deflection does not reach a pole. `enough`: as of `least_peaks`,
+    ``(n,)``.
     """
     there = ~np.isnan(poles)
     lost = np.any(there & ~np.isfinite(demands), axis=-1)
@@ -134,7 +105,7 @@ def peaks_of(
     return found
 
 
-def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+def _moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
     """The Laplace transforms of the winds, counted from their onset, at ``poles (n, m)``."""
     winds, which = rows(wind.pieces, shape)
     known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
@@ -145,7 +116,7 @@ def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDAr
     return found if np.iscomplexobj(known) else np.real(found)
 
 
-def _is_enough(poles: NDArray[Any], demands: NDArray[Any], peak: FloatArray) -> NDArray[np.bool_]:
+def _is_enough(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> BoolArray:
     """Whether a peak is proved to suffice for a real pole p and two others, ``(n, 3)`` of each.
 
     Let a constant c act up to T, and what the two others still ask for from then on. That does no
@@ -159,12 +130,12 @@ def _is_enough(poles: NDArray[Any], demands: NDArray[Any], peak: FloatArray) -> 
 
 
 def _proved(
-    poles: NDArray[Any],
-    demands: NDArray[Any],
+    poles: AnyArray,
+    demands: AnyArray,
     peak: FloatArray,
     spans: tuple[float, ...],
-    of_pairs: Callable[[NDArray[Any], NDArray[Any]], FloatArray],
-) -> NDArray[np.bool_]:
+    of_pairs: Callable[[AnyArray, AnyArray], FloatArray],
+) -> BoolArray:
     """Whether one of several times T proves it; `of_pairs` is what pairs take no more than."""
     p, others = np.real(poles[:, 0]), poles[:, 1:]
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
@@ -186,7 +157,7 @@ def _proved(
     return proved
 
 
-def _most_of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+def _most_of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """A bound of `_of_pairs` that is found at once: a demand over the least of all norms.
 
     min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
@@ -195,7 +166,7 @@ def _most_of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
     return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))
 
 
-def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+def _of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """The least peaks of complex pairs ``(n,)``, by the dual.
 
     For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
@@ -204,7 +175,7 @@ def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
     """
     k = np.real(poles) / np.imag(poles)
 
-    def negative(left: FloatArray, i: NDArray[np.intp]) -> FloatArray:
+    def negative(left: FloatArray, i: IndexArray) -> FloatArray:
         """Minus the quotient at phi = pi/2 - left, times sigma^2 + omega^2 over omega."""
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (left - 0.5 * np.pi))))
         return -toward / _norm(left, k[i, np.newaxis])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.boundary.optimum import two_poles
@@ -16,8 +16,6 @@ from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.linear.deflections import BangBang, HeldDeflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
@@ -33,20 +31,11 @@ _ROUNDING = 1e-14
 class Certificate:
     """Why no deflection has a smaller peak: a lower bound beside the peak that is reached.
 
-    Attributes
-    ----------
-    primal : float
-        Peak [rad] of the deflection.
-    dual : float
-        lambda . d over the L1 norm of lambda . e: no deflection that meets the conditions has a
-        peak [rad] below it, whatever it looks like.
-    gap : float
-        (primal - dual)/primal.
-    residual : float
-        Largest violation of a condition (4b), relative to the sizes of its terms.
-    tail : float
-        Bound of what a truncated window leaves out of the L1 norm, relative to it; it is counted
-        in `dual`. Zero where nothing is truncated.
+    `primal`: peak [rad] of the deflection. `dual`: lambda . d over the L1 norm of lambda . e: no
+    deflection that meets the conditions has a peak [rad] below it, whatever it looks like. `gap`:
+    (primal - dual)/primal. `residual`: largest violation of a condition (4b), relative to the sizes
+    of its terms. `tail`: bound of what a truncated window leaves out of the L1 norm, relative to
+    it; it is counted in `dual`. Zero where nothing is truncated.
     """
 
     primal: float
@@ -166,16 +155,8 @@ def certify(
 ) -> Certificate:
     """Return what is reached by switching between two limits, and what cannot be undercut.
 
-    Parameters
-    ----------
-    window : Window
-        The conditions.
-    multipliers : ndarray
-        lambda, ``(n,)``; any of them bounds every peak from below.
-    switches : ndarray
-        Switch times [s] after the start, ``(k,)``.
-    limit : float
-        First deflection [rad].
+    `multipliers`: lambda, ``(n,)``; any of them bounds every peak from below. `switches`: switch
+    times [s] after the start, ``(k,)``. `limit`: first deflection [rad].
     """
     constraints = window.constraints
     summed = window.signed(multipliers)

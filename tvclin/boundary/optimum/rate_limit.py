@@ -9,25 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    between,
-    number,
-    positive,
-    shown,
-)
+from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.exponential_sums import even_for
 from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
 from tvclin.boundary.optimum.rate_program import RateProgram
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
-
-FloatArray = NDArray[np.float64]
 
 _RATES = (1e-15, 1e9)
 """Rates that the program can tell from none, and from any [rad/s]."""

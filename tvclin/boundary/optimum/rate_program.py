@@ -7,12 +7,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.kernels.moments import moments
-
-FloatArray = NDArray[np.float64]
 
 _PEAK, _MOTION, _RATE = "peak", "motion", "rate"
 _MAGNIFIED = 1e8
@@ -25,16 +23,8 @@ _MENDINGS = (1e5, 1e2, 1e2)
 class RateProgram:
     """Least peak, least motion and least rate of a deflection that is straight between nodes.
 
-    Attributes
-    ----------
-    constraints : Constraints
-        The conditions.
-    nodes : ndarray
-        Times [s] after the start, ``(k,)``, from zero on; the last value is held.
-    rate : float
-        Rate limit [rad/s].
-    unit : float
-        Deflection [rad] in units of which the values are given.
+    `nodes`: times [s] after the start, ``(k,)``, from zero on; the last value is held. `rate`: rate
+    limit [rad/s]. `unit`: deflection [rad] in units of which the values are given.
     """
 
     constraints: Constraints

@@ -12,14 +12,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, plain, positive, together, within
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-
-FloatArray = NDArray[np.float64]
 
 _NEVER = 60.0
 """e^(-60) is far below the rounding of any condition: a switch later than this is none."""
@@ -30,17 +29,9 @@ def switch_time(
 ) -> float:
     """Return the time of the switch [s] after the start; infinite when there is none.
 
-    Parameters
-    ----------
-    poles : tuple of float
-        Two different positive poles [1/s], in any order.
-    demands : tuple of float
-        d_i [rad s] of the poles, not both zero.
-    horizon : float
-        H [s]; infinite for a deflection that is held for ever.
+    `poles`: two different positive poles [1/s], in any order. `demands`: d_i [rad s] of the poles,
+    not both zero. `horizon`: H [s]; infinite for a deflection that is held for ever.
 
-    Notes
-    -----
     With c_i = p_i d_i, E_i = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
 
         c1 (1 - 2 E2 + F2) = c2 (1 - 2 E1 + F1).
@@ -80,15 +71,8 @@ def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
 def switch_variable(y: float, ratio: float) -> float:
     """Return x = e^(-beta2 t_s), the solution of eq (C6), in [0, 1].
 
-    Parameters
-    ----------
-    y : float
-        beta1 D1/(beta2 D2), of any sign and size.
-    ratio : float
-        r = beta1/beta2, between 0 and 1.
+    `y`: beta1 D1/(beta2 D2), of any sign and size. `ratio`: r = beta1/beta2, between 0 and 1.
 
-    Notes
-    -----
     2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: the switch comes never.
 
     Examples
@@ -105,10 +89,7 @@ def late_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 
         x = ((1 - y)/2)^(1/r)
 
-    Raises
-    ------
-    InputError
-        For a y outside [0, 1], or a ratio not between 0 and 1.
+    `InputError` for a y outside [0, 1], or a ratio not between 0 and 1.
     """
     y, r = within("y", y, 0.0, 1.0), _ratios(ratio)
     together(y=y, ratio=r)
@@ -123,10 +104,7 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
     It follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too
     small. For y -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1).
 
-    Raises
-    ------
-    InputError
-        For a y not positive, or a ratio not between 0 and 1.
+    `InputError` for a y not positive, or a ratio not between 0 and 1.
     """
     y, r = positive("y", y), _ratios(ratio)
     together(y=y, ratio=r)
@@ -140,17 +118,9 @@ def switching_ratio(
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
-    Parameters
-    ----------
-    duration : array_like
-        tau [s], positive.
-    beta1, beta2 : array_like
-        Slow and fast unstable pole [1/s], positive.
-    K1_ratio : array_like
-        K1_1/K1_2 with K1_i = (beta_i + b2)/(beta_i + b1); 1 as printed.
+    `duration`: tau [s], positive. `beta1`, `beta2`: slow and fast unstable pole [1/s], positive.
+    `K1_ratio`: K1_1/K1_2 with K1_i = (beta_i + b2)/(beta_i + b1); 1 as printed.
 
-    Notes
-    -----
     It rises with the duration from K1_ratio beta1/beta2 to K1_ratio beta2/beta1.
     """
     tau, b1, b2 = (
@@ -171,15 +141,8 @@ def longest_single_pole_duration(
 
     Up to there the fast pole alone decides the least peak, nearly.
 
-    Parameters
-    ----------
-    beta1, beta2, K1_ratio : array_like
-        As of `switching_ratio`.
-
-    Returns
-    -------
-    float or ndarray
-        NaN where y is never 1: K1_ratio must be between beta1/beta2 and beta2/beta1.
+    `beta1`, `beta2`, `K1_ratio`: as of `switching_ratio`. Returned: NaN where y is never 1:
+    K1_ratio must be between beta1/beta2 and beta2/beta1.
 
     Examples
     --------
@@ -207,10 +170,7 @@ def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: Array
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    Parameters
-    ----------
-    beta1, beta2, K1_ratio : array_like
-        As of `switching_ratio`; NaN where y is never 1.
+    `beta1`, `beta2`, `K1_ratio`: as of `switching_ratio`; NaN where y is never 1.
 
     Examples
     --------

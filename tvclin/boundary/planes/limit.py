@@ -16,8 +16,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import (
@@ -42,8 +43,6 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind, unit
-
-FloatArray = NDArray[np.float64]
 
 _GRID, _ROUNDS = 65, 10
 """Points of a grid that is laid into one cell of the one before: after 10 rounds, to rounding."""

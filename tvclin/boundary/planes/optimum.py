@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import single
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
@@ -26,8 +26,6 @@ from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop, Vectors
 from tvclin.linear.plant import Plant
 from tvclin.winds.plane_wind import PlaneWind, unit
-
-FloatArray = NDArray[np.float64]
 
 _CELLS = 500
 _THINNEST = 1e-8

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, ending, instance
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.linear.deflections import trim_deflection
@@ -18,8 +17,7 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
-FloatArray = NDArray[np.float64]
-Ahead = Callable[[FloatArray], NDArray[Any]]
+Ahead = Callable[[FloatArray], AnyArray]
 """A discounted future, of times [s]."""
 
 _TOGETHER = 1e-4
@@ -30,12 +28,7 @@ _MOST_TIMES = 8192
 class Pair:
     """One plant for each plane, and one wind that ends.
 
-    Attributes
-    ----------
-    plants : tuple of Plant
-        Of pitch and of yaw; the same one where the planes are equal.
-    wind : PlaneWind
-        One wind.
+    `plants`: of pitch and of yaw; the same one where the planes are equal.
     """
 
     plants: tuple[Plant, Plant]

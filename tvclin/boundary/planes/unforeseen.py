@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.stops import Stop
-
-FloatArray = NDArray[np.float64]
 
 _TIMES = 80
 _DIRECTIONS = 180
@@ -25,7 +23,7 @@ _CLOSER, _NARROWER, _ROUNDS = 33, 8.0, 5
 """Points of a grid each way, by how much the next is narrower, and how many there are."""
 
 
-def _apart(stop: Stop) -> Callable[[NDArray[np.complex128]], FloatArray]:
+def _apart(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
     """The gauge of S - S, of its supports in some directions: never more than the truth."""
     if stop.symmetric:
         return lambda vector: stop.gauge(vector) / 2.0
@@ -38,13 +36,8 @@ def _apart(stop: Stop) -> Callable[[NDArray[np.complex128]], FloatArray]:
 def unforeseen(pair: Pair, stop: Stop) -> float:
     """Return the bound [rad] of the fast modes; a law told the whole wind, but not its stop.
 
-    Parameters
-    ----------
-    pair : Pair
-        With planes that differ, it is counted for what a constant vector returns from, up to two
-        percent too much where the poles differ by half.
-    stop : Stop
-        Its shape.
+    `pair`: with planes that differ, it is counted for what a constant vector returns from, up to
+    two percent too much where the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
     shown = pair.times()
@@ -71,7 +64,7 @@ def unforeseen(pair: Pair, stop: Stop) -> float:
     )
 
 
-def _between(pair: Pair, s: FloatArray, T: FloatArray) -> NDArray[np.complex128]:
+def _between(pair: Pair, s: FloatArray, T: FloatArray) -> ComplexArray:
     """What the wind from s to T asks for [rad], zero where T is before s; the two broadcast."""
     asked = pair.demanded(s) - pair.decayed(pair.demanded(T), np.maximum(T - s, 0.0))
     return np.where(T > s, asked, 0.0)

@@ -29,18 +29,9 @@ def actuated(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
     The inputs are `INPUTS`. A disturbance turns the thrust and not the engine, so that it has no
     inertia. The outputs are those of the plant, and the deflection with its disturbance.
 
-    Parameters
-    ----------
-    plant : Plant or FlexiblePlant
-        One plant or a batch.
-    actuator : Actuator or None
-        One actuator or a batch, which broadcasts with the plant; None: the deflection follows its
-        command at once.
-
-    Raises
-    ------
-    InputError
-        For an engine with inertia and any but a second-order actuator.
+    `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
+    plant; None: the deflection follows its command at once. `InputError` for an engine with inertia
+    and any but a second-order actuator.
     """
     check_engine(plant, actuator)
     blocks = [plant.system, turning(actuator), _DISTURBED]

@@ -7,8 +7,8 @@ from math import comb, perm
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, plain, together
@@ -17,7 +17,6 @@ from tvclin.control.autopilot.sizes import sized
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))

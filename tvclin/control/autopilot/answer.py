@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import finite, instance, one_of, single
 from tvclin.kernels.peaks import largest
 from tvclin.kernels.propagation import Motion, exponentials, motion
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SETTLED = 40.0
 """The last piece is followed until the slowest mode has decayed by e^-40."""
@@ -33,7 +31,7 @@ class WindAnswer:
 
     labels: tuple[str, ...]
     _motion: Motion
-    _rows: NDArray[Any]
+    _rows: AnyArray
     _settled: float
     _through: FloatArray
 
@@ -61,7 +59,7 @@ class WindAnswer:
             return float(np.inf)
         return abs(largest(self._motion, row, self._settled)[0])
 
-    def _row(self, output: str) -> NDArray[Any]:
+    def _row(self, output: str) -> AnyArray:
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
 
 
@@ -75,19 +73,8 @@ def wind_answer(
 ) -> WindAnswer:
     """Return the answer of x' = A x + B w, y = C x + D w to a wind, from rest.
 
-    Parameters
-    ----------
-    A, B, C, D : ndarray
-        One system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
-    labels : tuple of str
-        Names of the outputs.
-    wind : History
-        One wind [rad].
-
-    Raises
-    ------
-    InputError
-        For a batch of winds.
+    `A`, `B`, `C`, `D`: one system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
+    `labels`: names of the outputs. `wind`: one wind [rad]. `InputError` for a batch of winds.
     """
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
@@ -104,7 +91,7 @@ def wind_answer(
     return WindAnswer(labels, found, rows, settled, (D != 0.0) & np.any(jumps))
 
 
-def _ends(found: Motion, inputs: FloatArray, order: int) -> NDArray[Any]:
+def _ends(found: Motion, inputs: FloatArray, order: int) -> AnyArray:
     """The wind at the end of each piece but the last."""
     alone = found.matrix[order:, order:]
     steps = exponentials(alone, np.diff(found.knots))

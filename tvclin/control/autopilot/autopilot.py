@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import ComplexArray
 from tvclin.base.errors import (
     InputError,
     broadcast,
@@ -49,7 +49,6 @@ from tvclin.winds.histories import History
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 
 _MISLED = (
     "pade_order = {} is too low for this delay: with the exact delay the loop has another number"
@@ -169,7 +168,7 @@ class Autopilot(Feedback):
         """
         return self._closed("close", plant).to_control(f"{plant.model} with autopilot")
 
-    def closed_loop_poles(self, plant: AnyPlant) -> NDArray[np.complex128]:
+    def closed_loop_poles(self, plant: AnyPlant) -> ComplexArray:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
         What it takes, refuses and warns of is as of `close`.
@@ -283,7 +282,7 @@ class Autopilot(Feedback):
         warn_of_sampling(self, plant)
         return band_margins(loop, *named_modes(plant))
 
-    def frequency_response(self, plant: AnyPlant, omega: ArrayLike) -> NDArray[np.complex128]:
+    def frequency_response(self, plant: AnyPlant, omega: ArrayLike) -> ComplexArray:
         """Return L(j omega) of `loop`, with the exact delay e^(-j omega delay).
 
         Parameters

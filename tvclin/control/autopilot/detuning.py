@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import table
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
@@ -23,8 +24,6 @@ from tvclin.control.margins.record import MARGINS, Margins, loop_margins
 from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.vehicle.structure import SloshTank, Structure
-
-FloatArray = NDArray[np.float64]
 
 _SHOWN = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}
 """The margins of a table, and their headings."""
@@ -75,7 +74,7 @@ class Detuned:
     changes: tuple[str, ...]
     margins: Margins
     first: tuple[str, ...]
-    met: NDArray[np.bool_]
+    met: BoolArray
     edges: tuple[Edge, ...]
     plants: FlexiblePlant
 
@@ -220,12 +219,8 @@ def with_modes(
 ) -> FlexiblePlant:
     """Return plants with factors on frequencies, dampings and slopes at the sensors of the modes.
 
-    Parameters
-    ----------
-    plant : FlexiblePlant
-        One or a batch, which broadcasts with the factors.
-    frequency, damping, turned : ndarray
-        Of bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
+    `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`, `turned`: of
+    bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
     """
     structure = plant.structure
     signs = np.ones_like(frequency) if turned is None else turned
@@ -277,7 +272,7 @@ def _edges(
 ) -> list[Edge]:
     """Where the loop becomes unstable between two factors, by its poles alone."""
 
-    def unstable(factors: FloatArray, modes: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
         moved = np.ones((factors.size, len(names)))
         moved[np.arange(factors.size), modes] = factors
         even = np.ones_like(moved)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
@@ -15,8 +15,6 @@ from tvclin.base.lines import Line, Row, Table, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, sized, zero_or_sized
 from tvclin.vehicle.filters import Filter, cells_of
-
-FloatArray = NDArray[np.float64]
 
 GAINS = {
     "attitude_gain": "number",

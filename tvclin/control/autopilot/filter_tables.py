@@ -43,11 +43,8 @@ FILTER_TABLE = FileTable(
 def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, ...]]:
     """Return the filters of tables, by the names of the chains of an `Autopilot`.
 
-    Raises
-    ------
-    InputError
-        For rows that are no tables, an unknown kind or place, and a key that is missing or that
-        the kind does not take; it says of which filter.
+    `InputError` for rows that are no tables, an unknown kind or place, and a key that is missing or
+    that the kind does not take; it says of which filter.
     """
     chains: dict[str, list[Filter]] = {chain: [] for chain in PLACES.values()}
     for k, row in enumerate(rows, start=1):

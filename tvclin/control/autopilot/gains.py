@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -19,7 +19,6 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 
 Steered = AnyPlant | AnyVehicle | Coefficients
 """What gains are made for; of a vehicle they are those of the pitch plane."""
-FloatArray = NDArray[np.float64]
 
 _FREQUENCY, _DAMPING = 2.4, 1.2
 """Of the loop of half relief: natural frequency, over the unstable pole, and damping ratio."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     between,
@@ -17,8 +17,6 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 _HEAVIEST = 1e12
 """Of a weight, and of one over another."""

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _STEPS = 400
 """Over the wind and what follows it, and at least a tenth of them in each piece of the wind."""
@@ -30,16 +26,8 @@ def deflection_peaks(
     The loops are those of `Autopilot.answer`, and exact at every sample; beside the highest sample
     a parabola stands for the motion. For searches: what they find is to be asked of `answer`.
 
-    Parameters
-    ----------
-    autopilot : Feedback
-        A row of gains, ``(m,)``, and one delay.
-    plant : Plant or FlexiblePlant
-        One plant.
-    wind : History
-        One wind that ends.
-    after : float
-        How long the loops are followed behind its end [s].
+    `autopilot`: a row of gains, ``(m,)``, and one delay. `plant`: one plant. `wind`: one wind that
+    ends. `after`: how long the loops are followed behind its end [s].
     """
     A, B, row, through = _closed(autopilot, plant)
     pieces, (m, n) = wind.pieces, A.shape[:2]
@@ -68,7 +56,7 @@ def deflection_peaks(
     return np.where(np.isfinite(highest), highest, np.inf)
 
 
-def _sizes(felt: NDArray[Any], state: NDArray[Any]) -> FloatArray:
+def _sizes(felt: AnyArray, state: AnyArray) -> FloatArray:
     return np.asarray(np.abs(np.real(np.einsum("mi,mi->m", felt, state))))
 
 

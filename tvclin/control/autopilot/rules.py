@@ -6,17 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
     each,
     instance,
     nonnegative,
-    number,
     one_of,
     positive,
     single,
 )
-from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
@@ -48,22 +47,10 @@ BY_POLES: dict[str, Callable[..., Autopilot]] = {
     "load-minimum": load_minimum_gains,
 }
 _DAMPING = 0.7
-_RULE = {"natural_frequency": "natural frequency", "damping": "number"}
+_RULE = ("natural_frequency", "damping")
 RULE_KEYS = ("design", *_RULE, "crossover")
 OWN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains that stand in place of a rule."""
-AUTOPILOT_TABLE = FileTable(
-    "[autopilot]",
-    {
-        **_RULE,
-        **GAINS,
-        "delay": "delay",
-        "crossover": "natural frequency",
-        "sample_rate": "sample rate",
-    },
-    words=("design",),
-    lists=("filter",),
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,49 +60,46 @@ class AutopilotDesign:
     Attributes
     ----------
     design : str, optional
-        One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical". Gains
-        for the "least-nozzle" are found for a wind, see `least_deflection_gains`.
-    natural_frequency, damping : float, optional
-        Of the closed loop [rad/s], for the rules that ask for poles; the damping is 0.7 unless
-        given.
-    attitude_gain, rate_gain, alpha_gain : float, optional
-        As of `Autopilot`, in place of a rule.
+        Rule for the gains; that for the least nozzle needs a wind.
+    natural_frequency : float, optional
+        Natural frequency of the closed loop [rad/s]; the rule is then poles.
+    damping : float, optional
+        Damping ratio of the closed loop, for rules that place poles.
+    attitude_gain : float, optional
+        Gain a0 on the attitude, in place of a rule.
+    rate_gain : float, optional
+        Gain a1 on the attitude rate [s].
+    alpha_gain : float, optional
+        Gain b0 on the angle of attack.
     integral_gain : float
-        On the integrated attitude [1/s].
+        Gain aI on the integrated attitude [1/s].
     delay : float
-        Between sensors and actuator [s].
+        Delay between sensors and actuator [s].
     crossover : float, optional
-        The highest gain crossover [rad/s] of gains for the least nozzle.
+        Highest gain crossover [rad/s] of gains for the least nozzle.
     filters, attitude_filters, rate_filters : tuple of Filter
         As of `Autopilot`.
     sample_rate : float, optional
-        Samples in a second [Hz] of an autopilot in steps; it is continuous without.
+        Sample rate of the autopilot or law [Hz]. Without it margins are of a continuous one, and
+        flights sample it at 100.
     """
 
-    design: str | None = None
-    natural_frequency: float | None = None
-    damping: float | None = None
-    attitude_gain: float | None = None
-    rate_gain: float | None = None
-    alpha_gain: float | None = None
-    integral_gain: float = 0.0
-    delay: float = 0.0
-    crossover: float | None = None
+    design: str | None = word(DESIGNS, None, shown="canonical")
+    natural_frequency: float | None = quantity("natural frequency", None)
+    damping: float | None = quantity("number", None, shown=f"{_DAMPING:g}")
+    attitude_gain: float | None = quantity(GAINS["attitude_gain"], None)
+    rate_gain: float | None = quantity(GAINS["rate_gain"], None)
+    alpha_gain: float | None = quantity(GAINS["alpha_gain"], None)
+    integral_gain: float = quantity(GAINS["integral_gain"], 0.0)
+    delay: float = quantity("delay", 0.0, nonnegative)
+    crossover: float | None = quantity("natural frequency", None)
     filters: tuple[Filter, ...] = ()
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
-    sample_rate: float | None = None
+    sample_rate: float | None = quantity("sample rate", None, positive)
 
     def __post_init__(self) -> None:
-        if self.design is not None:
-            one_of("design", self.design, DESIGNS)
-        object.__setattr__(self, "delay", number("delay", self.delay, nonnegative))
-        for name in (*_RULE, *GAINS, "crossover"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name)))
-        if self.sample_rate is not None:
-            rate = number("sample_rate", self.sample_rate, positive, "Hz")
-            object.__setattr__(self, "sample_rate", rate)
+        checked(self)
         for name in CHAINS:
             chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
             object.__setattr__(self, name, chain)
@@ -176,6 +160,9 @@ class AutopilotDesign:
             alpha_gain=self.alpha_gain or 0.0,
             **options,
         )
+
+
+AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, lists=("filter",))
 
 
 def _by_rule(

@@ -11,8 +11,8 @@ Digital Control of Dynamic Systems).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.feedback import Feedback
@@ -23,8 +23,6 @@ from tvclin.kernels.state_loop import StateLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect
 
-FloatArray = NDArray[np.float64]
-
 _MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 """The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
 
@@ -32,19 +30,10 @@ _MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     """Return the loop of an autopilot that has a sample rate.
 
-    Parameters
-    ----------
-    autopilot : Feedback
-        With a sample_rate [Hz]. Its delay is that from the sample to the command at the actuator,
-        up to 25 periods, whole or not.
-    plant : Plant or FlexiblePlant
-        One or a batch.
-
-    Raises
-    ------
-    InputError
-        For a filter whose own frequency is not below half the sample rate, a delay above 25
-        periods, and a vehicle that grows beyond all bounds in one.
+    `autopilot`: with a sample_rate [Hz]. Its delay is that from the sample to the command at the
+    actuator, up to 25 periods, whole or not. `plant`: one or a batch. `InputError` for a filter
+    whose own frequency is not below half the sample rate, a delay above 25 periods, and a vehicle
+    that grows beyond all bounds in one.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = (*plant.sensed, "angle_of_attack")
@@ -65,14 +54,14 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
     h, late = (np.broadcast_to(one, batch) for one in (period, delay))
 
-    def steps_later(delays: FloatArray, cases: NDArray[np.intp]) -> LinearSystem:
+    def steps_later(delays: FloatArray, cases: IndexArray) -> LinearSystem:
         own, seen = (one.some(cases, batch) for one in (vehicle, law))
         return own.to_steps(h.ravel()[cases], delays).series(seen)
 
-    def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
+    def later(delays: FloatArray, cases: IndexArray) -> StateLoop:
         return _in_plane(steps_later(delays, cases), h.ravel()[cases])
 
-    def closed_later(delays: FloatArray, cases: NDArray[np.intp]) -> NDArray[np.complex128]:
+    def closed_later(delays: FloatArray, cases: IndexArray) -> ComplexArray:
         return steps_later(delays, cases).feedback(RETURNED, COMMAND).poles
 
     open_loop = _in_plane(vehicle.to_steps(h, late).series(law), h)

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     callable_for,
@@ -21,8 +22,6 @@ from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

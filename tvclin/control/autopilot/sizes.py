@@ -6,11 +6,10 @@ The polynomials of a loop multiply several of them; what lies beyond overflows o
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, finite, positive, within
-
-FloatArray = NDArray[np.float64]
 
 LARGEST = 1e9
 """Of gains, frequencies, damping ratios and times in SI units, and one over the smallest."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     import control
-
-FloatArray = NDArray[np.float64]
 
 
 def wind_response(
@@ -26,16 +24,8 @@ def wind_response(
 ) -> control.TimeResponseData:
     """Return a response to a wind alone as `control.TimeResponseData`.
 
-    Parameters
-    ----------
-    times, outputs : ndarray
-        Times [s], ``(m,)``, and the outputs there, ``(n, m)``.
-    wind : History
-        The wind [rad].
-    labels : tuple of str
-        Names of the outputs.
-    name, title : str
-        What responds, and the title of its plot.
+    `times`, `outputs`: times [s], ``(m,)``, and the outputs there, ``(n, m)``, with their names.
+    `name`, `title`: what responds, and the title of its plot.
     """
     from control import TimeResponseData
 

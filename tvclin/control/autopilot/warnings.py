@@ -6,8 +6,8 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import exact_loop
 from tvclin.kernels.stability import stability
@@ -77,7 +77,7 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
         )
 
 
-def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: NDArray[np.float64]) -> bool:
+def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: FloatArray) -> bool:
     """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
     if not autopilot.delay:
         return False

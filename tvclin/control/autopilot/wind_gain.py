@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.wiring import wind_numerator
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
@@ -18,7 +18,6 @@ from tvclin.linear.flexible import AnyPlant
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
 
-FloatArray = NDArray[np.float64]
 
 _EVEN = 801
 """Logarithmic frequencies from far below the smallest root to far beyond the largest."""
@@ -33,13 +32,8 @@ _PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
 def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
 
-    Parameters
-    ----------
-    plant, autopilot : Plant or FlexiblePlant, Autopilot
-        One each.
+    `plant`, `autopilot`: one each.
 
-    Notes
-    -----
     It is the highest peak of |G(j omega)|, the delay being exact. The peak is bracketed among
     frequencies around all roots and gain crossovers and refined there, so that what is left is
     rounding, about 1e-12 of the value for well separated roots. Of a flexible plant, which has no

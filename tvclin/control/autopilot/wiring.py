@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Matrices, pade_delay
@@ -21,14 +21,12 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.vehicle.filters import Filter
 
-FloatArray = NDArray[np.float64]
-
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 _LATE = "late_command"
 SEEN = ("attitude_error", "seen_rate", "flight_path_angle", "angle_of_attack", "deflection")
 """What a law sees behind its filters."""
-ASKED = "asked"
+ASKED, INTEGRAL = "asked", "attitude_error_integral"
 
 
 def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> LinearSystem:
@@ -74,21 +72,25 @@ def law_of(
     With a period [s] they are in steps.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
-    integral = np.any(np.asarray(autopilot.integral_gain))
-    size = int(integral)
-    own = LinearSystem(
-        np.zeros((size, size)), np.eye(size, 5), np.eye(size), np.zeros((size, 5)), SEEN,
-        ("attitude_error_integral",)[:size], ("attitude_error_integral",)[:size],
-    )  # fmt: skip
+    integral = bool(np.any(np.asarray(autopilot.integral_gain)))
     gains = {
         SEEN[0]: autopilot.attitude_gain,
         SEEN[1]: autopilot.rate_gain,
         SEEN[3]: autopilot.alpha_gain,
     }
     if integral:
-        gains["attitude_error_integral"] = autopilot.integral_gain
+        gains[INTEGRAL] = autopilot.integral_gain
+    own = integral_of_attitude(integral)
     asked = [gain(SEEN[0], {"attitude_command": -1.0}), gain(ASKED, gains)]
     return [*law_blocks(chains, own, plant.sensed, period), *asked]
+
+
+def integral_of_attitude(there: bool) -> LinearSystem:
+    """Return the integral of the attitude error from `SEEN`, or nothing."""
+    n, name = int(there), (INTEGRAL,) if there else ()
+    return LinearSystem(
+        np.zeros((n, n)), np.eye(n, 5), np.eye(n), np.zeros((n, 5)), SEEN, name, name
+    )
 
 
 def law_blocks(
@@ -99,17 +101,10 @@ def law_blocks(
 ) -> list[LinearSystem]:
     """Return the states of a law and its filters: from what is sensed to `SEEN`, and from `ASKED`.
 
-    Parameters
-    ----------
-    chains : mapping
-        The filters of each of `CHAINS`.
-    own : LinearSystem
-        Of the law's own states, from `SEEN`.
-    sensed : tuple of str
-        Names of attitude and attitude rate ahead of the filters.
-    period : ndarray, optional
-        With one [s] all are in steps: the filters by the bilinear rule, each exact at its own
-        frequency, the states with what is seen held from sample to sample.
+    `chains`: the filters of each of `CHAINS`. `own`: of the law's own states, from `SEEN`.
+    `sensed`: names of attitude and attitude rate ahead of the filters. `period`: with one [s] all
+    are in steps: the filters by the bilinear rule, each exact at its own frequency, the states with
+    what is seen held from sample to sample.
     """
     ends = ((sensed[0], SEEN[0]), (sensed[1], SEEN[1]), (ASKED, RETURNED))
     blocks = [own if period is None else own.to_steps(period)] if own.states else []
@@ -132,10 +127,7 @@ def in_steps(one: Filter, period: FloatArray, name: str) -> Matrices:
 
     That is the geometric mean of its poles; c = 2/h where it has none. `name` is for messages.
 
-    Raises
-    ------
-    InputError
-        For a filter whose own frequency is not below half the sample rate.
+    `InputError` for a filter whose own frequency is not below half the sample rate.
     """
     if not one.order:
         return one.matrices()

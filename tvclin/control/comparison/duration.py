@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
@@ -23,8 +23,6 @@ from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.control.margins.record import loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _DURATIONS, _EACH_SWING, _MOST_IN_A_SWING = 41, 16, 2000
 """Durations tried first: over the whole range, in each swing of a mode, and at most for one."""

@@ -26,8 +26,6 @@ from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
-
 DEAD_BANDS = (1.0, 0.5, 0.0)
 
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

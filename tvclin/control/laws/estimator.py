@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     instance,
@@ -18,8 +18,6 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 _DAMPING = 0.7
 

@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, instance
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.vehicle.filters import Filter
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,17 +12,19 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, between
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.control.autopilot.wiring import SEEN
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
 
-FloatArray = NDArray[np.float64]
-
+RATES = between(1e-15, 1e9)
+"""Check of rate limits [rad/s] that a law knows: from as good as none to as good as any."""
 _SHOWN = 3
 """States of the plant that a law is shown."""
 
@@ -43,12 +45,8 @@ class Chains(NamedTuple):
     They run at the sample rate of the flight, by the bilinear rule, each exact at its own
     frequency.
 
-    Attributes
-    ----------
-    attitude, attitude_rate : tuple of Filter
-        Between a sensor and the law.
-    demand : tuple of Filter
-        Between what the law asks for and the limit.
+    `attitude`, `attitude_rate`: between a sensor and the law. `demand`: between what the law asks
+    for and the limit.
     """
 
     attitude: tuple[Filter, ...] = ()
@@ -76,6 +74,13 @@ class Law(Carded, ABC):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G m. None by default."""
         return np.zeros((0, 0)), np.zeros((0, 5))
+
+    @property
+    def memory(self) -> LinearSystem:
+        """Its own states, which follow what it is shown (`SEEN`)."""
+        F, G = self.states
+        names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
+        return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
 
     @property
     def chains(self) -> Chains:
@@ -113,10 +118,7 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
     `Measurement` has the attitude, its rate and the flight path angle, which are the first states
     of every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
 
-    Raises
-    ------
-    InputError
-        As `unstable_coordinates`, and for a plant whose unstable modes move its speed.
+    `InputError` as `unstable_coordinates`, and for a plant whose unstable modes move its speed.
     """
     modes = unstable_coordinates(plant)
     if np.any(modes.rows[:, _SHOWN:]):
@@ -125,3 +127,9 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
             ' on "drift-exact"'
         )
     return replace(modes, rows=modes.rows[:, :_SHOWN])
+
+
+def rate_over_pole(plant: Plant, rate_limit: float) -> float:
+    """Return r/(p |B|) [rad]: a rate limit r as an angle, with the fastest unstable pole p."""
+    pole = float(seen_coordinates(plant).poles[0])
+    return rate_limit / (pole * abs(float(plant.coefficients.B)))

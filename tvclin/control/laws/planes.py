@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.boundary.stops import PolygonStop, Stop, Vectors, stop_of
 from tvclin.control.laws.law import Law, Measurement
-
-FloatArray = NDArray[np.float64]
 
 SATURATE = ("radial", "each plane")
 
@@ -25,19 +23,10 @@ SATURATE = ("radial", "each plane")
 class LawInPlanes:
     """A law for both planes, and how its demand is brought back into the stop.
 
-    Attributes
-    ----------
-    law : Law
-        One law.
-    stop : Stop or str
-        What the nozzle can do; where each plane is limited by itself, the square inside.
-    saturate : {"radial", "each plane"}
-        Whether the vector that is asked for keeps its direction when it is limited.
-
-    Raises
-    ------
-    InputError
-        For what is no law, a law that switches, has filters or noise, and unknown words.
+    `law`: one law. `stop`: what the nozzle can do; where each plane is limited by itself, the
+    square inside. `saturate`: whether the vector that is asked for keeps its direction when it is
+    limited. `InputError` for what is no law, a law that switches, has filters or noise, and unknown
+    words.
     """
 
     law: Law
@@ -75,14 +64,8 @@ class LawInPlanes:
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
         """Return the deflections asked for [rad], without limit, ``(m,)``.
 
-        Parameters
-        ----------
-        measured : ndarray of complex
-            What is measured in both planes, as of `Measurement`, ``(m, 5)``.
-        states : ndarray of complex
-            The law's own states, ``(m, k)``.
-        limit : ndarray
-            The limit [rad] of the stop, ``(m,)``.
+        `measured`: what is measured in both planes, as of `Measurement`, ``(m, 5)``. `states`: the
+        law's own states, ``(m, k)``. `limit`: the limit [rad] of the stop, ``(m,)``.
         """
         if not self.radial:
             return self._by_parts(measured, states, [limit * side for side in self.sides])
@@ -97,7 +80,7 @@ class LawInPlanes:
         ]
         return np.asarray(turn * self._by_parts(measured * back, states * back, limits))
 
-    def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, NDArray[np.bool_]]:
+    def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
         """Return the demand within the limits [rad], and which of them meet the stop."""
         if self.radial:
             with np.errstate(over="ignore"):  # of the least limit that a number can be

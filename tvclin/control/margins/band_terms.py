@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.searches import lowest
 from tvclin.kernels.state_loop import StateLoop
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[Any]
 
 _AROUND = np.concatenate([-np.geomspace(40.0, 0.02, 60), [0.0], np.geomspace(0.02, 40.0, 60)])
 """Frequencies around a mode, in half-widths, among which its peak is looked for."""
@@ -33,12 +29,12 @@ class Terms:
 
     loop: Loop
     form: StateLoop
-    plant: ComplexArray
-    poles: ComplexArray
-    residues: ComplexArray
+    plant: AnyArray
+    poles: AnyArray
+    residues: AnyArray
 
     @classmethod
-    def of(cls, loop: Loop, plant: ComplexArray) -> Terms:
+    def of(cls, loop: Loop, plant: AnyArray) -> Terms:
         """Return the terms of loops held as matrices; `plant` has poles of the plant ``(k, n)``."""
         form = loop.form
         assert isinstance(form, StateLoop)
@@ -52,7 +48,7 @@ class Terms:
             loop, form, plant, np.where(missing, np.nan, poles), np.where(missing, 0.0, residues)
         )
 
-    def owner(self, omega: FloatArray) -> NDArray[np.intp]:
+    def owner(self, omega: FloatArray) -> IndexArray:
         """The place of the largest term at frequencies ``(k, m)`` of s; -1 of the rigid body."""
         nu = np.imag(self.loop.in_plane(1j * omega))
         s = 1j * nu[:, np.newaxis]
@@ -65,7 +61,7 @@ class Terms:
             sizes = np.abs(np.concatenate([rest[:, np.newaxis], parts], axis=1))
         return np.argmax(np.nan_to_num(sizes, nan=-1.0, posinf=np.inf), axis=1) - 1
 
-    def values(self, omega: FloatArray) -> ComplexArray:
+    def values(self, omega: FloatArray) -> AnyArray:
         """L at frequencies ``(k, m)`` of s."""
         above, below = self.form.parts(np.imag(self.loop.in_plane(1j * omega)))
         with np.errstate(all="ignore"):
@@ -114,7 +110,7 @@ def peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     return np.where(nothing, np.nan, height), np.where(nothing, np.nan, where)
 
 
-def distance(terms: Terms, k: int, closed: ComplexArray) -> FloatArray:
+def distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     """Return the least |1 + L| within eight half-widths of the k-th pole.
 
     It lies beside the closed pole ``(m,)`` of the mode, where that is near, and is as wide.
@@ -135,7 +131,7 @@ def distance(terms: Terms, k: int, closed: ComplexArray) -> FloatArray:
     return np.minimum(values.min(axis=-1), lowest(height, before, after)[1])
 
 
-def followed(terms: Terms) -> ComplexArray:
+def followed(terms: Terms) -> AnyArray:
     """Return the closed-loop poles that begin at those of the modes as the gain grows, ``(k, n)``.
 
     Newton's steps on (s - p)(1 + g L) = 0, which has no pole at p, for g rising to one.

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import (
     InputError,
     broadcast,
@@ -23,7 +24,6 @@ from tvclin.kernels.state_loop import StateLoop
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
 
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
@@ -191,12 +191,12 @@ class Loop:
         return self.form.delay.reshape(self.batch)
 
     @property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """Poles without the delay [1/s], ``(..., n)``."""
         return self.form.open_poles().astype(complex).reshape((*self.batch, -1))
 
     @property
-    def closed_loop_poles(self) -> NDArray[np.complex128]:
+    def closed_loop_poles(self) -> ComplexArray:
         """Poles of 1 + L = 0 [1/s] with the exact delay, falling, ``(..., n)``.
 
         With a delay there are infinitely many: those furthest right, as far as all of them are
@@ -208,7 +208,7 @@ class Loop:
             row[: one.size] = one
         return found.reshape((*self.batch, -1))
 
-    def _rightmost(self, k: int) -> NDArray[np.complex128]:
+    def _rightmost(self, k: int) -> ComplexArray:
         one = self.form.take(np.array([k]))
         late = float(one.delay[0])
         if late:
@@ -216,7 +216,7 @@ class Loop:
         poles = one.closed_poles()[0].astype(complex)
         return poles[np.argsort(-poles.real, kind="stable")]
 
-    def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, omega: ArrayLike) -> ComplexArray:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
         Parameters
@@ -237,11 +237,11 @@ class Loop:
         """Return verdict, crossings and peaks of the loops on one axis."""
         return loop_findings(self.form)
 
-    def in_plane(self, s: NDArray[Any]) -> NDArray[Any]:
+    def in_plane(self, s: AnyArray) -> AnyArray:
         """Return the variable of `form` for s ``(k, m)`` [1/s]: s itself, unless it is sampled."""
         return s
 
-    def from_plane(self, w: NDArray[Any]) -> NDArray[Any]:
+    def from_plane(self, w: AnyArray) -> AnyArray:
         """Return the s ``(k, m)`` [1/s] of the variable of `form`."""
         return w
 
@@ -260,7 +260,7 @@ class Loop:
         loop._hold(held, np.shape(index))
         return loop
 
-    def _values(self, omega: FloatArray) -> NDArray[np.complex128]:
+    def _values(self, omega: FloatArray) -> ComplexArray:
         """The values ``(k, m)`` at frequencies of `form`; infinite at a pole."""
         above, below = self.form.parts(omega)
         pole = (below == 0.0) & (above != 0.0)

@@ -6,16 +6,14 @@ from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Row, Shown, card
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings, classical_margins
-
-FloatArray = NDArray[np.float64]
 
 OK = "ok"
 UNSTABLE = "unstable"
@@ -48,9 +46,13 @@ class MarginRow(NamedTuple):
     frequency: Any
 
 
+DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
+"""Behind the point of margins, by unit."""
+
+
 def margin(name: str, value: Any, unit: str) -> Line:
     """Return a margin with the digits of its unit."""
-    return number(name, value, {"dB": 2, "deg": 2, "ms": 1, "": 3}[unit], unit)
+    return number(name, value, DIGITS[unit], unit)
 
 
 def factor_to(unit: str) -> float:
@@ -314,7 +316,7 @@ def _shaped(flat: Margins, batch: tuple[int, ...]) -> Margins:
     return Margins(**numbers, crossings=Crossings(**lists))
 
 
-def _element(array: NDArray[Any]) -> Any:
+def _element(array: AnyArray) -> Any:
     return array if array.ndim else array.item()
 
 

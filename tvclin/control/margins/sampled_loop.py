@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import within
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
 from tvclin.linear.system import delay_parts
-
-FloatArray = NDArray[np.float64]
 
 _STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
 """Newton's steps to a delay, how long over the frequency, and how near is there."""
@@ -24,7 +22,6 @@ _PER_SAMPLE, _LOOKS, _ROUNDS = 48.0, (8, 192), 14
 how often it is looked again where it begins to grow: to 8^-13 of their distance."""
 _BEYOND = 1.0 + 1e-6
 """So far beyond a delay that is an edge a loop grows."""
-ComplexArray = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -51,8 +48,8 @@ class SampledLoop(Loop):
 
     period: FloatArray
     late: FloatArray
-    later: Callable[[FloatArray, NDArray[np.intp]], StateLoop]
-    closed_later: Callable[[FloatArray, NDArray[np.intp]], ComplexArray]
+    later: Callable[[FloatArray, IndexArray], StateLoop]
+    closed_later: Callable[[FloatArray, IndexArray], AnyArray]
 
     def __init__(
         self,
@@ -60,15 +57,15 @@ class SampledLoop(Loop):
         batch: tuple[int, ...],
         period: FloatArray,
         late: FloatArray,
-        later: Callable[[FloatArray, NDArray[np.intp]], StateLoop],
-        closed_later: Callable[[FloatArray, NDArray[np.intp]], ComplexArray],
+        later: Callable[[FloatArray, IndexArray], StateLoop],
+        closed_later: Callable[[FloatArray, IndexArray], AnyArray],
     ) -> None:
         self._hold(form, batch)
         own = {"period": period, "late": late, "later": later, "closed_later": closed_later}
         for name, value in own.items():
             object.__setattr__(self, name, value)
 
-    def response(self, omega: ArrayLike) -> ComplexArray:
+    def response(self, omega: ArrayLike) -> AnyArray:
         """Return L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
 
         Parameters
@@ -84,12 +81,12 @@ class SampledLoop(Loop):
         return found.reshape((*self.batch, *frequencies.shape))
 
     @property
-    def poles(self) -> ComplexArray:
+    def poles(self) -> AnyArray:
         """Poles z of the open loop, ``(..., n)``."""
         return self._z(self.form.open_poles()).reshape((*self.batch, -1))
 
     @property
-    def closed_loop_poles(self) -> ComplexArray:
+    def closed_loop_poles(self) -> AnyArray:
         """Poles z of the closed loop, ``(..., n)``; inside the unit circle it is stable."""
         return self._z(self.form.closed_poles()).reshape((*self.batch, -1))
 
@@ -113,9 +110,7 @@ class SampledLoop(Loop):
             peaks=peaks,
         )
 
-    def _delays(
-        self, omega: FloatArray, phases: FloatArray, stable: NDArray[np.bool_]
-    ) -> FloatArray:
+    def _delays(self, omega: FloatArray, phases: FloatArray, stable: BoolArray) -> FloatArray:
         """How much later L may be until it is -1 [s], ``(k, n)``, the least exactly.
 
         A delay that is no whole number of samples changes |L| as well. By Newton's steps on
@@ -153,7 +148,7 @@ class SampledLoop(Loop):
             found[k, first] = least
         return found
 
-    def _grows(self, case: int, more: FloatArray) -> NDArray[np.bool_]:
+    def _grows(self, case: int, more: FloatArray) -> BoolArray:
         """Whether a loop grows with so much more delay [s], ``(m,)``."""
         late = self.late.ravel()[case]
         z = self.closed_later(late + more, np.full(more.size, case))
@@ -177,12 +172,12 @@ class SampledLoop(Loop):
             low, high, count = float(ends[first]), float(ends[first + 1]), _LOOKS[0]
         return high
 
-    def in_plane(self, s: ComplexArray) -> ComplexArray:
+    def in_plane(self, s: AnyArray) -> AnyArray:
         """Return w = (2/h) tanh(s h/2) of s ``(k, m)`` [1/s]."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.tanh(s * half) / half
 
-    def from_plane(self, w: ComplexArray) -> ComplexArray:
+    def from_plane(self, w: AnyArray) -> AnyArray:
         """Return the s ``(k, m)`` [1/s] of w, of all that have it the nearest to zero."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.arctanh(np.asarray(w, complex) * half) / half
@@ -197,6 +192,6 @@ class SampledLoop(Loop):
         folded = np.abs(omega - whole * np.round(omega / whole))
         return np.where(omega > 0.5 * whole, folded, np.nan)
 
-    def _z(self, w: ComplexArray) -> ComplexArray:
+    def _z(self, w: AnyArray) -> AnyArray:
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)

@@ -8,8 +8,8 @@ on in still air. What swings on so meets a limit again and again.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, IndexArray
 from tvclin.flights.closed_loop.law_batch import LawBatch
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING
 from tvclin.flights.closed_loop.sampled import finish
@@ -32,15 +32,10 @@ _OF_EACH = (
 """Arrays of `Flights` with a row for each flight."""
 
 
-def swings_on(f: Flights, laws: LawBatch) -> NDArray[np.bool_]:
+def swings_on(f: Flights, laws: LawBatch) -> BoolArray:
     """Return which of the flights that were brought back still meet limits long afterwards.
 
-    Parameters
-    ----------
-    f : Flights
-        At their ends.
-    laws : LawBatch
-        Of the flights; those of a law with noise are not flown on.
+    `f`: at their ends. `laws`: of the flights; those of a law with noise are not flown on.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.law]
     left = np.flatnonzero((f.outcome == SURVIVED) & silent & (f.settling > 0))
@@ -59,7 +54,7 @@ def swings_on(f: Flights, laws: LawBatch) -> NDArray[np.bool_]:
     return found
 
 
-def _flown_on(f: Flights, where: NDArray[np.intp], laws: LawBatch) -> Flights:
+def _flown_on(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
     """Some flights from where they ended through a stretch of still air."""
     own = {name for name in _SHARED if len(getattr(f, name)) > 1}
     rows = {name: getattr(f, name)[where] for name in {*_OF_EACH, *own}}

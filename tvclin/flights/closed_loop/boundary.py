@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
@@ -51,8 +52,6 @@ from tvclin.flights.closed_loop.many import SURVIVED, fly_many
 from tvclin.flights.closed_loop.sampled import one_flight
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _LIMITS = (1e-6, 1e6)
 """Limits that may be tried, over the largest trim deflection."""
@@ -91,7 +90,7 @@ class ClosedLoopBoundary(Shown):
     limit: float
     deflection: float
     scan: FloatArray
-    survives: NDArray[np.bool_]
+    survives: BoolArray
     looked: tuple[tuple[float, float], ...]
     growth: float
     creeps: bool
@@ -200,7 +199,7 @@ def closed_loop_boundary(
             progress(min(next(flown), most), most)
 
     def survives(limits: FloatArray) -> NDArray[np.str_]:
-        def status(one: History, some: NDArray[np.bool_]) -> NDArray[np.str_]:
+        def status(one: History, some: BoolArray) -> NDArray[np.str_]:
             return outcomes(wind=one, deflection_limit=limits[some] * scale).status
 
         return in_all(winds, status, limits.size, tell)

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, nonnegative, one_row, positive, shown
 from tvclin.control.autopilot.actuator import Actuator
@@ -19,8 +20,6 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _MOST = 2_000
 """Boundaries in a map."""

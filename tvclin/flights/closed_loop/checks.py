@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -16,6 +17,7 @@ from tvclin.base.errors import (
     shown,
     single,
     together,
+    unlimited,
     within,
 )
 from tvclin.control.autopilot.actuator import Actuator
@@ -23,8 +25,6 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.step_matrices import SUBSTEPS, frequency
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 LOST = 1e100
 """A state beyond this is not flown on."""
@@ -108,7 +108,7 @@ def check_pace(plant: AnyPlant, length: float) -> None:
         )
 
 
-def paces(plant: AnyPlant) -> NDArray[np.float64]:
+def paces(plant: AnyPlant) -> FloatArray:
     """Return the size of the fastest pole [1/s] of each plant."""
     return np.asarray(np.abs(plant.poles).max(axis=-1))
 
@@ -123,8 +123,7 @@ def check_span(start: float, stop: float) -> None:
 
 def check_rate_limit(rate_limit: float) -> float:
     """Return the rate limit [rad/s], positive or infinite."""
-    unlimited = isinstance(rate_limit, float) and rate_limit == np.inf
-    return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
+    return unlimited("rate_limit", rate_limit, unit="rad/s")
 
 
 def check_not_lost(time: float, states: FloatArray) -> None:

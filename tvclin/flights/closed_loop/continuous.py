@@ -19,8 +19,8 @@ from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -29,8 +29,6 @@ from tvclin.flights.closed_loop.equations import Equations
 from tvclin.flights.closed_loop.regime_ends import End, ends_of, mode_at, taken_up, touched
 from tvclin.flights.closed_loop.regimes import Loop, Regime
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver, for each step; the second over the peak of the wind."""
@@ -59,18 +57,9 @@ class Arc:
 class ContinuousFlight:
     """The equations of one flight.
 
-    Attributes
-    ----------
-    equations, law, wind : Equations, Law, History
-        What flies.
-    limit, rate_limit : float
-        Of the deflection [rad] and its rate [rad/s].
-    actuator : Actuator or None
-        What lies between command and deflection.
-    farthest : float
-        Attitude [rad] from the nominal at which the flight ends.
-    gain : float
-        Factor on what the law asks for.
+    `equations`, `law`, `wind`: what flies. `limit`, `rate_limit`: of the deflection [rad] and its
+    rate [rad/s]. `actuator`: what lies between command and deflection. `farthest`: attitude [rad]
+    from the nominal at which the flight ends. `gain`: factor on what the law asks for.
     """
 
     equations: Equations

@@ -7,11 +7,9 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.linear.plant import Plant
-
-FloatArray = NDArray[np.float64]
 
 
 class Equations(Protocol):

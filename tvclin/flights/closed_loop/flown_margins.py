@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, number, positive
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
@@ -45,8 +46,6 @@ from tvclin.flights.closed_loop.near_rest import (
 from tvclin.flights.closed_loop.sampled import Batch, one_flight
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _BEYOND = 1.15
 """Changes are flown up to so many times the one with which the loop grows near rest."""
@@ -181,7 +180,7 @@ class _Flights:
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
         """The status over all winds with each value of a change."""
 
-        def status(wind: History, some: NDArray[np.bool_]) -> NDArray[np.str_]:
+        def status(wind: History, some: BoolArray) -> NDArray[np.str_]:
             plant, options = self.plant, self.options
             by = 1.0 / values[some] if name.endswith("fall") else values[some]
             if name == "delay":

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.lines import Line, Table, number, significant
 from tvclin.control.margins.record import margin
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
-
-FloatArray = NDArray[np.float64]
 
 NOTHING = "nothing"
 _CHANGES = {
@@ -67,7 +65,7 @@ class FlownMargin(Shown):
     lost: float
     near_rest: float
     scan: FloatArray
-    survives: NDArray[np.bool_]
+    survives: BoolArray
 
     as_dict = keyed("value cause again lost near_rest")
 

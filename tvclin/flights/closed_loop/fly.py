@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, positive, small_angle, times_row
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
@@ -32,8 +33,6 @@ from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
-
-FloatArray = NDArray[np.float64]
 
 
 def fly(

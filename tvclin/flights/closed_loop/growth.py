@@ -7,16 +7,13 @@ still to come, go over into the next by one matrix, made of those that the kerne
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.outcomes import SETTLING
 from tvclin.flights.closed_loop.sampled import Batch, flights
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.kernels.flight_arrays import MEASURED, Flights
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 _SMALL = 1e-7
 """A state so small, over the reach, is far below every limit and dead band."""
@@ -48,13 +45,13 @@ def worst_near_rest(batch: Batch) -> complex:
     return complex(growth, abs(np.angle(worst))) / float(batch.length)
 
 
-def swing_near_rest(batch: Batch) -> FloatArray:
+def swing_near_rest(batch: Batch, f: Flights) -> FloatArray:
     """Return the growth rate [1/s] of the worst oscillation of each of many loops, ``(m,)``.
 
     What creeps does not count: a real positive eigenvalue of the step, and one that turns by less
-    than a tenth of the fastest growing pole, as the path does.
+    than a tenth of the fastest growing pole, as the path does. `f` are the flights of the batch, at
+    any sample.
     """
-    f = flights(batch)
     # Flights that differ in their limit alone are of one loop, unless their law looks at it.
     looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.law]
     keys = np.column_stack([f.vehicle, f.law, f.gain, np.where(looks, f.limit, 0.0)])
@@ -80,7 +77,7 @@ def step_near_rest(batch: Batch) -> FloatArray:
     return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
 
 
-def _steps(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the steps of some flights near rest, ``(k, n, n)``."""
     with np.errstate(over="ignore", invalid="ignore"):
         steps = _composed(batch, f, cases)
@@ -89,7 +86,7 @@ def _steps(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
     return steps
 
 
-def _composed(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """The steps of some flights, ``(k, size, size)``; each signal is rows of factors on states."""
     k, order, own, ring = cases.size, f.y.shape[1], f.states.shape[1], f.commands.shape[1]
     places, n = f.vehicle[cases], f.A.shape[1]
@@ -119,7 +116,7 @@ def _composed(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
     return np.concatenate([moved, states, commands[:, : ring - 1]], axis=1)
 
 
-def _slopes(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """What laws ask for, per number that they see and per state of their own, ``(k, 5 + s)``."""
     reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
     small, limit = _SMALL / reach * f.limit[cases], f.limit[cases]

@@ -5,12 +5,10 @@ from __future__ import annotations
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.pieces import at_pieces, locate, moved, spread
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SPAN = 0.5
 """Exponentials become polynomials on pieces so wide, over their rate."""

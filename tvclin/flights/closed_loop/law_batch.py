@@ -6,19 +6,23 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, law_blocks
+from tvclin.control.autopilot.wiring import (
+    ASKED,
+    RETURNED,
+    SEEN,
+    integral_of_attitude,
+    law_blocks,
+)
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
 from tvclin.kernels.state_space import beside
 from tvclin.linear.system import LinearSystem, connect
-
-FloatArray = NDArray[np.float64]
 
 SENSED = ("sensed_attitude", "sensed_attitude_rate", *SEEN[2:])
 """What the sensors give, as of `Measurement`."""
@@ -29,14 +33,8 @@ class Memory(NamedTuple):
 
     Each row acts on the states, then on what is sensed, five numbers, and what a law asks for.
 
-    Attributes
-    ----------
-    moved : ndarray
-        The next states, ``(l, s, s + 6)``.
-    seen : ndarray
-        What the laws see, ``(l, 5, s + 6)``; of no length without filters.
-    told : ndarray
-        What the limit is told, ``(l, s + 6)``; likewise.
+    `moved`: the next states, ``(l, s, s + 6)``. `seen`: what the laws see, ``(l, 5, s + 6)``; of no
+    length without filters. `told`: what the limit is told, ``(l, s + 6)``; likewise.
     """
 
     moved: FloatArray
@@ -48,22 +46,15 @@ class Memory(NamedTuple):
 class LawBatch:
     """The laws of m flights.
 
-    Attributes
-    ----------
-    laws : tuple of Law
-        Those that there are; none where a batch of gains stands for them.
-    numbers : list of LawNumbers or None
-        Of each; None where Python must be asked.
-    chains : list of Chains
-        The filters of each law; of all at once where a batch of gains stands for them.
-    which : ndarray of int
-        The law of each flight, ``(m,)``.
+    `laws`: those that there are; none where a batch of gains stands for them. `numbers`: of each;
+    None where Python must be asked. `chains`: the filters of each law; of all at once where a batch
+    of gains stands for them. `which`: the law of each flight, ``(m,)``.
     """
 
     laws: tuple[Law, ...]
     numbers: list[LawNumbers | None]
     chains: list[Chains]
-    which: NDArray[np.int64]
+    which: IntArray
 
     @property
     def noise(self) -> list[tuple[float, int]]:
@@ -72,11 +63,12 @@ class LawBatch:
 
     def memory(self, lengths: FloatArray) -> Memory:
         """Return what steps [s] ``(m,)`` make of the states of the laws and their filters."""
-        systems = [law.states for law in self.laws] or [self._integral()]
+        integral = any(one is not None and one.first_state for one in self.numbers)
+        systems = [law.memory for law in self.laws] or [integral_of_attitude(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
         size = max(
-            len(F) + sum(one.order for chain in chains for one in chain)
-            for (F, _), chains in zip(systems, self.chains, strict=True)
+            len(own.states) + sum(one.order for chain in chains for one in chain)
+            for own, chains in zip(systems, self.chains, strict=True)
         )
         wide = size + MEASURED + 1
         filtered = any(any(chains) for chains in self.chains)
@@ -87,17 +79,13 @@ class LawBatch:
         moved = np.zeros((lengths.size, size, wide))
         seen = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
         told = np.zeros((lengths.size if filtered else 0, wide))
-        for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
+        for k, (own, chains) in enumerate(zip(systems, self.chains, strict=True)):
             mine = np.flatnonzero(which == k)
-            one = _with_filters(system, chains, lengths[mine], size)
+            one = _with_filters(own, chains, lengths[mine], size)
             moved[mine] = one.moved
             if filtered:
                 seen[mine], told[mine] = one.seen, one.told
         return Memory(moved, seen, told)
-
-    def _integral(self) -> tuple[FloatArray, FloatArray]:
-        some = any(one is not None and one.first_state for one in self.numbers)
-        return np.zeros((int(some), int(some))), np.eye(int(some), MEASURED)
 
 
 def shape_of(law: Any) -> tuple[int, ...]:
@@ -110,10 +98,7 @@ def shape_of(law: Any) -> tuple[int, ...]:
 def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     """Return the laws of a batch of flights of this shape.
 
-    Raises
-    ------
-    InputError
-        For what is no law, and for an autopilot with an actuator or a delay.
+    `InputError` for what is no law, and for an autopilot with an actuator or a delay.
     """
     if isinstance(law, Autopilot):
         return _gains(law, shape)
@@ -127,7 +112,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch(every, numbers, chains, np.broadcast_to(index, shape).ravel())
 
 
-def _array(law: Any) -> NDArray[Any]:
+def _array(law: Any) -> AnyArray:
     laws = np.asarray(law, dtype=object)
     if not laws.size or laws.ndim > MOST_AXES or not all(isinstance(one, Law) for one in laws.flat):
         raise InputError(
@@ -159,16 +144,11 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch((), numbers, [chains], np.broadcast_to(index, shape).ravel())
 
 
-def _with_filters(
-    system: tuple[FloatArray, FloatArray], chains: Chains, lengths: FloatArray, size: int
-) -> Memory:
+def _with_filters(own: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """The memory of one law in steps of the lengths [s] ``(m,)``, with rows for `size` states.
 
     Its own states first, then those of each chain.
     """
-    F, G = system
-    names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
-    own = LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), own, SENSED[:2], lengths)
     law = connect(blocks, (*SENSED, ASKED), (*SEEN, RETURNED))
     n, wide = len(law.states), size + MEASURED + 1

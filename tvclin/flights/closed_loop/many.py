@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     LATEST,
@@ -39,8 +39,6 @@ from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
@@ -211,51 +209,20 @@ def fly_many(
     batch = Batch(plant, wind, laws, factor, limit, most, actuator, step, late, stop, shape)
     if not np.any(good):
         return _flown_cases(None, good, good)
-    some = batch if np.all(good) else _only(batch, good)
+    some = batch if np.all(good) else batch.only(good)
     f = flown(some)
     return _flown_cases(f, good, _rings(some, f))
 
 
-def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
-    """The flights of a batch that can be flown, in a row."""
-    where = np.flatnonzero(good)
-    shape = good.shape
-    some = partial(_some, shape=shape, where=where)
-    actuator = batch.actuator
-    if actuator is not None:
-        damping = None if actuator.damping is None else some(actuator.damping)
-        actuator = Actuator(natural_frequency=some(actuator.natural_frequency), damping=damping)
-    laws = replace(batch.laws, which=batch.laws.which[where])
-    return Batch(
-        plant=batch.plant.some(where, shape),
-        wind=batch.wind.some(where, shape),
-        laws=laws,
-        gain=some(batch.gain),
-        limit=some(batch.limit),
-        rate_limit=some(batch.rate_limit),
-        actuator=actuator,
-        length=some(batch.length),
-        delay=some(batch.delay),
-        until=batch.until,
-        shape=where.shape,
-    )
-
-
-def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> FloatArray:
-    return np.broadcast_to(array, shape).ravel()[where]
-
-
-def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
+def _rings(batch: Batch, f: Flights) -> BoolArray:
     """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
-    grows = swing_near_rest(batch) > _RINGING
+    grows = swing_near_rest(batch, f) > _RINGING
     if batch.plant.structure is None:
         return grows
     return grows | swings_on(f, batch.laws)
 
 
-def _flown_cases(
-    f: Flights | None, good: NDArray[np.bool_], rings: NDArray[np.bool_]
-) -> FlownCases:
+def _flown_cases(f: Flights | None, good: BoolArray, rings: BoolArray) -> FlownCases:
     """What came of the flights; None where there were none."""
     outcome = np.full(good.shape, len(STATUS) - 1)
     if f is None:

@@ -18,16 +18,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.flights.closed_loop.growth import step_near_rest
 from tvclin.linear.system import delay_parts
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
 
-FloatArray = NDArray[np.float64]
-Response = Callable[[Any], NDArray[np.complex128]]
+Response = Callable[[Any], ComplexArray]
 
 _FREQUENCIES, _PER_TURN = 1500, 8
 """Angles that are laid by ratio, and in each turn of the delay."""
@@ -43,14 +42,8 @@ _EXACT = 4.0 * np.finfo(float).eps
 def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, float]:
     """Return by how much to divide, and to multiply, until the loop grows; infinite for never.
 
-    Parameters
-    ----------
-    batch : Batch
-        One flight, whose loop does not grow.
-    name : {"gain", "effectiveness"}
-        What is multiplied.
-    pace : float
-        The fastest unstable pole of the plant [1/s].
+    `batch`: one flight, whose loop does not grow. `name`: what is multiplied. `pace`: the fastest
+    unstable pole of the plant [1/s].
     """
     samples, rest = delay_parts(batch.delay, batch.length)
     loop = _response(replace(batch, delay=rest), name, float(samples))
@@ -67,15 +60,9 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
 def delay_at_growth(batch: Batch, pace: float) -> float:
     """Return the least delay [s], beyond that of the loop, with which it grows.
 
-    Parameters
-    ----------
-    batch : Batch
-        One flight, whose loop does not grow.
-    pace : float
-        The fastest unstable pole of the plant [1/s].
+    `batch`: one flight, whose loop does not grow. `pace`: the fastest unstable pole of the plant
+    [1/s].
 
-    Notes
-    -----
     With a fraction f of a sample in l, as many whole samples n bring a mode to the circle as arg l
     = n theta where ``|l| = 1``; f is the one with which n is whole.
     """
@@ -113,7 +100,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         more = step(0.0, 2.0) - free
         more_by_command = step(1.0, 2.0) - moved - more
 
-    def response(angles: Any) -> NDArray[np.complex128]:
+    def response(angles: Any) -> ComplexArray:
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, late = np.exp(1j * theta), np.exp(-1j * samples * theta)
         loop = free + late * by_command

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.recoverable import MOST_MODES
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.modes import that_grow
+from tvclin.linear.modes import left_row, that_grow
 from tvclin.linear.plant import INPUTS
-
-FloatArray = NDArray[np.float64]
 
 SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
@@ -23,18 +21,12 @@ WAITING = 60.0
 class Judging(NamedTuple):
     """What judges the flights of plants ``(p,)`` with states ``(n,)``.
 
-    Attributes
-    ----------
-    rows : ndarray
-        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states, of
-        the deflection and its rate; zeros for no second.
-    reach : ndarray
-        Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
-        two real unstable poles, so that nothing can be said of its flights.
-    ratio : ndarray
-        The slow pole over the fast one; zero where there is one, ``(p,)``.
-    settling, waiting : ndarray
-        How long a flight must be settled to be saved, and may be open [s], ``(p,)``.
+    `rows`: of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states,
+    of the deflection and its rate; zeros for no second. `reach`: of the coordinates, over the
+    deflection limit, ``(p,)``. NaN where a plant has not one or two real unstable poles, so that
+    nothing can be said of its flights. `ratio`: the slow pole over the fast one; zero where there
+    is one, ``(p,)``. `settling`, `waiting`: how long a flight must be settled to be saved, and may
+    be open [s], ``(p,)``.
     """
 
     rows: FloatArray
@@ -70,7 +62,7 @@ def judging(plant: AnyPlant) -> Judging:
     )
 
 
-def decidable(plant: AnyPlant) -> NDArray[np.bool_]:
+def decidable(plant: AnyPlant) -> BoolArray:
     """Return which plants of a batch have one or two real unstable poles and a moment."""
     judges = judging(plant)
     return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)
@@ -87,9 +79,7 @@ def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
     A, inputs, _, _ = plant.matrices()
     n, count = A.shape[-1], inputs.shape[-1]
     A, inputs = A.reshape(-1, n, n), inputs.reshape(-1, n, count)
-    values, left = np.linalg.eig(np.swapaxes(A, 1, 2))
-    nearest = np.abs(values - pole[:, np.newaxis]).argmin(axis=1)
-    row = np.real(np.take_along_axis(left, nearest[:, np.newaxis, np.newaxis], axis=2)[..., 0])
+    row = np.real(left_row(A, pole)[1])
     moved = np.einsum("mi,mij->mj", row, inputs)
     swing = moved[:, len(INPUTS) :].sum(axis=1)
     rows = np.column_stack([row, -pole * swing, -swing])

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
 from tvclin.boundary.stops import Stop, Vectors
@@ -33,8 +34,6 @@ from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,7 +89,7 @@ class FlownPlaneLimit(Shown):
     limit: float
     deflection: float
     scan: FloatArray
-    survives: NDArray[np.bool_]
+    survives: BoolArray
     status: str
 
     _keys = "limit_over_trim=limit deflection_deg status"

@@ -6,12 +6,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.flights.closed_loop.regimes import Loop, Regime
 from tvclin.kernels.control_laws import switched
-
-FloatArray = NDArray[np.float64]
 
 _LOOKS = 8
 """Looks between two steps of the solver for a regime that ends and returns there: an excursion

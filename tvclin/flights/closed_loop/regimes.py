@@ -17,14 +17,12 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.equations import Equations
-
-FloatArray = NDArray[np.float64]
 
 
 class Regime(NamedTuple):

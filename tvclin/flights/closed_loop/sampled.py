@@ -8,14 +8,14 @@ begins to where it ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
@@ -26,7 +26,6 @@ from tvclin.flights.closed_loop.step_matrices import (
     even_steps,
     frequency,
     joint_steps,
-    parts_of,
     quickness,
     sensed_rows,
     substeps_of,
@@ -37,10 +36,8 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.system import delay_parts
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LONGEST = 1_000_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
@@ -53,26 +50,15 @@ _TYPES = {float: np.float64, bool: np.bool_}
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What is flown: all of one shape, which is flattened, but for the plants.
+    """What is flown: all of one shape, which is flattened, but for plants and winds.
 
-    Attributes
-    ----------
-    plant, wind : Plant or FlexiblePlant, History
-        One each or a batch.
-    laws : LawBatch
-        Of the flights.
-    gain : ndarray
-        Factor on what each asks for, of the shape of the batch.
-    limit, rate_limit : ndarray
-        Of the deflection, of the shape of the batch.
-    actuator : Actuator or None
-        One or a batch.
-    length, delay : ndarray
-        Of a sample and of computing [s]; they broadcast with the batch.
-    until : float
-        When flights end [s]; infinite for when they are decided.
-    shape : tuple of int
-        Of the batch.
+    `plant`, `wind`: one each or a batch, which broadcast with the shape; or as `vehicle` and `met`
+    say. `laws`: of the flights. `gain`: factor on what each asks for, of the shape of the batch.
+    `limit`, `rate_limit`: of the deflection, of the shape of the batch. `actuator`: one or a batch.
+    `length`, `delay`: of a sample and of computing [s]; they broadcast with the plants. `until`:
+    when flights end [s]; infinite for when they are decided. `vehicle`, `met`: the vehicle (plant
+    with actuator, samples and delay) and the wind of each flight, by their places in their own
+    batches, ``(m,)``.
     """
 
     plant: AnyPlant
@@ -86,6 +72,56 @@ class Batch:
     delay: FloatArray
     until: float
     shape: tuple[int, ...]
+    vehicle: IntArray | None = None
+    met: IntArray | None = None
+
+    @property
+    def vehicles(self) -> tuple[int, ...]:
+        """The shape of the batch of vehicles."""
+        hardware = () if self.actuator is None else self.actuator.batch
+        return np.broadcast_shapes(self.plant.batch, hardware, self.length.shape, self.delay.shape)
+
+    @property
+    def places(self) -> tuple[IntArray, IntArray]:
+        """The vehicle and the wind of each flight, ``(m,)``."""
+        vehicle, met = self.vehicle, self.met
+        if vehicle is None or met is None:
+            vehicle, met = (_places(a, self.shape) for a in (self.vehicles, self.wind.batch))
+        return vehicle, met
+
+    def only(self, good: BoolArray) -> Batch:
+        """Return those flights of the batch, each vehicle and wind that they need once."""
+        own, where = self.vehicles, np.flatnonzero(good)
+        (fleet, vehicle), (winds, met) = (
+            np.unique(a[where], return_inverse=True) for a in self.places
+        )
+
+        def some(array: ArrayLike, shape: tuple[int, ...], which: IntArray) -> FloatArray:
+            return np.broadcast_to(array, shape).ravel()[which]
+
+        gain, limit, rate_limit = (
+            some(a, self.shape, where) for a in (self.gain, self.limit, self.rate_limit)
+        )
+        actuator = self.actuator
+        if actuator is not None:
+            damping = None if actuator.damping is None else some(actuator.damping, own, fleet)
+            frequency = some(actuator.natural_frequency, own, fleet)
+            actuator = Actuator(natural_frequency=frequency, damping=damping)
+        return replace(
+            self,
+            plant=self.plant.some(fleet, own),
+            wind=self.wind.some(winds, self.wind.batch),
+            laws=replace(self.laws, which=self.laws.which[where]),
+            gain=gain,
+            limit=limit,
+            rate_limit=rate_limit,
+            actuator=actuator,
+            length=some(self.length, own, fleet),
+            delay=some(self.delay, own, fleet),
+            shape=where.shape,
+            vehicle=vehicle,
+            met=met,
+        )
 
 
 def one_flight(
@@ -112,27 +148,24 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     All arrays can be written to: the kernel is compiled anew for those that can not.
     """
     shape, m = batch.shape, int(np.prod(batch.shape))
-    hardware = () if batch.actuator is None else batch.actuator.batch
-    own = np.broadcast_shapes(batch.plant.batch, hardware, batch.length.shape, batch.delay.shape)
-    vehicle = _places(own, shape)
-    A, inputs, C, D = (_spread(a, own, 2) for a in batch.plant.matrices())
-    n = A.shape[-1]
+    own, (vehicle, wind) = batch.vehicles, batch.places
+    every = np.arange(int(np.prod(own)))
+    plant = batch.plant.system.some(every, own)
+    n = len(plant.states)
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
-    wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
-    late, lengths = parts_of(length, delay)
-    whole = actuated(batch.plant, batch.actuator)
-    moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
+    late, rest = delay_parts(delay, length)
+    parts = [length - rest, rest] if np.any(rest) else [length]
+    lengths = np.stack([length, *parts], axis=-1)
     pace = np.minimum(_spread(quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(batch.actuator), own, 0), lengths)
     short = lengths[:, 1:] / substeps
-    joint = joint_steps(moving, driven, n, lengths[:, 1:], pieces.shape[2])
-    fine = joint
-    if np.any(substeps > 1):
-        fine = joint_steps(moving, driven, n, short, pieces.shape[2])
+    moving, terms = actuated(batch.plant, batch.actuator).some(every, own), pieces.shape[2]
+    joint = joint_steps(moving, n, lengths[:, 1:], terms)
+    fine = joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
-    start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
+    start, end = (a.ravel()[wind] for a in (batch.wind.onset, batch.wind.end))
     h = length[vehicle]
     known = ~np.isnan(judges.reach[place][vehicle])
     waiting, settling = (
@@ -143,7 +176,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     finish, ends = (_samples(a - start, h) for a in (np.full(m, batch.until), end))
     memory = batch.laws.memory(h)
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
-    N, states, terms = joint.shape[2], memory.moved.shape[1], pieces.shape[2]
+    N, states = joint.shape[2], memory.moved.shape[1]
     rows = int(substeps.sum() * finish.max()) if track else 0
     return Flights(
         vehicle=vehicle,
@@ -152,14 +185,14 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         joint=joint,
         fine=fine,
         substeps=substeps,
-        ramp=even_steps(A, inputs, short),
+        ramp=even_steps(plant, short),
         lengths=lengths,
         quick=np.where(short > 0.0, pace * short, 0.0),
-        late=late,
-        shown=sensed_rows(batch.plant, C, D),
-        A=A,
-        gust=np.ascontiguousarray(inputs[..., 1]),
-        fastest=np.abs(np.linalg.eigvals(A)).max(axis=-1),
+        late=late.astype(np.int64),
+        shown=sensed_rows(plant),
+        A=plant.A,
+        gust=np.ascontiguousarray(plant.B[..., 1]),
+        fastest=np.abs(plant.poles).max(axis=-1),
         judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
@@ -211,8 +244,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
         _in_python(f, laws)
         return
     cases = f.limit.size
-    last = np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
-    samples, first = float(last.sum()), 0
+    samples, first = float(_last(f).sum()), 0
     seconds = samples * _PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
         while first < cases and (fly := swiftest(kernel.fly, seconds)) is kernel.fly:
@@ -227,55 +259,43 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
     """Fly laws that Python must be asked for, all flights of a law at once."""
-    whole = float(np.where(f.finish < NEVER, f.finish, f.ends + f.settling).sum())
-    look, advance = (swiftest(one, whole * _PLAIN / 2.0) for one in (kernel.look, kernel.advance))
-    compact = f if look is kernel.look else f._replace(laws=_table(f.laws))
-    k = 0
-    while _advanced(compact, laws, k, look, advance):
-        k += 1
+    stepper, k = Stepper(f), 0
+    engage, release = (
+        np.array([getattr(law, name) for law in laws.laws], float)[f.law]
+        for name in ("engage", "release")
+    )
+    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+        while stepper.look(k):
+            going, demand = f.ended < 0, np.zeros(f.limit.size)
+            for place, law in enumerate(laws.laws):
+                mine = np.flatnonzero(going & (f.law == place))
+                if mine.size:
+                    demand[mine] = _asked(law, f, mine)
+            stepper.advance(k, demand, engage, release)
+            k += 1
 
 
 class Stepper:
     """Flights that are moved by what stands beside them, a sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        seconds = float(f.finish.sum()) * _PLAIN / 2.0
+        seconds = float(_last(f).sum()) * _PLAIN / 2.0
         looks, moves = (swiftest(one, seconds) for one in (kernel.look, kernel.advance))
         self._look, self._advance = looks, moves
         self._flights = f if looks is kernel.look else f._replace(laws=_table(f.laws))
-        self._plain = np.ones(f.limit.size)
 
     def look(self, k: int) -> int:
         """Look at all flights at a sample; return how many go on."""
         return self._look(self._flights, k)
 
-    def advance(self, k: int, demand: FloatArray) -> None:
-        """Move all flights that go on by a sample, with what is asked of them [rad]."""
-        self._advance(self._flights, k, demand, self._plain, self._plain)
+    def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
+        """Move all that go on by a sample, with what is asked of them [rad], each ``(m,)``."""
+        self._advance(self._flights, k, demand, engage, release)
 
 
-def _advanced(
-    f: Flights,
-    laws: LawBatch,
-    k: int,
-    look: Callable[..., int],
-    advance: Callable[..., None],
-) -> bool:
-    """Move all flights that go on by a sample, whatever their laws; return whether any did."""
-    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-        if not look(f, k):
-            return False
-        going, demand = f.ended < 0, np.zeros(f.limit.size)
-        for place, law in enumerate(laws.laws):
-            mine = np.flatnonzero(going & (f.law == place))
-            if mine.size:
-                demand[mine] = _asked(law, f, mine)
-        engage, release = (
-            np.array([getattr(law, name) for law in laws.laws], float)[f.law]
-            for name in ("engage", "release")
-        )
-        advance(f, k, demand, engage, release)
-    return True
+def _last(f: Flights) -> IntArray:
+    """The samples that flights take at the least."""
+    return np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
 
 
 def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
@@ -289,7 +309,7 @@ def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
     return np.asarray(asked, dtype=float)
 
 
-def _table(laws: list[LawNumbers]) -> NDArray[Any]:
+def _table(laws: list[LawNumbers]) -> AnyArray:
     """The laws as an array with their fields, for machine code."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array([tuple(one) for one in laws], dtype=kinds)

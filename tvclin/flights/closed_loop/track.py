@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.control.autopilot.actuated import actuated
+from tvclin.base.arrays import FloatArray
+from tvclin.control.autopilot.actuated import INPUTS, actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels.flight_arrays import Flights
-from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
+from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import INPUTS
-from tvclin.linear.system import LinearSystem
+from tvclin.linear.system import connect, rising
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 
 def check_track(f: Flights, order: int) -> None:
@@ -33,36 +30,32 @@ def between_samples(
 ) -> FloatArray:
     """Return the states of the plant and the deflection at times ``(n,)``, zero before the start.
 
-    Parameters
-    ----------
-    f : Flights
-        One flight, flown with its track.
-    plant, actuator, wind : Plant or FlexiblePlant, Actuator or None, History
-        What flew.
-    times : ndarray
-        Times [s] up to its end.
+    `f`: one flight, flown with its track. `plant`, `actuator`, `wind`: what flew. `times`: times
+    [s] up to its end.
     """
-    A, inputs, _, _ = plant.matrices()
-    n, N = len(A), f.y.shape[1]
+    bare, whole = plant.system, actuated(plant, actuator).select(INPUTS[:1], ())
+    n, N, order = len(bare.states), f.y.shape[1], len(whole.states)
     limit, track = float(f.limit[0]), _flown(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
     y, (command, last, met) = track[row, :N], track[row, N:-1].T
     bounded = met > 0.0
-    free = _free(actuated(plant, actuator), y, command, u)
+    moved = whole.to_steps(u)
+    free = np.einsum("mij,mj->im", moved.A, y[:, :order]) + moved.B[..., 0].T * command
     lengths = np.diff(begins, append=f.start[0] + f.lengths[0, 0] * f.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
     slope = (last - first) / lengths
-    even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
+    even = connect([bare, rising("deflection", 2)], (), ()).to_steps(u).A
     vehicle = y[:, :n]
-    if inputs.shape[1] > len(INPUTS):  # b3 delta'' is an impulse where the even rate begins
+    if "deflection_acceleration" in bare.inputs:  # an impulse where the even rate begins
         before = np.where(np.abs(y[:, n]) <= limit, y[:, n + 1], 0.0)
-        vehicle = vehicle + (slope - before)[:, np.newaxis] * inputs[:, 2]
+        vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
     begun = np.column_stack([vehicle, first, slope])
     straight = np.einsum("mij,mj->im", even[:, :n], begun)
     rows = np.zeros((n + 1, times.size))
-    rows[:n] = np.where(bounded, straight, free[:n]) + _blown(A, inputs[:, 1], wind, begins[row], u)
+    blown = _blown(bare.A, bare.B[:, 1], wind, begins[row], u)
+    rows[:n] = np.where(bounded, straight, free[:n]) + blown
     position = command if actuator is None else np.clip(free[n], -limit, limit)
     rows[n] = np.where(bounded, first + slope * u, position)
     return np.where(times < begins[0], 0.0, rows)
@@ -71,13 +64,6 @@ def between_samples(
 def _flown(f: Flights) -> FloatArray:
     """The rows of the track that were written."""
     return f.track[~np.isnan(f.track[:, -1])]
-
-
-def _free(whole: LinearSystem, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
-    """States of plant and nozzle after times `u` without a limit, in still air, ``(N, m)``."""
-    order = len(whole.A)
-    moved = exponentials(driven(whole.A, whole.B[:, :1]), u)[:, :order]
-    return np.einsum("mij,mj->im", moved, np.column_stack([y[:, :order], command]))
 
 
 def _blown(

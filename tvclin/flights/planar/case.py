@@ -12,8 +12,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -34,8 +34,6 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
-
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver, for each step of a flight without a law; angles [rad] are some hundredths."""
 _FURTHER = 1e-6
@@ -46,13 +44,9 @@ _FURTHER = 1e-6
 class Flown:
     """A flight.
 
-    Attributes
-    ----------
-    rows : callable
-        Takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
-        NaN after the end.
-    end : float
-        When the attitude left the range of the model [s]; infinite if it did not.
+    `rows`: takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
+    NaN after the end. `end`: when the attitude left the range of the model [s]; infinite if it did
+    not.
     """
 
     rows: Callable[[FloatArray], FloatArray]
@@ -63,14 +57,8 @@ class Flown:
 class PlanarCase:
     """What is flown, checked; make it with `planar_case`.
 
-    Attributes
-    ----------
-    motion : PlanarMotion
-        The equations.
-    wind : History
-        One wind that ends.
-    span : tuple of float
-        Beginning and end of the flight [s].
+    `motion`: the equations. `wind`: one wind that ends. `span`: beginning and end of the flight
+    [s].
     """
 
     motion: PlanarMotion
@@ -80,10 +68,7 @@ class PlanarCase:
     def flown(self, command: Command, limit: float) -> Flown:
         """Return the flight of a command from rest, within a limit [rad].
 
-        Raises
-        ------
-        InputError
-            For noise, and a rate limit without an actuator.
+        `InputError` for noise, and a rate limit without an actuator.
         """
         control, actuator, rate_limit = command.control, command.actuator, command.rate_limit
         if isinstance(control, History):

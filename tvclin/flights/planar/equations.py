@@ -19,13 +19,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance, one_of, single
 from tvclin.flights.trajectory import NominalFlight
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-
-FloatArray = NDArray[np.float64]
 
 PLANES = ("pitch", "yaw")
 STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "altitude")
@@ -35,17 +33,10 @@ STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "a
 class PlanarMotion:
     """The motion of one vehicle in one plane.
 
-    Attributes
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    plane : str
-        "pitch" or "yaw".
-    drift : bool
-        Whether the path turns and the speed changes; without it the attitude moves alone.
-    nominal : NominalFlight or None
-        The nominal flight along which all parameters vary; without one they are frozen, and the
-        wind is an angle that does not depend on the motion.
+    `vehicle`: the vehicle. `plane`: "pitch" or "yaw". `drift`: whether the path turns and the speed
+    changes; without it the attitude moves alone. `nominal`: the nominal flight along which all
+    parameters vary; without one they are frozen, and the wind is an angle that does not depend on
+    the motion.
     """
 
     vehicle: Vehicle
@@ -78,16 +69,9 @@ class PlanarMotion:
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return the derivatives of the states `x`.
 
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        x : ndarray
-            Deviations from the nominal flight [rad, rad/s, rad, 1, m].
-        deflection : float
-            Deflection beyond the nominal one [rad].
-        gust : float
-            Wind angle of attack [rad], seen from the nominal flight.
+        `t`: time [s]. `x`: deviations from the nominal flight [rad, rad/s, rad, 1, m].
+        `deflection`: deflection beyond the nominal one [rad]. `gust`: wind angle of attack [rad],
+        seen from the nominal flight.
         """
         now = self._now(t)
         alpha, speed = self._air(now, x, gust)

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from itertools import repeat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
@@ -23,7 +23,6 @@ from tvclin.flights.sixdof.steering import Steering
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
-FloatArray = NDArray[np.float64]
 Place = Earth | Departure | None
 
 _STIFF = 4.0
@@ -39,23 +38,9 @@ class Airframe:
     Over the Earth, and from a departure on, it is flown first: the nose is held to the flight
     path, in the other plane in every flight.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle.
-    plane : {"pitch", "yaw"}
-        Plane of the wind, the deflection and all that is measured; in yaw to the right.
-    drift : bool
-        Whether the flight path may turn.
-    step : float
-        Step [s].
-    place : Earth or Departure, optional
-        Without either the planet is flat and at rest, and all parameters are frozen.
-
-    Attributes
-    ----------
-    engine : Engine
-        What flies it.
+    `vehicle`: one vehicle. `plane`: plane of the wind, the deflection and all that is measured; in
+    yaw to the right. `drift`: whether the flight path may turn. `step`: step [s]. `place`: without
+    either the planet is flat and at rest, and all parameters are frozen. `engine`: what flies it.
     """
 
     def __init__(
@@ -92,24 +77,12 @@ class Airframe:
     ) -> FloatArray:
         """Return a flight from the nominal state, up to where its attitude is beyond 25 deg.
 
-        Parameters
-        ----------
-        steering : callable
-            Gives the deflection.
-        speeds : ndarray
-            Wind speed [m/s] at each step, along the flight or to its right, ``(n,)``; the first
-            is zero.
-        angles : ndarray
-            The same as wind angle [rad].
-        course : ndarray, optional
-            The `OUTPUTS` in pitch that the nominal flight is held to, ``(n, 5)``; without it the
-            nominal flight goes straight on.
-
-        Returns
-        -------
-        ndarray
-            The `OUTPUTS` [rad, rad/s] as deviations from the nominal flight, ``(m, 5)``, m <= n.
-            If m is below n, the last row is the one that is beyond, or not finite.
+        `steering`: gives the deflection. `speeds`: wind speed [m/s] at each step, along the flight
+        or to its right, ``(n,)``; the first is zero. `angles`: the same as wind angle [rad].
+        `course`: the `OUTPUTS` in pitch that the nominal flight is held to, ``(n, 5)``; without it
+        the nominal flight goes straight on. Returned: the `OUTPUTS` [rad, rad/s] as deviations from
+        the nominal flight, ``(m, 5)``, m <= n. If m is below n, the last row is the one that is
+        beyond, or not finite.
         """
         nominal = self._nominal_rows(len(speeds), course)
         return self._flown(steering, speeds, angles, nominal, course)
@@ -122,17 +95,9 @@ class Airframe:
     ) -> FloatArray:
         """Return a flight of both planes, frozen over a flat planet, as `fly`.
 
-        Parameters
-        ----------
-        steering : callable
-            Takes what is foreseen in pitch and in yaw, and gives both deflections [rad].
-        speeds, angles : ndarray
-            Wind along the flight and to its right, and as angles, ``(2, n)``; the first are zero.
-
-        Returns
-        -------
-        ndarray
-            The `OUTPUTS` of both planes, ``(m, 2, 5)``.
+        `steering`: takes what is foreseen in pitch and in yaw, and gives both deflections [rad].
+        `speeds`, `angles`: wind along the flight and to its right, and as angles, ``(2, n)``; the
+        first are zero. Returned: the `OUTPUTS` of both planes, ``(m, 2, 5)``.
         """
         self._begin()
         planes = [Foresight(self._senses[name], self._step) for name in DEFLECTIONS]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     flag,
@@ -26,14 +26,11 @@ from tvclin.flights.control import Command, ReportControl
 from tvclin.flights.sixdof.airframe import Place, borrowed
 from tvclin.flights.sixdof.departure import Course, course_of
 from tvclin.flights.sixdof.earth import Earth
-from tvclin.flights.sixdof.nozzle import Nozzle
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _SHORTEST, _LONGEST = 1e-4, 0.02
 """Steps of the engine [s] that are taken."""
@@ -47,17 +44,9 @@ _PER_SERVO = 0.5
 class Air:
     """A wind as it is flown.
 
-    Attributes
-    ----------
-    wind : History
-        The wind angle [rad].
-    times : ndarray
-        Times of the steps [s], ``(n,)``; the first lies before the flight.
-    angles, speeds : ndarray
-        Means over each step: wind angle [rad], and wind speed [m/s] along the flight or to its
-        right.
-    course : Course or None
-        The nominal flight where parameters vary.
+    `wind`: the wind angle [rad]. `times`: times of the steps [s], ``(n,)``; the first lies before
+    the flight. `angles`, `speeds`: means over each step: wind angle [rad], and wind speed [m/s]
+    along the flight or to its right. `course`: the nominal flight where parameters vary.
     """
 
     wind: History
@@ -71,10 +60,7 @@ class Air:
 class SixDof:
     """What is flown, checked.
 
-    Parameters
-    ----------
-    vehicle, plane, drift, step, earth, condition
-        As of `fly_sixdof`.
+    `vehicle`, `plane`, `drift`, `step`, `earth`, `condition`: as of `fly_sixdof`.
     """
 
     vehicle: Vehicle
@@ -130,10 +116,7 @@ class SixDof:
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return what turns the nozzle within a limit [rad], step by step.
 
-        Raises
-        ------
-        InputError
-            For a step too large for the actuator.
+        `InputError` for a step too large for the actuator.
         """
         control, actuator = command.control, command.actuator
         if isinstance(control, History):
@@ -146,8 +129,7 @@ class SixDof:
                 f"step must be at most {_PER_SERVO / float(actuator.natural_frequency):.6g} s for"
                 f" an actuator of {actuator.natural_frequency:.6g} rad/s; got {self.step:.6g} s"
             )
-        nozzle = Nozzle(actuator, command.rate_limit, self.step)
-        return by_law(control, nozzle, limit, air.times.size)
+        return by_law(command, limit, self.step, air.times.size)
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""

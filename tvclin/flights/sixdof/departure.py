@@ -5,29 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.vehicle.vehicle import Vehicle
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Departure:
     """The beginning of a flight in the standard atmosphere over a flat planet at rest.
 
-    Attributes
-    ----------
-    altitude : float
-        Altitude [m].
-    turn : float
-        Rate of the flight path [rad/s].
-    dynamic_pressure : float
-        What the vehicle's aerodynamic forces belong to [Pa].
-    mass_flow : float
-        By which the mass falls [kg/s].
+    `altitude`: in m. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: what the
+    vehicle's aerodynamic forces belong to [Pa]. `mass_flow`: by which the mass falls [kg/s].
     """
 
     altitude: float
@@ -40,17 +30,9 @@ class Departure:
 class Course:
     """The nominal flight that is to be flown.
 
-    Attributes
-    ----------
-    vehicle : Vehicle
-        The vehicle as it is at the beginning.
-    departure : Departure
-        The beginning.
-    speeds : ndarray
-        Speed [m/s] at each step, ``(n,)``.
-    rows : ndarray
-        Attitude, attitude rate, flight path angle, angle of attack and deflection at each step
-        [rad, rad/s], ``(n, 5)``, in pitch. The nose is on the path.
+    `vehicle`: the vehicle as it is at the beginning. `departure`: the beginning. `speeds`: speed
+    [m/s] at each step, ``(n,)``. `rows`: attitude, attitude rate, flight path angle, angle of
+    attack and deflection at each step [rad, rad/s], ``(n, 5)``, in pitch. The nose is on the path.
     """
 
     vehicle: Vehicle
@@ -62,10 +44,7 @@ class Course:
 def course_of(vehicle: Vehicle, condition: FlightCondition, times: FloatArray) -> Course:
     """Return the course through a vehicle's state at its own time, seen at other times [s].
 
-    Raises
-    ------
-    InputError
-        As `nominal_flight`.
+    `InputError` as `nominal_flight`.
     """
     own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first, last = min(float(times[0]), own), max(float(times[-1]), own)

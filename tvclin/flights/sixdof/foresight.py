@@ -12,14 +12,8 @@ class Foresight:
     What acts at the end of a step is set before the step, so the state at its end is foreseen: the
     rate by the engine's own rule, the angles to second order.
 
-    Parameters
-    ----------
-    senses : Senses
-        Readers of the plane, at the beginning of a flight.
-    step : float
-        Step [s].
-    turn : float
-        By which the flight path has turned in the step before the flight [rad].
+    `senses`: readers of the plane, at the beginning of a flight. `step`: step [s]. `turn`: by which
+    the flight path has turned in the step before the flight [rad].
     """
 
     __slots__ = (

@@ -53,14 +53,8 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: Departure | Non
     speed. From a departure on nothing is frozen but inertia and damping: aerodynamic forces go with
     the dynamic pressure, and the mass falls.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle.
-    heading : float
-        Nominal direction of flight [rad], from north over east.
-    departure : Departure, optional
-        Where the vehicle is what it is; without one it always is.
+    `vehicle`: one vehicle. `heading`: nominal direction of flight [rad], from north over east.
+    `departure`: where the vehicle is what it is; without one it always is.
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     _metrics(root, vehicle)

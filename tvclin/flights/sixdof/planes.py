@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -17,12 +17,9 @@ from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.falls import has_fallen, watched_until
 from tvclin.flights.sixdof.airframe import borrowed
 from tvclin.flights.sixdof.case import SixDof
-from tvclin.flights.sixdof.steering import memory_step
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-
-FloatArray = NDArray[np.float64]
 
 
 def planes_verdict(
@@ -38,21 +35,10 @@ def planes_verdict(
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
 
-    Parameters
-    ----------
-    vehicle, frozen, drift, step
-        As of `fly_sixdof`; parameters are frozen over a flat planet.
-    wind : PlaneWind
-        One wind that ends, from t = 0 on.
-    control : Law or Autopilot
-        For both planes, as of `fly_planes`.
-    stop, saturate
-        As of `fly_planes`.
-
-    Raises
-    ------
-    InputError
-        For what is no law, a flight that is not frozen, and as `fly_sixdof` and `fly_planes`.
+    `vehicle`, `frozen`, `drift`, `step`: as of `fly_sixdof`; parameters are frozen over a flat
+    planet. `wind`: one wind that ends, from t = 0 on. `control`: for both planes, as of
+    `fly_planes`. `stop`, `saturate`: as of `fly_planes`. `InputError` for what is no law, a flight
+    that is not frozen, and as `fly_sixdof` and `fly_planes`.
     """
     if isinstance(control, Autopilot):
         control = SaturatedLaw(control)
@@ -92,8 +78,8 @@ def _steering(
     law: LawInPlanes, limit: float, step: float
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
     """Return what asks the law at every step, and remembers what it remembers."""
-    kept, learnt = memory_step(law.law, step)
-    memory, most = np.zeros(len(kept), complex), np.array([limit])
+    learning = law.law.memory.to_steps(step)
+    memory, most = np.zeros(len(learning.states), complex), np.array([limit])
 
     def asked(planes: list[Measurement]) -> tuple[float, float]:
         nonlocal memory
@@ -101,7 +87,7 @@ def _steering(
         measured = np.array(pitch) + 1j * np.array(yaw)
         demand = law.demand(measured[np.newaxis], memory[np.newaxis], most)
         (command,), _ = law.limited(demand, most)
-        memory = kept @ memory + learnt @ measured
+        memory = learning.A @ memory + learning.B @ measured
         return float(command.real), float(command.imag)
 
     return asked

@@ -15,14 +15,8 @@ _NONE = 1e-12
 class Senses(NamedTuple):
     """Readers of one plane, each without arguments.
 
-    Attributes
-    ----------
-    angles : callable
-        Attitude and flight path angle [rad].
-    rates : callable
-        Attitude rate [rad/s] and acceleration [rad/s^2].
-    alpha : callable
-        Angle of attack [rad].
+    `angles`: attitude and flight path angle [rad]. `rates`: attitude rate [rad/s] and acceleration
+    [rad/s^2]. `alpha`: angle of attack [rad].
     """
 
     angles: _Two

@@ -10,16 +10,14 @@ from collections.abc import Callable
 from math import copysign
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
+from tvclin.control.autopilot.actuated import turning
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
-from tvclin.flights.control import ONSET
-from tvclin.flights.sixdof.nozzle import Nozzle
-from tvclin.kernels.propagation import driven, exponentials
+from tvclin.flights.control import ONSET, Command
 from tvclin.winds.histories import History
 
-FloatArray = NDArray[np.float64]
 Steering = Callable[[int, Measurement], float]
 """Takes the number of a step and what is foreseen for its end; gives the deflection [rad]."""
 
@@ -45,20 +43,9 @@ class TrimThenHold:
 
     Without a dead band the wind alone says when.
 
-    Parameters
-    ----------
-    trim : TrimLaw
-        Trim, and the feedback that holds what it leaves.
-    limit : float
-        Deflection limit [rad], positive.
-    dead_band : float
-        K.
-    wind : History
-        One wind.
-    times : ndarray
-        Times of the steps [s], even, ``(n,)``.
-    step : float
-        Step [s].
+    `trim`: trim, and the feedback that holds what it leaves. `limit`: deflection limit [rad],
+    positive. `dead_band`: K. `wind`: one wind. `times`: times of the steps [s], even, ``(n,)``.
+    `step`: step [s].
     """
 
     def __init__(
@@ -102,35 +89,30 @@ class TrimThenHold:
         return float(np.trapezoid(*before) + self._held * (0.5 - leaves))
 
 
-def by_law(law: Law, nozzle: Nozzle, limit: float, count: int) -> Steering:
+def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     """Return what asks a law at every step, within its limits; an actuator follows in the steps.
 
-    Parameters
-    ----------
-    law : Law
-        The law.
-    nozzle : Nozzle
-        Actuator and rate limit; its length is the step.
-    limit : float
-        Deflection limit [rad], positive.
-    count : int
-        Number of steps.
+    `command`: the law, its actuator and the rate limit of its servo; the stop stands outside it.
+    `limit`, `step`, `count`: deflection limit [rad], length [s] and number of the steps.
     """
-    asked = _command(law, limit, nozzle.length, count)
-    if nozzle.jumps:
+    assert isinstance(command.control, Law)
+    asked, most = _command(command.control, limit, step, count), command.rate_limit
+    free, pulled = np.zeros((1, 1)), np.ones(1)
+    if command.actuator is not None:
+        moving = turning(command.actuator).to_steps(step)
+        free, pulled = moving.A, moving.B[:, 0]
+    elif most == np.inf:
         return asked
-    free, pulled = nozzle.matrices()
-    most, reach = nozzle.rate_limit, nozzle.rate_limit * nozzle.length
-    servo, command = np.zeros(nozzle.order), 0.0
+    reach, servo, told = most * step, np.zeros(pulled.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:
-        nonlocal servo, command
-        moved = free @ servo + pulled * command
+        nonlocal servo, told
+        moved = free @ servo + pulled * told
         if most < np.inf:
             moved[0] = servo[0] + np.clip(moved[0] - servo[0], -reach, reach)
             moved[1:] = np.clip(moved[1:], -most, most)
         servo, deflection = moved, min(max(float(moved[0]), -limit), limit)
-        command = asked(k, measured._replace(deflection=deflection))
+        told = asked(k, measured._replace(deflection=deflection))
         return deflection
 
     return followed
@@ -140,7 +122,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     """Return what gives the command within the limit, and remembers what the law remembers."""
     demanded, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
-    kept, learnt = memory_step(law, step)
+    learning = law.memory.to_steps(step)
     level, seed = law.rate_noise
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0
@@ -155,14 +137,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
         if not mode and abs(demand) >= engage:
             mode = copysign(1.0, demand)
         if memory.size:
-            memory = kept @ memory + learnt @ measured
+            memory = learning.A @ memory + learning.B @ measured
         return mode * limit if mode else min(max(demand, -limit), limit)
 
     return asked
-
-
-def memory_step(law: Law, step: float) -> tuple[FloatArray, FloatArray]:
-    """Return what takes the states of a law, and what it sees, to its states one step later."""
-    F, G = law.states
-    whole = exponentials(driven(F, G), np.array([step]))[0]
-    return whole[: len(F), : len(F)], whole[: len(F), len(F) :]

@@ -71,6 +71,10 @@ def narrow(plot: "ControlPlot") -> None:
     for legend in figure.legends:
         legend.remove()
     figure.suptitle("")
+    if not panels:  # a drawing without axes
+        plot.axes.flat[0].set_title("")
+        figure.set_size_inches(_WIDTH, _WIDTH * figure.get_figheight() / figure.get_figwidth())
+        return
     height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
     options = {"handles": list(entries.values()), "labels": list(entries), "frameon": False}
     for columns in (2, 1):

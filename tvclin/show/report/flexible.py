@@ -8,7 +8,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.control.margins.tables import band_table
-from tvclin.linear.flexible import FlexiblePlant, plant_of
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
@@ -40,12 +40,11 @@ _ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
 
 def flexible(found: Findings) -> Section | None:
     """Return what bends and sloshes, and what that does to the autopilot; None of a rigid one."""
-    plan = found.plan
+    plan, f = found.plan, found.flexible
     if plan.vehicle.structure is None:
         return None
-    f = found.flexible
-    plant = plant_of(plan.vehicle, USUAL_MODEL, plan.plane) if f is None else f.plant
-    assert isinstance(plant, FlexiblePlant)
+    whole = plan.vehicle, plan.vehicle.structure, USUAL_MODEL, plan.plane
+    plant = FlexiblePlant.from_vehicle(*whole) if f is None else f.plant
     blocks: list[Block] = [Paragraph(_words(plant)), *_modes(plant)]
     if f is None:
         none = "Its margins and flights need an autopilot: [autopilot] in a study file."

@@ -21,6 +21,7 @@ from tvclin.show.report import (
     flight,
     planes,
     sections,
+    vehicle,
     verdict,
 )
 from tvclin.show.report.blocks import Section
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     verdict.asked,
+    vehicle.vehicle,
     sections.boundaries,
     planes.both_planes,
     sections.response,

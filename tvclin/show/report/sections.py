@@ -65,10 +65,8 @@ def inputs(found: Findings) -> Section:
         rate = _typed("question.rate_limit", plan.nozzle.rate_limit, "deg/s")
         case.append(("deflection rate limit", rate))
     blocks = (
-        tables.vehicle(s),
         *([] if plan.vehicle.structure is None else given(plan.vehicle.structure)),
         quantities("Wind and question", case),
-        tables.coefficients(s),
         tables.poles(s),
     )
     return Section("inputs", "Inputs", blocks)
@@ -82,23 +80,24 @@ def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
 def boundaries(found: Findings) -> Section:
     """Return the boundary at every dead band, and what stands above and below it."""
     s = found.study
+    alone = f" and in the {s.plane} plane alone" if s.in_both else ""
     label = f"Required deflection over the duration of the wind, for {' and '.join(s.boundaries)}"
     figure = Figure(
         label,
-        "Required deflection over the duration of the wind, for each dead band K and model. The dot"
-        " is this study.",
+        "Required deflection over the duration of the wind, for each dead band K and model, in the"
+        f" dynamic pressure of calm air{alone}. The dot is what this study requires.",
         inline_svg(study_chart(s), "boundaries", label),
     )
     words = (
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
         " follows trim up to K times the limit and then uses the whole limit: K = 1 needs no"
-        f" forecast of the wind, K = 0 a certain one. {tables.LEGEND} The marked row has the dead"
-        " band of the verdict."
+        f" forecast of the wind, and K = 0 knows it for certain. {tables.LEGEND} The row marked"
+        " (verdict) is what is required."
     )
     if s.sign_factors:
         words += (
-            " All rows have the dynamic pressure of calm air, but for a head and a tail wind, which"
-            " have that met in them."
+            " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets"
+            " in them, all others that of calm air."
         )
     blocks = (tables.boundaries(s), figure, Paragraph((words,)))
     return Section("boundaries", "Boundaries", blocks)

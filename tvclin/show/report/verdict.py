@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from tvclin.answers.asked_table import asked_table
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import (
     Question,
-    question_table,
     questions,
     sufficient,
     without_stop,
@@ -76,10 +76,8 @@ def _beside(worst: Question, limit: float, enough: bool) -> Line:
 
 def asked(found: Findings) -> Section | None:
     """Return every question with its answer; None where only one is asked."""
-    each = questions(found)
-    if len(each) < 2:
-        return None
-    return Section("asked", "What was asked", (question_table(each),))
+    table = asked_table(found)
+    return Section("asked", "What was asked", (table,)) if len(table.rows) > 1 else None
 
 
 def basis(found: Findings) -> Line:

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import (
     InputError,
     between,
@@ -21,9 +22,6 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.winds.soundings.profile import RANGES, WindProfile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TOO_FEW = "it has fewer than two levels with a height and a wind"
 _MINUTE = "datetime64[m]"
@@ -123,10 +121,7 @@ class Soundings:
     def __getitem__(self, index: Any) -> Any:
         """Return one profile, or the soundings of a slice, a mask or a row of indices.
 
-        Raises
-        ------
-        InputError
-            For a sounding that cannot be used, with the reason, and what is no index.
+        `InputError` for a sounding that cannot be used, with the reason, and what is no index.
         """
         if isinstance(index, int | np.integer) and not isinstance(index, bool):
             if not -len(self) <= index < len(self):
@@ -145,7 +140,7 @@ class Soundings:
         return np.diff(self.offsets)
 
     @property
-    def usable(self) -> NDArray[np.bool_]:
+    def usable(self) -> BoolArray:
         """Which can be used, ``(n,)``; `why` says what is wrong with the others."""
         return np.array([not reason for reason in self.why], dtype=bool)
 
@@ -219,7 +214,7 @@ class Soundings:
             source=f"{self.station}, {when} UTC" if self.station else f"{when} UTC",
         )
 
-    def _some(self, index: NDArray[np.intp]) -> Self:
+    def _some(self, index: IndexArray) -> Self:
         offsets, levels = gathered(self.offsets, index)
         return replace(
             self,
@@ -230,7 +225,7 @@ class Soundings:
         )
 
 
-def gathered(offsets: IntArray, index: NDArray[np.intp]) -> tuple[IntArray, IntArray]:
+def gathered(offsets: IntArray, index: IndexArray) -> tuple[IntArray, IntArray]:
     """Return the offsets of some rows of a flat array, and where their elements are in it."""
     counts = np.diff(offsets)[index]
     made = np.concatenate([[0], np.cumsum(counts)])

@@ -7,18 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import Levels, checked_towards
-from tvclin.winds.soundings.text import (
-    LATEST_HEADER,
-    MOST_COLUMNS,
-    FloatArray,
-    IntArray,
-    Text,
-)
+from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text
 
 _NAMES = {
     "geopotential_height": "height",
@@ -43,13 +38,7 @@ _SPEED = (
     | {"mph": 1609.344 / 3600}
 )
 _ANGLE = dict.fromkeys(("deg", "degree", "degrees"), np.pi / 180) | {"rad": 1.0}
-_UNITS = {
-    "height": _METRE,
-    "speed": _SPEED,
-    "direction": _ANGLE,
-    "east": _SPEED,
-    "north": _SPEED,
-}
+_UNITS = {"height": _METRE, "speed": _SPEED, "direction": _ANGLE, "east": _SPEED, "north": _SPEED}
 _AROUND = ' "'
 
 

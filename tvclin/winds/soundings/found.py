@@ -10,14 +10,8 @@ from tvclin.winds.soundings.levels import Levels
 class Found:
     """A sounding in a file.
 
-    Attributes
-    ----------
-    read : callable
-        Reads its levels.
-    time : str
-        Its time, as "2024-01-15 12"; empty where the file does not say.
-    notes : tuple of str
-        Notes for its levels.
+    `read`: reads its levels. `time`: its time, as "2024-01-15 12"; empty where the file does not
+    say. `notes`: notes for its levels.
     """
 
     read: Callable[[], Levels]

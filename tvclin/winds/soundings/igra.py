@@ -10,9 +10,10 @@ import re
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import Levels, checked_towards
-from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+from tvclin.winds.soundings.text import Text
 
 _HEADER = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
 _HEIGHT, _DIRECTION, _SPEED = slice(16, 21), slice(40, 45), slice(46, 51)

@@ -17,9 +17,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason
-from tvclin.winds.soundings.archive import FloatArray, IntArray
 from tvclin.winds.soundings.many import Collected, Wanted
 from tvclin.winds.soundings.many_levels import Rows, collected
 
@@ -44,10 +44,7 @@ Progress = Callable[[int, int], None]
 def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -> Collected:
     """Return the wanted soundings of a station file, plain or in a zip.
 
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, or is one of derived parameters.
+    `InputError` for a file that cannot be read, or is one of derived parameters.
     """
     if _DERIVED in path.name.lower():
         raise InputError(_derived(called(path)))
@@ -225,7 +222,7 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     )
 
 
-def _numbers(letters: NDArray[np.uint8], good: NDArray[np.bool_]) -> FloatArray:
+def _numbers(letters: NDArray[np.uint8], good: BoolArray) -> FloatArray:
     """Whole numbers in their columns, NaN where missing; clears `good` for what is none."""
     digit = (letters >= ord("0")) & (letters <= ord("9"))
     minus = letters == ord("-")

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+from tvclin.winds.soundings.text import Text
 
 EARTH_RADIUS = 6_356_766.0
 """m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
@@ -20,31 +20,17 @@ FASTEST = 130.0
 archives."""
 _ROUNDING = 1e-9
 """Of directions and speeds, from components or other units."""
-Faults = list[tuple[NDArray[np.bool_], Callable[[int], str]]]
+Faults = list[tuple[BoolArray, Callable[[int], str]]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Levels:
     """Levels of one sounding; each array has the shape ``(n,)`` and NaN where nothing was measured.
 
-    Attributes
-    ----------
-    text : Text
-        The file.
-    line : ndarray of int
-        Line of each level.
-    height : ndarray
-        [m].
-    east, north : ndarray
-        Wind towards east and north [m/s].
-    title : str
-        Station and time, as far as the file gives them.
-    geopotential : bool
-        Whether heights are geopotential.
-    balloon : bool
-        Whether the levels stand in the order in which a balloon met them: it may sink for a while.
-    notes : tuple of str
-        What is already known to be worth saying.
+    `line`: line of each level. `height`: [m]. `east`, `north`: wind towards east and north [m/s].
+    `title`: station and time, as far as the file gives them. `geopotential`: whether heights are
+    geopotential. `balloon`: whether the levels stand in the order in which a balloon met them: it
+    may sink for a while. `notes`: what is already known to be worth saying.
     """
 
     text: Text
@@ -66,15 +52,8 @@ def faults(
 ) -> Faults:
     """Return what no sounding may hold, alone or in an archive.
 
-    Parameters
-    ----------
-    height, speed, direction : ndarray, optional
-        [m], [m/s], [rad] of levels, ``(n,)``; NaN where nothing was measured.
-
-    Returns
-    -------
-    list of tuple
-        Which levels are at fault, ``(n,)``, and what says so of one, by its index.
+    `height`, `speed`, `direction`: [m], [m/s], [rad] of levels, ``(n,)``; NaN where nothing was
+    measured. Returned: which levels are at fault, ``(n,)``, and what says so of one, by its index.
     """
     found: Faults = []
     if speed is not None:
@@ -130,10 +109,7 @@ def geometric(height: FloatArray) -> FloatArray:
 def profile_of(levels: Levels) -> WindProfile:
     """Return the profile of the levels of a file, with notes on what was left out.
 
-    Raises
-    ------
-    InputError
-        For heights out of order or range, winds out of range, and fewer than two levels.
+    `InputError` for heights out of order or range, winds out of range, and fewer than two levels.
     """
     speed = np.hypot(levels.east, levels.north)
     for wrong, say in faults(height=levels.height, speed=speed):
@@ -163,7 +139,7 @@ def profile_of(levels: Levels) -> WindProfile:
     )
 
 
-def _rising(levels: Levels, index: NDArray[np.intp]) -> tuple[NDArray[np.intp], list[str]]:
+def _rising(levels: Levels, index: IndexArray) -> tuple[IndexArray, list[str]]:
     """Keep of the levels those that lie above all before them."""
     height = levels.height[index]
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], height]))[:-1]

@@ -18,16 +18,8 @@ _MONTHS = range(1, 13)
 class Wanted:
     """Which soundings of a file are wanted.
 
-    Attributes
-    ----------
-    months : frozenset of int
-        From 1 to 12; empty for all.
-    years : tuple of int, optional
-        The first and the last.
-    station : str, optional
-        The only one.
-    utc_offset : float
-        Local time less UTC [h], by which months and years are counted.
+    `months`: from 1 to 12; empty for all. `years`: the first and the last. `station`: the only one.
+    `utc_offset`: local time less UTC [h], by which months and years are counted.
     """
 
     months: frozenset[int] = frozenset()
@@ -68,16 +60,9 @@ class Wanted:
 class Collected:
     """What has been found so far: pieces of the arrays of `Soundings`, and counts of what was left.
 
-    Attributes
-    ----------
-    pieces : list
-        Of height, east, north, counts of levels, and times.
-    why : list of str
-        As of `Soundings`.
-    stations : dict of str to str
-        Each station, and the first file it was in.
-    counted : dict of str to list
-        For each remark how often it holds, and where first.
+    `pieces`: of height, east, north, counts of levels, and times. `why`: as of `Soundings`.
+    `stations`: each station, and the first file it was in. `counted`: for each remark how often it
+    holds, and where first.
     """
 
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -102,10 +87,7 @@ class Collected:
     def soundings(self, utc_offset: float) -> Soundings:
         """Return all in the order of their times, each time once.
 
-        Raises
-        ------
-        InputError
-            For soundings of more than one station.
+        `InputError` for soundings of more than one station.
         """
         if len(self.stations) > 1:
             (a, where), (b, there) = list(self.stations.items())[:2]

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.winds.soundings.archive import TOO_FEW, FloatArray, IntArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from tvclin.winds.soundings.archive import TOO_FEW
 from tvclin.winds.soundings.levels import Faults, faults, geometric, towards
 from tvclin.winds.soundings.many import Collected
 
@@ -23,21 +24,13 @@ _APART = 1e6
 class Rows:
     """Levels of some soundings in the order of the file, each array ``(m,)``; NaN where missing.
 
-    Attributes
-    ----------
-    sounding : ndarray of int
-        Which sounding, rising.
-    line : ndarray of int
-        Line in the file.
-    broken : ndarray of bool
-        Not in its columns.
-    pressure, height, speed, direction : ndarray
-        [Pa], geopotential [m], [m/s], from where [rad].
+    `sounding`: which sounding, rising. `line`: line in the file. `broken`: not in its columns.
+    `pressure`, `height`, `speed`, `direction`: [Pa], geopotential [m], [m/s], from where [rad].
     """
 
     sounding: IntArray
     line: IntArray
-    broken: NDArray[np.bool_]
+    broken: BoolArray
     pressure: FloatArray
     height: FloatArray
     speed: FloatArray
@@ -87,8 +80,8 @@ def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: 
 
 
 def _rising(
-    sounding: IntArray, height: FloatArray, index: NDArray[np.intp]
-) -> tuple[NDArray[np.intp], int, IntArray]:
+    sounding: IntArray, height: FloatArray, index: IndexArray
+) -> tuple[IndexArray, int, IntArray]:
     """Levels above all before them; how many stand twice; and of which soundings the others are."""
     above = height + _APART * sounding
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], above]))[:-1]
@@ -96,7 +89,7 @@ def _rising(
     return index[~(twice | sunk)], int(twice.sum()), sounding[sunk]
 
 
-def _placed(rows: Rows, index: NDArray[np.intp]) -> tuple[NDArray[np.intp], FloatArray]:
+def _placed(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
     """Of levels without a height those that lie between two with one, and their heights [m]."""
     with np.errstate(invalid="ignore", divide="ignore"):
         up = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, directions, positive, within
 from tvclin.winds.speed import angle_from_speed
-
-FloatArray = NDArray[np.float64]
 
 _FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
 _FAR = 1e9
@@ -46,11 +44,8 @@ def angles_along(
     The flight is straight between its times. In yaw the wind meets it at right angles. With a
     `largest` angle [rad], the longest time that stays below it alone.
 
-    Raises
-    ------
-    InputError
-        For a flight that is not four arrays of one length, does not ascend, does not reach the
-        wind, or is slower than the part of the wind across it.
+    `InputError` for a flight that is not four arrays of one length, does not ascend, does not reach
+    the wind, or is slower than the part of the wind across it.
     """
     time, path, speed, climb = checked_flight(flight)
     low, high = max(height[0], path[0]), min(height[-1], path[-1])
@@ -85,7 +80,7 @@ def angles_along(
     return when, angle_from_speed(known, flown, angle)
 
 
-def longest_run(times: FloatArray, good: NDArray[np.bool_]) -> slice:
+def longest_run(times: FloatArray, good: BoolArray) -> slice:
     """Return the places of the longest time in which all is good."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]

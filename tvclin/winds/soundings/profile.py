@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     InputError,
@@ -25,13 +26,7 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.sampled import SampledWind, straight_lines
 from tvclin.winds.soundings.passage import Flown, angles_along
 
-FloatArray = NDArray[np.float64]
-
-RANGES = {
-    "height": (-1e4, 1e6, "m"),
-    "east": (-1e3, 1e3, "m/s"),
-    "north": (-1e3, 1e3, "m/s"),
-}
+RANGES = {"height": (-1e4, 1e6, "m"), "east": (-1e3, 1e3, "m/s"), "north": (-1e3, 1e3, "m/s")}
 """What can be meant, generously."""
 _THINNEST, _THICKEST = 1e-3, 1e6
 

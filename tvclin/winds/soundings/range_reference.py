@@ -13,18 +13,11 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.base.errors import (
-    InputError,
-    bearing,
-    each,
-    number,
-)
+from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.errors import InputError, bearing, each, number
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.text import Text, read_lines
-
-FloatArray = NDArray[np.float64]
 
 _TITLE = re.compile(r"\s*T A B L E\s+I\s+-\s*\d+\.\s+W I N D")
 _FIELDS = (
@@ -183,7 +176,7 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
     return RangeReference(site=site, month=month[1], source=text.source, **table)
 
 
-def _check(text: Text, line: NDArray[np.int64], table: dict[str, FloatArray]) -> None:
+def _check(text: Text, line: IntArray, table: dict[str, FloatArray]) -> None:
     whole = ~np.isnan(np.sum(list(table.values()), axis=0))
     text.require(whole, line, lambda _: "a number is missing")
     small = np.max(np.abs(list(table.values())), axis=0) <= _LARGEST

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import Levels, levels_in_words
-from tvclin.winds.soundings.text import FloatArray, Text
+from tvclin.winds.soundings.text import Text
 
 _LISTS = ("wind_u", "wind_v")
 

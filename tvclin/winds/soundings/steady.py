@@ -5,20 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.base.errors import (
-    LATEST,
-    InputError,
-    between,
-    instance,
-    number,
-    single,
-)
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import LATEST, InputError, between, instance, number, single
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.soundings.passage import checked_flight
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

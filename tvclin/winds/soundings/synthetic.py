@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     bearing,
@@ -16,8 +17,6 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.winds.soundings.profile import WindProfile
-
-FloatArray = NDArray[np.float64]
 
 _STEPS = 32
 """A flank of a gust has so many straight pieces; they miss the cosine by 6e-4 of the gust."""

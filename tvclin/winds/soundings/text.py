@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, read_text
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOST_COLUMNS, LATEST_HEADER = 1000, 1000
 """Columns of a table, and lines up to that with their names: no real one has more."""
@@ -26,12 +23,7 @@ _MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
 class Text:
     """The lines of a file; line numbers count from 1.
 
-    Attributes
-    ----------
-    source : str
-        What to call the file.
-    lines : tuple of str
-        Its lines, without their ends.
+    `source`: what to call the file. `lines`: its lines, without their ends.
     """
 
     source: str
@@ -44,10 +36,7 @@ class Text:
     def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
         """Return the numbers in the cells of a column, NaN where one is empty.
 
-        Raises
-        ------
-        InputError
-            For a cell that is neither empty nor a finite number.
+        `InputError` for a cell that is neither empty nor a finite number.
         """
         try:
             values = np.array(cells, dtype=float)
@@ -71,7 +60,7 @@ class Text:
             )
         return value
 
-    def require(self, good: NDArray[np.bool_], line: IntArray, say: Callable[[int], str]) -> None:
+    def require(self, good: BoolArray, line: IntArray, say: Callable[[int], str]) -> None:
         """Raise an error about the first line that is not good; `say` gets its index."""
         if not np.all(good):
             first = int(np.argmin(good))
@@ -83,19 +72,8 @@ def read_lines(
 ) -> Text:
     """Return the lines of a text file, whatever their ends.
 
-    Parameters
-    ----------
-    path : str or path
-        The file.
-    kind : str
-        What it should be, for messages.
-    errors : {"strict", "replace"}
-        What becomes of bytes that are not UTF-8.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is empty, or is no text.
+    `kind`: what it should be, for messages. `errors` ({"strict", "replace"}): what becomes of bytes
+    that are not UTF-8. `InputError` when the file cannot be read, is empty, or is no text.
     """
     content = read_text(a_path("path", path), kind, errors=errors)
     if "\0" in content:

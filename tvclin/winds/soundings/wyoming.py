@@ -6,10 +6,11 @@ import re
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import Levels, checked_towards
-from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+from tvclin.winds.soundings.text import Text
 
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
 _SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}

@@ -8,19 +8,12 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
-from tvclin.winds.soundings.text import (
-    LATEST_HEADER,
-    MOST_COLUMNS,
-    IntArray,
-    Text,
-    read_lines,
-)
+from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text, read_lines
 
-FloatArray = NDArray[np.float64]
 Cells = tuple[str, ...]
 
 _SEPARATORS = ",;\t"
@@ -38,14 +31,9 @@ _LONGEST_NAME = 200
 class Heading:
     """The name of a column.
 
-    Attributes
-    ----------
-    index : int
-        Which column.
-    text : str
-        As it stands in the file, without letters that cannot be seen.
-    name, unit : str
-        What stands before and in its last parentheses or brackets; a unit of None without.
+    `index`: which column. `text`: as it stands in the file, without letters that cannot be seen.
+    `name`, `unit`: what stands before and in its last parentheses or brackets; a unit of None
+    without.
     """
 
     index: int
@@ -68,19 +56,11 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class Sheet:
     """The rows of a file below its line of names.
 
-    Attributes
-    ----------
-    text : Text
-        The file.
-    headings : tuple of Heading
-        The names of its columns.
-    line : ndarray of int
-        The line of each row.
-    cells : tuple of tuple of str
-        The cells of each row.
+    `headings`: the names of its columns. `line`: the line of each row. `cells`: the cells of each
+    row.
     """
 
     text: Text
@@ -98,10 +78,7 @@ class Table:
 
         A column of the very name counts before those that have a symbol behind it.
 
-        Raises
-        ------
-        InputError
-            Where two columns have it.
+        `InputError` where two columns have it.
         """
         for name in names:
             named = [one for one in self.headings if letters(name) in one.names]
@@ -119,29 +96,29 @@ class Table:
     ) -> Column:
         """Return the numbers of a column in SI units.
 
-        Parameters
-        ----------
-        heading : Heading
-            The column.
-        dimension : str
-            What it measures, of `WRITTEN`.
-        known : dict of str to float, optional
-            Units in place of those of `WRITTEN`.
-
-        Raises
-        ------
-        InputError
-            For a unit that is missing or unknown, and for a cell that is no number.
+        `dimension`: what it measures, of `WRITTEN`. `known`: units in place of those of `WRITTEN`.
+        `InputError` for a unit that is missing or unknown, and for a cell that is no number.
         """
         unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
         cells = [row[heading.index] for row in self.cells]
         values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
-        told = (
-            f" (its unit is damaged, and taken for {unit.spelling})"
-            if unit.mangled and unit.spelling
-            else ""
-        )
+        damaged = unit.mangled and unit.spelling
+        told = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
         return Column(values, f"column {heading.text}{told}")
+
+    def need(
+        self, name: str, dimension: str, mend: str, known: dict[str, float] | None = None
+    ) -> Column:
+        """Return the numbers of a column by name; `InputError` without it, with a way to mend."""
+        heading = self.find(name)
+        if heading is None:
+            raise InputError(f"{self.text.source} has no column {name}; {mend}")
+        return self.numbers(heading, dimension, known)
+
+    def maybe(self, key: str, name: str, dimension: str) -> dict[str, Column]:
+        """Return the numbers of a column under a key of ours; nothing where it is not there."""
+        heading = self.find(name)
+        return {} if heading is None else {key: self.numbers(heading, dimension)}
 
     def factor(self, heading: Heading, dimension: str) -> float:
         """Return the factor of a column's unit to SI; `InputError` where it is not known."""
@@ -157,27 +134,20 @@ class Table:
         return unit
 
 
-def read_table_text(
-    path: str | PathLike[str], kind: str, is_header: Callable[[tuple[Heading, ...]], bool]
-) -> Table | None:
-    """Return the table of a file; None where no line has the names that are looked for.
+def read_sheet(
+    path: str | PathLike[str],
+    kind: str,
+    is_header: Callable[[tuple[Heading, ...]], bool],
+    missing: str,
+) -> Sheet:
+    """Return the table of a file below the line of names that is looked for.
 
-    Parameters
-    ----------
-    path : str or path
-        The file; a byte order mark, comments, quotes, and letters of another encoding are legal.
-    kind : str
-        What it should be, for messages.
-    is_header : callable
-        Whether headings are those of the table.
-
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, a row with more or fewer cells than there are names, decimal
-        commas that semicolons do not tell from others, a table without a row, and names that no
-        table has: more than a thousand, below the first thousand lines, or of more than 200
-        letters.
+    `path`: the file; a byte order mark, comments, quotes, and letters of another encoding are
+    legal. `kind`, `missing`: what it should be, and what is said where no line is the header.
+    `InputError` also for a file that cannot be read, a row with more or fewer cells than there
+    are names, decimal commas that semicolons do not tell from others, a table without a row, and
+    names that no table has: more than a thousand, below the first thousand lines, or of more than
+    200 letters.
     """
     text = read_lines(path, kind, errors="replace")
     for i, content in enumerate(text.lines[:LATEST_HEADER]):
@@ -188,7 +158,7 @@ def read_table_text(
             headings = tuple(_heading(k, cell) for k, cell in enumerate(cells))
             if len(headings) > 1 and is_header(headings):
                 return _rows(text, i, headings, separator)
-    return None
+    raise InputError(f"{text.source} has no line of {missing}")
 
 
 def letters(name: str) -> str:
@@ -212,7 +182,7 @@ def _heading(index: int, cell: str) -> Heading:
     return Heading(index, text, name, unit)
 
 
-def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) -> Table:
+def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) -> Sheet:
     for one in headings:
         if len(one.text) > _LONGEST_NAME:
             raise text.error(
@@ -238,7 +208,7 @@ def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) 
     if not rows:
         raise InputError(f"{text.source} has no row below its line of names")
     rows = _with_points(text, separator, line, rows)
-    return Table(text, tuple(headings), np.array(line, dtype=np.int64), tuple(rows))
+    return Sheet(text, tuple(headings), np.array(line, dtype=np.int64), tuple(rows))
 
 
 def _with_points(text: Text, separator: str, line: list[int], rows: list[Cells]) -> list[Cells]:

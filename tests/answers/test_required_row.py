@@ -1,0 +1,38 @@
+"""The row that a study marks as that of its verdict shows what is required."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.answers.study import Study
+from tvclin.answers.study_tables import boundaries, verdict
+from tvclin.base.lines import text
+
+
+def marked(study: Study) -> list[str]:
+    """Return the cells of the one row that is marked."""
+    (row,) = [row for row in boundaries(study).rows if "(verdict)" in text(row[0])]
+    return [text(cell) for cell in row]
+
+
+@pytest.mark.parametrize(
+    ("label", "changes"),
+    [
+        ("head wind (verdict)", {"duration": 90.0, "dead_band": 0.5}),
+        ("required (verdict)", {"duration": 90.0, "dead_band": 0.5, "sign": "frozen"}),
+        ("K = 1 (verdict)", {"duration": 7.5, "sign": "frozen"}),
+        ("K = 1 (verdict)", {"duration": 7.5, "plane": "yaw"}),
+        ("both planes (verdict)", {"duration": 7.5, "heading": np.radians(225), "stop": "round"}),
+    ],
+)
+def test_the_marked_row_is_what_the_verdict_requires(label, changes) -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+    study = Study.from_vehicle(vehicle, peak=np.radians(5), limit=np.radians(0.1376), **changes)
+    required = f"{np.degrees(study.required_deflection):.3f}"
+    row = marked(study)
+    assert row[0] == label
+    assert row[3] == required
+    said = [text(line) for line in verdict(study)]
+    assert said[0].startswith(f"Required deflection: {required} deg")
+    if not study.in_both:
+        assert row[-1] == f"{np.degrees(abs(study.survivable_peak)):.3f}"
