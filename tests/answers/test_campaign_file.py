@@ -82,7 +82,11 @@ def ensemble(tmp_path):
 def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     folder, time, angle = ensemble
     every = {"names": ["required", "forecast-free", "minimum"], "dead_bands": [0.5]}
-    tables = {"campaign": HEAD | {"cases": 400}, "wind": {"file": "winds.csv"}, "outputs": every}
+    tables = {
+        "campaign": HEAD | {"cases": 400, "sign": "frozen"},
+        "wind": {"file": "winds.csv"},
+        "outputs": every,
+    }
     plan = parse_campaign(tables, folder)
     kept = parse_campaign(json.loads(json.dumps(document_of(plan))))
     np.testing.assert_array_equal(kept.wind.angle, plan.wind.angle)
@@ -147,6 +151,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         model=model,
         cases=3,
         outputs=("required", "forecast-free", "minimum"),
+        sign="frozen",
         dead_bands=(0.5,),
     )
     found = evaluate(plan, 0, 3)
