@@ -23,7 +23,7 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
-    from tvclin.answers.nozzle_motion import FlownCard
+    from tvclin.answers.nozzle_cards.flown import FlownCard
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.boundary.rates import RateFront
 
@@ -83,7 +83,7 @@ def nozzle(
 
 def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
     """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
-    from tvclin.answers.nozzle_motion import FlownCard
+    from tvclin.answers.nozzle_cards.flown import FlownCard
     from tvclin.base.errors import InputError
 
     if law is None:

@@ -1,6 +1,6 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -10,8 +10,8 @@ import typer
 
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
+    BOTH_LIMITS,
     GROUP,
-    LIMIT,
     MODEL,
     STOPS_HELP,
     STUDY,
@@ -28,6 +28,7 @@ from tvclin.cli.wind import ShapedOptions, azimuth_of
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+    from tvclin.answers.sizing.ratio import ControllabilityRatio
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.study_file.plan import StudyPlan
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
-_SOURCE = (
+SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
     " its nominal flight."
@@ -108,7 +109,7 @@ class FlightOptions(ShapedOptions):
 
 def size(
     source: Annotated[
-        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
     model: Given = MODEL,
@@ -121,7 +122,7 @@ def size(
         metavar="SHAPE",
     ),
     sign: Given = Given(STUDY, "sign"),
-    limit: Given = LIMIT,
+    limits: Given = BOTH_LIMITS,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
     disperse: bool = switch(
         "--disperse",
@@ -141,18 +142,10 @@ def size(
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.documents import picked
-    from tvclin.vehicle.coefficients import BOTH
 
-    soundings = blows.soundings()
-    note_source(source, "size")
-    case = load_sizing(source, soundings)
-    for one in (limit, model, sign, question):
-        case = one.over(case)
-    case = changed(case, plane=None if plane == BOTH else plane)
-    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
-    case = blows.over(case)
+    changes = [one.over for one in (limits, model, sign, question)]
+    case = flight_asked("size", source, blows, *changes, plane=plane, stop=stop)
     asked = case.sizing
     assert asked is not None
     if not asked.soundings:
@@ -163,23 +156,33 @@ def size(
         found = asked.sizing(case, progress)
     if disperse:
         asked = replace(asked, dispersion=_dispersed(case, asked, found))
-    whole = asked.total(case, found)
-    said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
+    whole, ratio = asked.total(case, found), asked.ratio(case, found)
+    said = [*asked.warnings, *asked.notes, *_hints(asked, found), *(ratio.notes if ratio else ())]
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
     if as_json:
         verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
-        beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}
+        beside = {
+            "total": whole,
+            "controllability": ratio,
+            "notes": [*found.notes, *said],
+            "verdict": verdict,
+        }
         print_json(found.as_dict() | beside)
     else:
-        _print(found, whole, source, asked.counted(found), said)
-    if whole.limit is not None and not whole.sufficient:
+        _print(found, whole, ratio, source, asked.counted(found), said)
+    if whole.too_slow or (whole.limit is not None and not whole.sufficient):
         raise typer.Exit(1)
 
 
 def _print(
-    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+    found: "Sizing",
+    total: "DeflectionTotal",
+    ratio: "ControllabilityRatio | None",
+    source: str,
+    counted: str,
+    said: list[str],
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
     from tvclin.answers.sizing import tables
@@ -198,6 +201,8 @@ def _print(
     say(f"{tables.legend(found)}\n")
     print_tables(total_table(total, counted))
     say_lines(total.verdict)
+    if ratio is not None:
+        print_tables(ratio.table)
     say_notes((*found.notes, *said))
 
 
@@ -218,6 +223,28 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
             "--window 20 counts of a sounding only what blows within 10 s of each flight time,"
             " while parameters change less"
         )
+
+
+def flight_asked(
+    question: str,
+    source: str,
+    blows: FlightOptions,
+    *changes: "Callable[[StudyPlan], StudyPlan]",
+    plane: str | None,
+    stop: str | None,
+) -> "StudyPlan":
+    """Return the case of a flight that a file and options ask for."""
+    from tvclin.answers.study_file.read import load_sizing
+    from tvclin.vehicle.coefficients import BOTH
+
+    soundings = blows.soundings()
+    note_source(source, question)
+    case = load_sizing(source, soundings)
+    for change in changes:
+        case = change(case)
+    case = changed(case, plane=None if plane == BOTH else plane)
+    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
+    return blows.over(case)
 
 
 def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
