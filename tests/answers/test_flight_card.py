@@ -155,7 +155,7 @@ def test_both_planes_have_their_part_of_the_stop():
     ("sheet", "worst", "enough"),
     [
         ({}, "limit", True),
-        ({"rate_limit": 0.4 * DEG}, "rate limit", True),
+        ({"rate_limit": 0.25 * DEG}, "rate limit", True),
         ({"acceleration_limit": 1.0 * DEG}, "acceleration", False),
         ({"torque_limit": 1e3}, "torque", False),
         ({"power_limit": 1e5}, "limit", True),

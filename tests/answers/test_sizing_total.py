@@ -139,7 +139,7 @@ def test_the_controllability_ratio_is_that_of_its_parts():
     case = tv.Case(vehicle=booster, wind=wind, nozzle=tv.Nozzle(limit=np.radians(1.2)))
     found = asked.ratio(case, asked.sizing(case))
     B = abs(tv.Coefficients.from_vehicle(booster).B)
-    force = booster.control_force
+    force, nominal = booster.control_force, abs(float(SCHEDULE.nominal_at(66.0)))
     random = np.hypot(
         B * np.radians(1.5),
         np.hypot(
@@ -147,6 +147,8 @@ def test_the_controllability_ratio_is_that_of_its_parts():
             (booster.thrust - booster.axial_force) * 0.05 / (force * booster.control_arm),
         ),
     )
-    assert found.ratio == pytest.approx(np.radians(1.2) / (B * np.radians(5.0) + random), rel=1e-9)
+    assert found.ratio == pytest.approx(
+        np.radians(1.2) / (nominal + B * np.radians(5.0) + random), rel=1e-9
+    )
     assert "above the limit of 1" in found.words
     assert asked.ratio(tv.Case(vehicle=booster), asked.sizing(case)) is None
