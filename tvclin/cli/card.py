@@ -1,10 +1,13 @@
 """`tvclin card`: what a whole flight asks of the nozzle, as the lines of its data sheet."""
 
+from math import radians
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from tvclin.answers.nozzle_cards.whole import flight_card
+from tvclin.base.errors import nonnegative, number, one_of
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import (
@@ -21,6 +24,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, flight_asked
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 _FLIGHT = "start stop every window dead_bands"
 """What a card asks of a flight as a sizing does."""
@@ -67,12 +71,6 @@ def card(
     Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
     flight; 2: bad input.
     """
-    from math import radians
-
-    from tvclin.answers.nozzle_cards.whole import flight_card
-    from tvclin.base.errors import nonnegative, number, one_of
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
-
     if one_of("--law", law, LAWS) != AUTOPILOT:
         gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (sheet, samples, model, sign, question, gains, loop)]

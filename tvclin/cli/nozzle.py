@@ -1,9 +1,11 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from typing import TYPE_CHECKING
-
 import typer
 
+from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
@@ -21,11 +23,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.nozzle_cards.flown import FlownCard
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.rates import RateFront
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 
 def nozzle(
@@ -51,9 +49,6 @@ def nozzle(
     Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.boundary.rates import rate_front
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None:
         for one in (gains, samples):
@@ -81,11 +76,8 @@ def nozzle(
         raise typer.Exit(1)
 
 
-def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
+def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
     """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
-    from tvclin.answers.nozzle_cards.flown import FlownCard
-    from tvclin.base.errors import InputError
-
     if law is None:
         note_left_out(case, "nozzle without --law")
         return None
@@ -95,7 +87,7 @@ def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
         return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
 
 
-def _print(title: str, front: "RateFront", flown: "FlownCard | None") -> None:
+def _print(title: str, front: RateFront, flown: FlownCard | None) -> None:
     say(title)
     print_tables(*front.tables(), *(flown.tables() if flown is not None else ()))
     say_notes([*front.notes, *(flown.notes if flown is not None else ())])
