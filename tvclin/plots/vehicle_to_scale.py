@@ -46,7 +46,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     single("vehicle", vehicle.batch)
     curves = _curves(vehicle, limit)
     stations = _stations(vehicle)
-    _, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(layout="constrained")
     lines: list[Any] = []
     for name in dict.fromkeys(one.label.rpartition(" ")[0] for one in curves.columns):
         style: Style = {"color": INK, "lw": 1.6} if name == "body" else {"color": WARM, "lw": 1.4}
@@ -81,7 +81,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     axes.set(xticks=[], yticks=[])
     axes.set_axis_off()
     high, wide = (float(np.ptp(ends)) for ends in (axes.get_ylim(), axes.get_xlim()))
-    axes.figure.set_size_inches(_WIDTH, _WIDTH * high / wide + _TITLE)
+    figure.set_size_inches(_WIDTH, _WIDTH * high / wide + _TITLE)
     return control_plot(lines, axes, curves)
 
 
