@@ -128,7 +128,7 @@ class DeflectionTotal(Shown):
         said: list[tuple[Inline, ...]] = []
         if self.limit is not None and self.left is not None:
             left = degrees("total.left", abs(self.left), unit="deg")
-            beside = " left beside the reserve" if self.reserve else " left"
+            beside = " left after the reserve" if self.reserve else " left"
             line: tuple[Inline, ...] = ("SUFFICIENT, ", *left, beside)
             if self.sufficient is None:
                 known = "NOT KNOWN to be sufficient; where the winds are known "
@@ -138,7 +138,7 @@ class DeflectionTotal(Shown):
                 short = degrees("total.short", lacks, unit="deg")
                 if lacks < _SMALL:
                     short = significant("total.short_deg", np.degrees(lacks), unit="deg")
-                of = " of the limit that keeps the reserve" if self.reserve else ""
+                of = " of a limit that keeps the reserve" if self.reserve else ""
                 line = ("NOT SUFFICIENT, short by ", *short, of)
                 if lacks <= 0.0:
                     line = ("NOT SUFFICIENT at this rate limit",)
