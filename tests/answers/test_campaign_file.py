@@ -328,7 +328,8 @@ def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
     wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=GUST, gust_at=3.0)
     spread = tv.Dispersions((tv.Dispersion("wind_duration", "uniform", 0.2),))
     vehicle = tv.load_vehicle("configuration-i")
-    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, model="drift")
+    calm = {"model": "drift", "sign": "frozen"}
+    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, **calm)
     found = evaluate(asked, 0, 5)
     plant = tv.Plant.from_vehicle(vehicle, "drift")
     for duration, required in zip(found["wind_duration"], found["required_K1"], strict=True):
