@@ -1288,6 +1288,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "station": None,
                 "times": None,
                 "in_order": False,
+                "dates": None,
                 "utc_offset": 0.0,
                 "progress": None,
             },

@@ -47,6 +47,11 @@ class ArchiveOptions:
         "Take files without a date in the order of their names, one a day from 2000-01-01"
         " on; of what month they are is then not known.",
     )
+    dates: Path | None = asked(
+        "Dates of files of one sounding that do not say theirs: a CSV file with the headings file"
+        " and time (UTC).",
+        metavar="FILE",
+    )
     utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
 
     def read(self, archive: list[Path]) -> Soundings:
@@ -59,6 +64,7 @@ class ArchiveOptions:
                 station=self.station,
                 utc_offset=self.utc_offset,
                 in_order=self.in_order,
+                dates=self.dates,
                 progress=progress,
             )
 

@@ -8,6 +8,8 @@ Progress = Callable[[float, float], None]
 """Is told how much is done, and how much there is."""
 _SPAN = 3600.0
 """Seconds over which a rate is taken: slow work may tell of nothing for minutes."""
+_SURE = 0.1
+"""Of what is left at first, so much is done before a time left is shown: wild guesses are none."""
 _LINES = 20.0
 """Seconds between two lines where there is no terminal, and before the first."""
 
@@ -29,15 +31,19 @@ def bar(what: str) -> Iterator[Progress]:
         yield lines(what)
         return
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
-    rate, left = rich.TextColumn("{task.fields[rate]}"), rich.TimeRemainingColumn()
-    columns = (rich.BarColumn(), counted, rate, left)
+    columns = (rich.BarColumn(), counted, rich.TextColumn("{task.fields[rate]}"))
     with rich.Progress(*columns, console=console, speed_estimate_period=_SPAN) as progress:
         task = progress.add_task(what, total=None, rate="", visible=False)
+        first: tuple[float, float] | None = None
 
         def tell(done: float, total: float) -> None:
-            speed = progress.tasks[0].speed
+            nonlocal first
+            now, speed = monotonic(), progress.tasks[0].speed
+            first = first or (now, done)
+            left = _left(now - first[0], done - first[1], total - done)
             text = f"{speed:.3g}/s" if speed else ""
-            progress.update(task, completed=done, total=total, rate=text, visible=True)
+            rate = f"{text}  {left and f'{left} left'}"
+            progress.update(task, completed=done, total=total, rate=rate, visible=True)
 
         yield tell
 
@@ -60,11 +66,15 @@ def lines(what: str) -> Progress:
         if now - last < _LINES or not 0.0 < done < total:
             return
         last = now
-        passed, counted = now - first[0], done - first[1]
-        left = f", about {passed * (total - done) / counted:.0f} s left" if counted > 0.0 else ""
-        typer.echo(f"{done:.0f} of {total:.0f} {what}{left}", err=True)
+        left = _left(now - first[0], done - first[1], total - done)
+        typer.echo(f"{done:.0f} of {total:.0f} {what}{left and f', about {left} left'}", err=True)
 
     return tell
+
+
+def _left(passed: float, done: float, rest: float) -> str:
+    """The seconds that the rest takes; nothing until a part of all is done since the first word."""
+    return f"{passed * rest / done:.0f} s" if done >= _SURE * (done + rest) else ""
 
 
 @contextmanager

@@ -105,6 +105,6 @@ AVAILABILITY_TABLE = file_table(
         "persistence_hours": "number",
         "utc_offset_hours": "number",
     },
-    words=("archive", "station", "in_order"),
+    words=("archive", "station", "in_order", "dates"),
     lists=("months", "years"),
 )

@@ -4,7 +4,6 @@ Model, planes, limit and stop are those of the case, and so is the first of its 
 """
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.measured import fly_through
+from tvclin.answers.sizing.measured import GustOf, fly_through, gust_of_speed
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
@@ -160,10 +159,6 @@ class SizingAsked:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
         for pulse in self.others:
             one_of("shape of a pulse", pulse.shape, PULSES)
-        if self.gust_speed is not None and self.soundings:
-            raise InputError(
-                "a gust on top of a sounding has an angle: give it in degrees, not by its speed"
-            )
 
     def counted(self, found: Sizing) -> str:
         """Return the requirement that counts as the wind's, where none is named.
@@ -257,7 +252,7 @@ class SizingAsked:
             stop=case.nozzle.stop or "round",
             progress=progress,
         )
-        return replace(found, required=found.required | self._by_sign(case, found))
+        return self._by_sign(case, found)
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
@@ -290,29 +285,37 @@ class SizingAsked:
             gravity_offset=self.gravity_offset,
         )
 
-    def _by_sign(self, case: Case, found: Sizing) -> dict[str, NDArray[np.float64]]:
-        """What the largest dead band needs in a head wind and in a tail wind, by its name.
+    def _by_sign(self, case: Case, found: Sizing) -> Sizing:
+        """The same with what the largest dead band needs in a head wind and in a tail wind.
 
-        What has no sign, as a wind across the path and a sounding, needs the same in both; nothing
-        where all winds are of that kind.
+        What has no sign, as a wind across the path, or its own, as a sounding, needs the same in
+        both; nothing is added where all winds are of that kind.
         """
         sign, pulses = getattr(case, "sign", None), self.pulses(case)
         signs = [one for one in SIGNS if sign in (None, one)]
         if sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
         factors = {one: np.full((found.times.size, len(found.winds)), np.nan) for one in signs}
+        unsigned, why = np.zeros((found.times.size, len(found.winds)), dtype=bool), ""
         for i, j in np.ndindex(found.times.size, len(pulses)):
-            with suppress(InputError):  # no sign at this path, no real pole: as it stands
+            try:
                 at, K = self.at(case, float(found.times[i]), pulses[j]), float(found.dead_bands[0])
                 along = sign_factors(at, at.history_at(K), K, sign)
                 for one, factor in along.items():
                     factors[one][i, j] = factor
+            except InputError as error:  # no sign at this path, no real pole: as it stands
+                unsigned[i, j], why = True, why or f"{found.times[i]:g} s: {error}"
         name = _base(found)
-        return {
+        signed = {
             name + IN_A[one]: found.required[name] * np.where(np.isnan(factor), 1.0, factor)
             for one, factor in factors.items()
             if not np.isnan(factor).all()
         }
+        if not (why and signed):
+            return replace(found, required=found.required | signed)
+        said = f"what the sign of a pulse changes is not known at {why}"
+        required, notes = found.required | signed, (*found.notes, said)
+        return replace(found, required=required, unsigned=unsigned, notes=notes)
 
     @property
     def warnings(self) -> list[str]:
@@ -372,6 +375,9 @@ class SizingAsked:
         return met
 
     def _flown(self, case: Case, name: str, sounding: SoundingAsked) -> WindOf:
+        gust: GustOf | None = getattr(case.wind, "gust", None)
+        if self.gust_speed is not None and isinstance(gust, History):
+            gust = gust_of_speed(gust, self.gust_speed, case.planes)
         with naming(name):
             return fly_through(
                 sounding.profile,
@@ -379,7 +385,7 @@ class SizingAsked:
                 azimuth=sounding.azimuth,
                 plane=case.planes,
                 window=self.window,
-                gust=getattr(case.wind, "gust", None),
+                gust=gust,
                 pressure=getattr(case, "sign", None) != FROZEN,
             )
 

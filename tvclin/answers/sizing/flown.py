@@ -77,28 +77,30 @@ def trim_law_lost(
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
     A, inputs = mode.matrices(times)
     row, reach = mode.at(times)
-    to, moved = A[:, 1] / inputs[:, 1, :1], np.swapaxes(A, -1, -2)
     stiffness = np.abs(A[:, 1, 0])
     back = _GAIN * stiffness / inputs[:, 1, 0]
     with np.errstate(divide="ignore"):
         longest = _MOST_RATE / np.sqrt(stiffness)
         ahead = np.minimum(np.where(row[0] > 0.0, row[1] / row[0], np.inf), longest)
+    law = A[:, 1] / inputs[:, 1, :1]
+    law[:, 0] += back
+    law[:, 1] += back * ahead
+    both = np.concatenate([A, law[:, np.newaxis]], axis=1)  # rows of x', and of the command
     felt = inputs[:, 1, 1] / inputs[:, 1, 0]
-    step = float(times[1] - times[0])
+    order, step, cases = A.shape[-1], float(times[1] - times[0]), winds[..., np.newaxis]
 
     def rates(k: int, x: FloatArray) -> FloatArray:
-        wind = winds[:, k, np.newaxis]
-        z = x[..., 0] + x[..., 1] * ahead[k]
-        command = -(x @ to[k] + felt[k] * wind + back[k] * z)
-        delta = np.clip(command, -limits, limits)
-        driven = delta[..., np.newaxis] * inputs[k, :, 0] + wind[..., np.newaxis] * inputs[k, :, 1]
-        return np.asarray(x @ moved[k] + driven)
+        moved = (both[k] @ x.reshape(order, -1)).reshape(-1, *limits.shape)
+        command = moved[order] + felt[k] * cases[:, k]
+        delta = np.minimum(np.maximum(-command, -limits), limits)
+        moved = moved[:order] + inputs[k, :, 0, np.newaxis, np.newaxis] * delta
+        return np.asarray(moved + np.multiply.outer(inputs[k, :, 1], cases[:, k]))
 
-    x = np.zeros((*limits.shape, A.shape[-1]))
+    x = np.zeros((order, *limits.shape))
     for k in range(times.size - 1):
         first = rates(k, x)
         x = x + 0.5 * step * (first + rates(k + 1, x + step * first))
-    return np.asarray(np.abs(x @ row[:, -1]) > limits * abs(reach[-1]))
+    return np.asarray(np.abs(np.tensordot(row[:, -1], x, 1)) > limits * abs(reach[-1]))
 
 
 def _largest_trim(mode: GrowingMode, times: FloatArray, winds: FloatArray) -> FloatArray:

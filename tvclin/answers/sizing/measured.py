@@ -1,6 +1,6 @@
 """Measured winds on a flight: what blows to one side, around a flight time, a gust on top."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,6 +29,8 @@ from tvclin.winds.soundings.profile import WindProfile
 
 FloatArray = NDArray[np.float64]
 
+GustOf = History | Callable[[Vehicle], History]
+"""A gust, or what gives the one that a vehicle meets: of a wind speed, an angle."""
 _ROUNDING = 1e-12
 """What is smaller in one plane than this part of the other is no wind."""
 
@@ -50,9 +52,9 @@ class MeasuredWind:
         One wind, in flight time.
     window : float, optional
         Length of the window [s]; the whole wind where it is not given.
-    gust : History, optional
+    gust : History or callable, optional
         Added to it, on the wind's side if its peak is positive; its middle meets the flight time.
-        Nothing is added to a calm.
+        Nothing is added to a calm. A function gives it for the vehicle, as `gust_of_speed`.
     notes : tuple of str
         Where the wind is not known for another reason than that the sounding ends.
     pressure : ndarray, optional
@@ -62,7 +64,7 @@ class MeasuredWind:
 
     wind: SampledWind
     window: float | None = None
-    gust: History | None = None
+    gust: GustOf | None = None
     notes: tuple[str, ...] = ()
     pressure: FloatArray | None = None
 
@@ -71,7 +73,7 @@ class MeasuredWind:
         single("wind", self.wind.batch)
         if self.window is not None:
             number("window", self.window, positive, "s")
-        checked_gust(self.gust)
+        _checked_gust(self.gust)
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
         if self.pressure is not None:
             pressure = positive("pressure", self.pressure)
@@ -108,8 +110,8 @@ class MeasuredWind:
         around = SampledWind(time=times, angle=side * np.maximum(side * angles, -other))
         if self.gust is None:
             return around
-        middle = 0.5 * (self.gust.onset + self.gust.end)
-        return around + self.gust.shift(float(time - middle)) * side
+        gust = _gust_at(self.gust, vehicle)
+        return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * side
 
 
 def _time_of(vehicle: Vehicle) -> float:
@@ -129,14 +131,14 @@ class MeasuredPlanes:
     parts : dict of str to MeasuredWind
         By planes, on the same times and with the same window; one in which nothing blows is left
         out.
-    gust : History, optional
+    gust : History or callable, optional
         As of `MeasuredWind`, along the vector of the wind where that is largest.
     notes : tuple of str
         As of `MeasuredWind`.
     """
 
     parts: Mapping[str, MeasuredWind]
-    gust: History | None = None
+    gust: GustOf | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -150,7 +152,7 @@ class MeasuredPlanes:
         if found is None or self.gust is None:
             return found
         share = abs(self._largest(vehicle)[plane])
-        return replace(found, gust=self.gust * share) if share else found
+        return replace(found, gust=_gust_at(self.gust, vehicle) * share) if share else found
 
     def _largest(self, vehicle: Vehicle) -> dict[str, float]:
         """The largest vector around a vehicle's time, over its size."""
@@ -173,7 +175,7 @@ def fly_through(
     azimuth: float,
     plane: str = "pitch",
     window: float | None = None,
-    gust: History | None = None,
+    gust: GustOf | None = None,
     pressure: bool = True,
 ) -> MeasuredWind | MeasuredPlanes:
     """Return the wind that a flight through a sounding meets, as `size` takes it.
@@ -215,7 +217,7 @@ def fly_through(
     array([0.439, 0.399, 0.347])
     """
     instance("profile", profile, WindProfile, "see read_sounding")
-    checked_gust(gust)
+    _checked_gust(gust)
     across = {"pitch": profile.in_plane(azimuth), "yaw": profile.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
     met = {k: angles_along(schedule, profile.height, across[k], k, LARGEST_ANGLE) for k in planes}
@@ -277,6 +279,30 @@ def _steep(
         f"{' and '.join(where)} the wind meets the flight at more than"
         f" {np.degrees(LARGEST_ANGLE):.3g} deg, of which linear aerodynamics says nothing",
     )
+
+
+def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
+    """Return a gust of a wind speed [m/s], at the angle at which each vehicle meets it, eq (B1e).
+
+    At most `LARGEST_ANGLE`; for both planes as if it came across, from where the angle is largest.
+    """
+
+    def met(vehicle: Vehicle) -> History:
+        across = np.sin(vehicle.attitude) if plane == "pitch" else 1.0
+        most = np.sin(LARGEST_ANGLE) * np.asarray(vehicle.velocity)
+        sine = np.clip(speed * across, -most, most) / vehicle.velocity
+        return gust * (float(np.arcsin(sine)) / float(gust.peak))
+
+    return met
+
+
+def _gust_at(gust: GustOf, vehicle: Vehicle) -> History:
+    return gust if isinstance(gust, History) else gust(vehicle)
+
+
+def _checked_gust(gust: GustOf | None) -> None:
+    if isinstance(gust, History) or not callable(gust):
+        checked_gust(gust)
 
 
 def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:

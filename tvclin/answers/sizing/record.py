@@ -101,6 +101,9 @@ class Sizing(Tabled):
         What the reader should know before believing the numbers; often nothing.
     alone : dict of str to Sizing
         For both planes, that of each plane by itself; else empty.
+    unsigned : ndarray of bool, or None
+        Where a pulse needs the same in each column of a sign because what its sign changes is not
+        known there, ``(n, m)``; None where no sign was asked about.
     stop : Stop or None
         For both planes, what the nozzle can do; deflections are in its measure.
     """
@@ -124,6 +127,7 @@ class Sizing(Tabled):
     notes: tuple[str, ...]
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
+    unsigned: NDArray[np.bool_] | None = None
 
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 

@@ -12,6 +12,7 @@ _MARKS = {
     "1": "beyond the single-pole theory",
     "~": "parameters change while the wind blows",
     "+": "beyond the schedule",
+    "=": "what the sign of a pulse changes is not known, and calm air's number stands for both",
     "?": "a wind is not known",
 }
 """What the marks of flight times mean in a table of the worst winds."""
@@ -131,6 +132,7 @@ def _marks(s: Sizing, i: int) -> str:
         "1": s.beyond_one_pole[i].any(),
         "~": not s.freezing_error and (s.change[i] > STEADY).any(),
         "+": not s.covered[i].all(),
+        "=": s.unsigned is not None and s.unsigned[i].any(),
         "?": not s.known[i].all(),
     }
     return "".join(mark for mark, there in marks.items() if there)

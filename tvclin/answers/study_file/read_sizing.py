@@ -83,6 +83,8 @@ def availability_of(document: Mapping[str, Any], folder: Path) -> AvailabilityAs
         given["persistence"] = PairGrowth(hours)
     keys = ("months", "years", "station", "in_order")
     wanted = {key: given.pop(key) for key in keys if key in given}
+    if "dates" in given:
+        wanted["dates"] = folder / str(given.pop("dates"))
     offset = given.pop("utc_offset_hours", 0.0)
     return AvailabilityAsked(
         flight=_flight(document, folder)["schedule"],

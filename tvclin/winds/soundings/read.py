@@ -4,7 +4,7 @@ import re
 from os import PathLike
 
 from tvclin.base.errors import InputError, one_of, shown
-from tvclin.winds.soundings import columns, igra, rocketpy, wyoming
+from tvclin.winds.soundings import columns, igra, rocketpy, synthetic_file, wyoming
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import profile_of
 from tvclin.winds.soundings.profile import WindProfile
@@ -16,6 +16,7 @@ READERS = {
     "wyoming": wyoming.find,
     "igra": igra.find,
     "rocketpy": rocketpy.find,
+    "synthetic": synthetic_file.find,
 }
 _SHOWN = 5
 
@@ -29,12 +30,13 @@ def read_sounding(
     ----------
     path : str or path
         The file.
-    format : {"csv", "openrocket", "wyoming", "igra", "rocketpy"}, optional
+    format : {"csv", "openrocket", "wyoming", "igra", "rocketpy", "synthetic"}, optional
         Recognised from the content where it is not named. "csv" has a header whose names carry
         their units (height_m, speed_kt, direction_deg; or east_m_per_s, north_m_per_s), as the
         CSV of the University of Wyoming does. "openrocket" has no units in its header. "wyoming"
         is the text list, "igra" the station file of NOAA's IGRA version 2, "rocketpy" Python or
-        JSON with the lists wind_u and wind_v.
+        JSON with the lists wind_u and wind_v, "synthetic" TOML with a table [synthetic] for
+        `synthetic_profile`, and [[gust]] for `add_gust`.
     time : str, optional
         Which sounding of a file that holds several, as "2024-01-15 12" [UTC]; the first where it
         is not given, with a note.
@@ -69,6 +71,8 @@ def recognised(text: Text) -> str:
         return "wyoming"
     if re.search(r"\bwind_u[\"']?\s*[=:]", "\n".join(text.lines)):
         return "rocketpy"
+    if synthetic_file.HEADING in map(str.strip, text.lines):
+        return "synthetic"
     if columns.header_line(text) is not None:
         return "csv"
     raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Callable, Iterable
 from os import PathLike
@@ -31,8 +32,8 @@ _WRITTEN = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
 _LOOKED_AT = 50
 """Lines below a header, in which a time may stand."""
 _NO_TIME = (
-    "no date in it: name the file by it, as 2024-02-15_12.csv, give times, or take the files in"
-    " their order (--in-order)"
+    "no date in it: name the file by it, as 2024-02-15_12.csv, list the dates (--dates), or take"
+    " the files in their order (--in-order)"
 )
 _FIRST_DAY = np.datetime64("2000-01-01T00:00", "m")
 
@@ -45,6 +46,7 @@ def read_soundings(
     station: str | None = None,
     times: Any = None,
     in_order: bool = False,
+    dates: Source | None = None,
     utc_offset: float = 0.0,
     progress: Progress | None = None,
 ) -> Soundings:
@@ -67,6 +69,9 @@ def read_soundings(
     in_order : bool
         Whether files of one sounding that have no time count by the order of their names, one a day
         from 2000-01-01 on.
+    dates : str or path, optional
+        A CSV file with the headings file and time: times [UTC] of files of one sounding, by their
+        names.
     utc_offset : float
         Local time less UTC [h], by which months and years are counted.
     progress : callable, optional
@@ -92,7 +97,8 @@ def read_soundings(
     wanted = Wanted.of(months, years, station, utc_offset)
     if progress is not None:
         callable_for("progress", progress, "of how much is read and how much there is")
-    files = _files(source)
+    listed = {} if dates is None else _listed(a_path("dates", dates))
+    files = [file for file in _files(source) if dates is None or file != Path(dates)]
     given = None if times is None else minutes("times", times)
     if given is not None and given.shape != (len(files),):
         raise InputError(f"times must hold one for each of {len(files)} files; got {given.shape}")
@@ -104,13 +110,27 @@ def read_soundings(
         if is_station(file):
             found.add(read_station(file, wanted, progress if len(files) == 1 else None))
         else:
-            _add_single(found, file, wanted, None if given is None else given[i], day)
+            own = listed.get(file.name) if given is None else given[i]
+            _add_single(found, file, wanted, own, day)
         if progress is not None and len(files) > 1:
             progress(i + 1, len(files))
     if not found.pieces and not found.stations and found.counted:
         remark, (count, where) = next(iter(found.counted.items()))
         raise InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
     return found.soundings(wanted.utc_offset)
+
+
+def _listed(path: Path) -> dict[str, Any]:
+    """Times of files by their names."""
+    rows = [row for row in csv.reader(read_lines(path, "a list of dates").lines) if row]
+    if not rows or [one.strip() for one in rows[0]] != ["file", "time"]:
+        raise InputError(f"{called(path)} must have the headings file,time")
+    try:
+        return {name.strip(): np.datetime64(time.strip(), "m") for name, time in rows[1:]}
+    except ValueError:
+        raise InputError(
+            f"{called(path)} must have a name and a time in each line, as 7.csv,2024-02-15T12"
+        ) from None
 
 
 def _files(source: Any) -> list[Path]:
