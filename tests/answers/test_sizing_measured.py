@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.answers.sizing.measured import gust_of_speed
 from tvclin.winds.soundings.levels import towards
 
 EAST = np.radians(90)
@@ -104,3 +105,21 @@ def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flig
     assert "after it" in tv.size(rises, wind, times=[50.0, 60.0]).notes[-1]
     for none in (tv.size(still, wind, times=[50.0, 60.0]), tv.size(flight, wind, times=60.0)):
         assert not [note for note in none.notes if "largest at" in note]
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_a_gust_of_a_speed_has_at_each_time_the_angle_of_that_time(plane: str) -> None:
+    flight = tv.load_schedule("configuration-i")
+    wind = tv.WindProfile(height=[4e3, 12e3, 25e3], east=[5.0, 40.0, 5.0], north=[5.0, 30.0, 5.0])
+    gust, where = tv.OneMinusCosineGust(peak=0.01, duration=2.0), {"azimuth": 1.0, "plane": plane}
+    speed = gust_of_speed(gust, 9.0, plane)
+    found = tv.fly_through(wind, flight, gust=speed, **where)
+    for time in (55.0, 80.0):
+        vehicle = flight.at(time)
+        angle = tv.angle_from_speed(
+            9.0, vehicle.velocity, vehicle.attitude if plane == "pitch" else np.pi / 2
+        )
+        own = tv.OneMinusCosineGust(peak=float(angle), duration=2.0)
+        alone = tv.fly_through(wind, flight, gust=own, **where)
+        times = np.linspace(time - 2.0, time + 2.0, 41)
+        np.testing.assert_allclose(found(vehicle)(times), alone(vehicle)(times), atol=1e-15)

@@ -40,6 +40,7 @@ from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
@@ -293,6 +294,14 @@ def _varying_columns(
     bands: FloatArray,
     told: Callable[[VaryingNeed], VaryingNeed],
 ) -> dict[str, FloatArray]:
+    def in_air(wind: PlacedWind) -> Callable[[GrowingMode, History], FloatArray]:
+        def factor(flight: GrowingMode, blows: History) -> FloatArray:
+            if wind.pressure is None:
+                return np.ones(bands.shape)
+            return flight_ratio(flight, blows, wind.pressure, bands)
+
+        return factor
+
     along: dict[bytes, VaryingNeed] = {}  # without a window one wind meets every flight time
 
     def met(wind: PlacedWind) -> VaryingNeed:
@@ -301,11 +310,11 @@ def _varying_columns(
         if key not in along:
             found = varying_need(mode, wind.in_flight, bands, wind.whole)
             if np.any(np.isnan(found.required)) and len(mode.schedule.parts) > 1:
-                parts = need_in_parts(mode, wind.in_flight, bands, wind.whole)
+                parts = need_in_parts(mode, wind.in_flight, bands, wind.whole, in_air(wind))
                 found = replace(found, required=parts)
-            if wind.pressure is not None:
-                factor = flight_ratio(mode, wind.in_flight, wind.pressure, bands)
-                found = replace(found, required=found.required * factor)
+            else:
+                required = found.required * in_air(wind)(mode, wind.in_flight)
+                found = replace(found, required=required)
             along[key] = found
         return along[key]
 

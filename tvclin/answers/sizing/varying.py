@@ -117,9 +117,16 @@ def varying_need(
 
 
 def need_in_parts(
-    mode: GrowingMode, wind: History, dead_bands: FloatArray, whole: History | None
+    mode: GrowingMode,
+    wind: History,
+    dead_bands: FloatArray,
+    whole: History | None,
+    factor: Callable[[GrowingMode, History], FloatArray],
 ) -> FloatArray:
-    """Return the most that a wind requires in one of the `FlightSchedule.parts`, ``(k,)``."""
+    """Return the most that a wind requires in one of the `FlightSchedule.parts`, ``(k,)``.
+
+    Each times its `factor` of that part.
+    """
     parts, (first, last) = mode.schedule.parts, mode.span
     ends = [first, *(part.span[0] for part in parts[1:]), last]
     required = np.zeros(dead_bands.shape)
@@ -129,7 +136,7 @@ def need_in_parts(
             None if one is None else one.before(stop) - one.before(start) for one in (wind, whole)
         )
         if alone.grows and blows is not None and np.any(blows(blows.probe_times())):
-            needed = varying_need(alone, blows, dead_bands, both).required
+            needed = varying_need(alone, blows, dead_bands, both).required * factor(alone, blows)
             required = np.maximum(required, needed)
     return required
 
