@@ -27,7 +27,7 @@ from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles
-from tvclin.vehicle.linear_vehicle import load_any_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import (
     InputError,
+    array_of,
     between,
     each,
     instance,
@@ -73,7 +74,7 @@ class Soundings:
         for name, (low, high, unit) in RANGES.items():
             object.__setattr__(self, name, within(name, getattr(self, name), low, high, unit))
         set_ = object.__setattr__
-        set_(self, "offsets", _whole("offsets", self.offsets))
+        set_(self, "offsets", self._whole_offsets())
         set_(self, "times", minutes("times", self.times))
         self._check_shapes()
         text("station", self.station)
@@ -85,6 +86,12 @@ class Soundings:
         set_(self, "why", why)
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
             raise InputError("why must hold a reason for each sounding with fewer than two levels")
+
+    def _whole_offsets(self) -> IntArray:
+        offsets = array_of("offsets", self.offsets, "iu", "a row of integers")
+        if offsets.ndim != 1 or not offsets.size:
+            raise InputError(f"offsets must be a row of integers; got {shown(self.offsets)}")
+        return offsets.astype(np.int64)
 
     def _check_shapes(self) -> None:
         size, offsets = self.height.size, self.offsets
@@ -254,13 +261,3 @@ def minutes(name: str, values: ArrayLike) -> NDArray[np.datetime64]:
         raise InputError(
             f"{name} must be times such as 2024-02-15T12:00, or datetime64; got {shown(values)}"
         ) from None
-
-
-def _whole(name: str, values: ArrayLike | Sequence[int]) -> IntArray:
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "iu" or array.ndim != 1 or not array.size:
-            raise TypeError
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        raise InputError(f"{name} must be a row of integers; got {shown(values)}") from None
-    return array.astype(np.int64)
