@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.boundary.loads import LoadFront
     from tvclin.boundary.rates import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
@@ -42,7 +43,7 @@ Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
 _LATER = (
     *("availability", "gust_at", "sign", "gust_speed", "data"),
-    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
 )
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -78,6 +79,8 @@ class Findings:
         On how many days of an archive it flies.
     rates : RateFront or None
         What limit and rate limit leave in the wind; None unless both are given.
+    loads : LoadFront or None
+        The limit over what the structure bears; None unless that is given.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -95,6 +98,7 @@ class Findings:
     flight: tuple[Sizing, DeflectionTotal] | None
     availability: Availability | None
     rates: RateFront | None
+    loads: LoadFront | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -160,6 +164,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "flight": plan.sizing,
             "availability": plan.availability,
             "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
+            "loads": plan.load,
         }
         asked = [name for name, one in wanted.items() if one is not None]
 
@@ -196,6 +201,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flight=part("flight", _flight),
             availability=part("availability", _availability),
             rates=part("rates", _rates),
+            loads=part("loads", _loads),
             reasons=reasons,
             warnings=tuple(said),
         )
@@ -297,6 +303,11 @@ def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
     return rate_front(
         plan.plant.rigid, study.history, limit=limit, rate_limit=plan.nozzle.rate_limit
     )
+
+
+def _loads(plan: StudyPlan, study: Study, told: Told) -> LoadFront:
+    assert plan.load is not None
+    return plan.load.front(plan, 1.0 / study.of_both)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
