@@ -14,12 +14,9 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, nonzero, positive, small_angle
 from tvclin.boundary.loads import LoadFront, load_front
 from tvclin.control.laws.law import Law
-from tvclin.flights.closed_loop.fly import fly
-from tvclin.flights.closed_loop.many import LOST, SURVIVED, fly_many
+from tvclin.flights.closed_loop.many import SURVIVED
+from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES
-
-_AFTER, _TIMES = 15.0, 20_001
-"""A flight is looked at so many times of its fast mode after the wind, and at so many times."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,19 +120,15 @@ class FlownLoad(Shown):
     @classmethod
     def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
         """Return the load of a law in the wind of a case, with its nozzle, which has a limit."""
-        plant, wind = case.plant, case.history
-        flown = {"deflection_limit": case.nozzle.limit, **case.hardware}
-        status = str(fly_many(plant, law, wind, **flown).status)
-        most = None if bound is None else bound.bound
-        if status == LOST:
-            return cls(name, status, np.inf, np.nan, most)
-        end = float(wind.end) + _AFTER / float(plant.coefficients.pole)
-        times = np.linspace(float(wind.onset), end, _TIMES)
-        outputs = fly(plant, law, wind, times, **flown).outputs
+        limit, most = case.nozzle.limit, None if bound is None else bound.bound
+        assert limit is not None
+        flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
+        if not flight.times.size:
+            return cls(name, flight.status, np.inf, np.nan, most)
         ratio = 0.0 if bound is None else bound.ratio
-        felt = np.abs(outputs["angle_of_attack"] + ratio * outputs["deflection"])
+        felt = np.abs(flight.angle_of_attack + ratio * flight.deflection)
         worst = int(np.argmax(felt))
-        return cls(name, status, float(felt[worst]), float(times[worst]), most)
+        return cls(name, flight.status, float(felt[worst]), float(flight.times[worst]), most)
 
     @property
     def enough(self) -> bool:

@@ -1,9 +1,12 @@
 """`tvclin loads`: the nozzle that a load bound takes, and the load in the flights of laws."""
 
-from typing import TYPE_CHECKING
-
+import numpy as np
 import typer
 
+from tvclin.answers.load import FlownLoad
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.loads import load_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
@@ -21,10 +24,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.load import FlownLoad
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 
 def loads(
@@ -50,12 +50,7 @@ def loads(
 
     Exit code 0: enough, or not asked; 1: not enough, or a law exceeds it; 2: bad input.
     """
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.boundary.loads import load_front
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     names = [one_of("--law", one, LAWS) for one in law or ()]
     if not names:
@@ -97,11 +92,8 @@ def loads(
         raise typer.Exit(1)
 
 
-def _flown(case: "StudyPlan", names: list[str], wind: str) -> "list[FlownLoad]":
+def _flown(case: StudyPlan, names: list[str], wind: str) -> list[FlownLoad]:
     """The loads of laws in a wind with a name."""
-    from tvclin.answers.load import FlownLoad
-    from tvclin.base.errors import InputError
-
     if not names:
         note_left_out(case, "loads without --law")
         return []
