@@ -18,6 +18,7 @@ from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.base.warned import warned
+from tvclin.kernels.kept import COMPILED
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -40,7 +41,10 @@ Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
-_LATER = ("availability", "gust_at", "sign", "gust_speed", "data")
+_LATER = (
+    *("availability", "gust_at", "sign", "gust_speed", "data"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit"),
+)
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -194,7 +198,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             availability=part("availability", _availability),
             rates=part("rates", _rates),
             reasons=reasons,
-            warnings=tuple(said),
+            warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
 
 

@@ -2,7 +2,7 @@
 
 import typer
 
-from tvclin.answers.nozzle_motion import FlownCard
+from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.rates import RateFront, rate_front
