@@ -17,8 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.base.warned import warned
-from tvclin.kernels.kept import COMPILED
+from tvclin.base.warned import COMPILED, warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability

@@ -19,10 +19,9 @@ from numba.core.serialize import dumps
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, write_whole
+from tvclin.base.warned import COMPILED
 
 _HASH = sha256().digest_size
-COMPILED = "a kernel was compiled"
-"""How the warning of a long compilation begins; it is of the machine, and not of an answer."""
 _LONG = 2.0
 """Seconds of compiling of which somebody is told."""
 
