@@ -52,7 +52,7 @@ FLEXIBLE = {
         ],
     },
     "schedule": {"source": "made-up-launcher"},
-    "size": {"start_s": 50.0, "stop_s": 60.0},
+    "size": {"start_s": 50.0, "stop_s": 60.0, "reserve_percent": 10.0},
     "availability": {
         **{"archive": "s-data.txt", "azimuth_deg": 45.0, "least_part": 0.5},
         "persistence_deg": 0.1,
