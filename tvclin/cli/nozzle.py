@@ -5,6 +5,7 @@ import typer
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import listed
 from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -34,8 +35,8 @@ def nozzle(
     blows: WindOptions = GROUP,
     limits: Given = Given(NOZZLE, at="nozzle"),
     law: str | None = asked(
-        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        f"Also fly this law with both limits: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}."
+        " It needs a deflection limit.",
         shown="none is flown",
     ),
     samples: Given = SAMPLE_RATE,
