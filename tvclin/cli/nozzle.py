@@ -5,14 +5,15 @@ import typer
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import listed
 from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    BOTH_LIMITS,
     GROUP,
     MOTION,
+    NOZZLE,
     SAMPLE_RATE,
     Given,
     Rigid,
@@ -25,14 +26,17 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
+_OF_FLIGHTS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
+"""What a flight is held to, and no theory."""
+
 
 def nozzle(
     vehicle: Source = "configuration-i",
     blows: WindOptions = GROUP,
-    limits: Given = BOTH_LIMITS,
+    limits: Given = Given(NOZZLE, at="nozzle"),
     law: str | None = asked(
-        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        f"Also fly this law with both limits: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}."
+        " It needs a deflection limit.",
         shown="none is flown",
     ),
     samples: Given = SAMPLE_RATE,
@@ -53,6 +57,7 @@ def nozzle(
     if law is None:
         for one in (gains, samples):
             one.only_with("--law")
+        limits.only_with("--law", *_OF_FLIGHTS)
         only_with("--law", **vars(loop))
     elif one_of("--law", law, LAWS) != AUTOPILOT:
         gains.only_with(f"--law {AUTOPILOT}")
@@ -72,7 +77,7 @@ def nozzle(
         print_json(blows.document(case) | {"front": front, "flown": flown})
     else:
         _print(title, front, flown)
-    if front.enough is False or (flown is not None and not flown.survived):
+    if front.enough is False or (flown is not None and flown.verdict.enough is False):
         raise typer.Exit(1)
 
 
@@ -93,4 +98,4 @@ def _print(title: str, front: RateFront, flown: FlownCard | None) -> None:
     say_notes([*front.notes, *(flown.notes if flown is not None else ())])
     say(f"Verdict: {front.verdict}.")
     if flown is not None:
-        say(f"Flown: {flown.words}.")
+        say(f"Flown: {flown.words}. {flown.verdict.words}.")
