@@ -1128,6 +1128,16 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "flown_fronts": Door(
+            tv.answers.flown_fronts,
+            {
+                "cases": {"one": tv.Case(vehicle=booster)},
+                "rates": [0.02],
+                "laws": ("half-relief",),
+                "cuts": 0,
+                "progress": lambda done, total: None,
+            },
+        ),
         "nozzle_card": Door(
             tv.answers.nozzle_card,
             {

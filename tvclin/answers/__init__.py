@@ -13,7 +13,8 @@
 - Gains for the least nozzle: `least_deflection_gains`, `least_gain_schedule`, `least_gains_front`;
   the worst case in a box: `tvclin.worst_case`.
 - Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`.
-- What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`.
+- What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`; what laws need over
+  its rate limit: `flown_fronts`.
 """
 
 from tvclin.base.doors import door
