@@ -45,6 +45,7 @@ ANSWERS = {
     "LeastGains",
     "LeastSchedule",
     "LeftOver",
+    "LoadFront",
     "MarginBounds",
     "Margins",
     "ModeBand",
@@ -397,6 +398,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
         ),
+        "CampaignResults.to_csv": Door(results.to_csv, {"path": folder / "campaign.csv"}),
         "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
         "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
         "Climb": Door(
@@ -1170,6 +1172,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.02,
                 "rate_limit": 0.1,
                 "acceleration_limit": 5.0,
+            },
+        ),
+        "load_front": Door(
+            tv.boundary.load_front,
+            {
+                **history,
+                "loads": [0.08, 0.09],
+                "limit": 0.02,
+                "load": 0.09,
+                "rate_limit": 0.1,
+                "moment_ratio": 0.5,
             },
         ),
         "optimum_deflection": Door(

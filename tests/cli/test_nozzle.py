@@ -156,7 +156,11 @@ def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit
     )
     needed = np.degrees(front(limit=limit, rate_limit=rate).needed_rate)
     assert asked["yes"] is yes
-    assert asked["why"].startswith(f"any control needs at least {needed:.3f} deg/s")
+    assert asked["measure"] == {
+        "needed": pytest.approx(needed),
+        "there": pytest.approx(rate),
+        "unit": "deg/s",
+    }
 
 
 def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache, partial
+from textwrap import wrap
 from typing import Any
 
 from tvclin.base.errors import InputError, different, finite, one_of, whole_number
@@ -22,6 +23,8 @@ from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, optional_unit, si_unit
 
 _DECLARED = "declared"
+_WIDE = 96
+"""Letters in a line of a template."""
 _UNIT = re.compile(r" \[[^\]]+\]")
 _CLAUSE = re.compile(r"[;:.](?=\s|$)|$")
 _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
@@ -175,6 +178,21 @@ def file_table(heading: str, kind: type, names: str = "", **more: Any) -> FileTa
         words=(*(one.name for one in single if not one.numeric), *more.get("words", ())),
         lists=(*(one.name for one in chosen if one.many), *more.get("lists", ())),
     )
+
+
+def completed(text: str, table: FileTable, kind: type) -> str:
+    """Return a template whose table names every key of its fields: those it leaves out as comments.
+
+    `text`: the template, in which the table ends with an empty line.
+    """
+    start = text.index(f"\n{table.heading}\n")
+    place = text.find("\n\n", start + 1) % len(text)
+    names = [one for one in declared(kind).values() if one.key]
+    missing = [one for one in names if not re.search(rf"\b{one.name}(_|\b)", text[start:place])]
+    keys = {one.name: table.spelled(one.name).split(" or ")[0] for one in missing}
+    said = [f"also {keys[one.name]}: {_UNIT.sub('', one.help)}" for one in missing]
+    lines = [line for each in said for line in wrap(each, _WIDE, subsequent_indent="  ")]
+    return text[:place] + "".join(f"\n# {line}" for line in lines) + text[place:]
 
 
 def _helps(kind: type) -> dict[str, str]:

@@ -1,9 +1,12 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from typing import TYPE_CHECKING
-
 import typer
 
+from tvclin.answers.flown_front import FlownFront, flown_fronts
+from tvclin.answers.nozzle_motion import FlownCard
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
@@ -22,12 +25,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.flown_front import FlownFront
-    from tvclin.answers.nozzle_motion import FlownCard
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.rates import RateFront
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 
 def nozzle(
@@ -59,9 +57,6 @@ def nozzle(
     Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.boundary.rates import rate_front
-    from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
     if law is None and not laws:
         for one in (gains, samples):
@@ -93,11 +88,8 @@ def nozzle(
         raise typer.Exit(1)
 
 
-def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
+def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
     """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
-    from tvclin.answers.nozzle_motion import FlownCard
-    from tvclin.base.errors import InputError
-
     if law is None:
         return None
     if case.nozzle.limit is None:
@@ -106,18 +98,15 @@ def _flown(case: "StudyPlan", law: str | None, wind: str) -> "FlownCard | None":
         return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
 
 
-def _needed(case: "StudyPlan") -> "FlownFront":
+def _needed(case: StudyPlan) -> FlownFront:
     """What each law needs at each rate limit."""
-    from tvclin.answers.flown_front import flown_fronts
-    from tvclin.control.laws.registry import LAWS
-
     names = tuple(LAWS) if case.laws is None else case.laws.names
     with bar("boundaries") as progress:
         return flown_fronts({"": case}, laws=names, progress=progress)[""]
 
 
 def _print(
-    title: str, front: "RateFront", needed: "FlownFront | None", flown: "FlownCard | None"
+    title: str, front: RateFront, needed: FlownFront | None, flown: FlownCard | None
 ) -> None:
     said = [one for one in (front, needed, flown) if one is not None]
     say(title)

@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from tvclin.base.declared import Declared, declared, help_line
+from tvclin.base.files import write_text
+from tvclin.base.units import optional_unit
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
 
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.base.declared import Declared
     from tvclin.plots.curves import Curves
 
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
@@ -79,10 +81,8 @@ class Given:
     values: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def fields(self) -> "dict[str, Declared]":
+    def fields(self) -> dict[str, Declared]:
         """The fields by the names of parameters."""
-        from tvclin.base.declared import declared
-
         module, _, name = self.kind.rpartition(".")
         every = declared(getattr(import_module(f"tvclin.{module}"), name))
         chosen = [every[one] for one in self.names.split()]
@@ -123,10 +123,8 @@ class Given:
         )
 
 
-def _parameter(one: "Declared") -> str:
+def _parameter(one: Declared) -> str:
     """The parameter of a field: its name with the unit of the option, or that of the option."""
-    from tvclin.base.units import optional_unit
-
     if one.option and "/" not in one.option:
         name = one.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
@@ -137,11 +135,8 @@ def _flag(parameter: str) -> str:
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
-def _option(name: str, one: "Declared", shown: Mapping[str, str]) -> Parameter:
+def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
     """The option of a field, with its help and its default."""
-    from tvclin.base.declared import help_line
-    from tvclin.base.units import optional_unit
-
     kinds = {"text": str, "flag": bool, "count": int}
     kind: Any = kinds.get(one.kind, float)
     default = shown.get(one.name, one.shown)
@@ -198,8 +193,6 @@ class ShownCurves(Shown, _Csv):
         """Write the CSV file and the figure that are asked for."""
         if self.csv is None and self.plot is None:
             return
-        from tvclin.base.files import write_text
-
         numbers = curves()
         if self.csv is not None:
             write_text(self.csv, numbers.csv())

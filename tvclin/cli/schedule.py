@@ -2,15 +2,21 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.schedules.mapped import read_table
+from tvclin.answers.schedules.openrocket import read_openrocket
+from tvclin.answers.schedules.rasaero import read_rasaero
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, shown
+from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.lines import words
 from tvclin.cli.options import GROUP, asked, grouped
-from tvclin.cli.output import say
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.cli.output import print_tables, say
+from tvclin.vehicle.coefficients import Coefficients
 
 schedule = typer.Typer(
     no_args_is_help=True, help="Make flight schedules: a vehicle over the time of its flight."
@@ -43,8 +49,6 @@ class Site:
     @property
     def told(self) -> dict[str, Any]:
         """What a reader is told of it."""
-        from tvclin.base.errors import InputError
-
         number, table = self.cn_alpha_per_rad, self.cn_alpha
         if number is not None and table is not None:
             raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
@@ -77,8 +81,6 @@ def openrocket(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.openrocket import read_openrocket
-
     found = read_openrocket(
         file,
         gimbal_station=gimbal_station_m,
@@ -109,9 +111,6 @@ def rasaero(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.rasaero import read_rasaero
-    from tvclin.base.errors import InputError
-
     told = site.told
     if told["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
@@ -140,10 +139,6 @@ def table(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.mapped import read_table
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, read_text, tables_of
-
     document = tables_of(read_text(columns, "a TOML file of columns"), str(columns))
     found = document.get("columns")
     if not isinstance(found, dict) or len(document) > 1:
@@ -153,8 +148,6 @@ def table(
 
 
 def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
-    from tvclin.base.errors import InputError, shown
-
     try:
         pairs = [tuple(map(float, one.split(":"))) for one in given]
         times, inertias = zip(*pairs, strict=True)
@@ -166,11 +159,8 @@ def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
     return list(times), list(inertias)
 
 
-def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
+def _write(found: FlightSchedule, file: Path, output: Path) -> None:
     """Write a schedule, and print what it is and where it came from."""
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, exists
-
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     found.to_csv(output)
@@ -178,13 +168,7 @@ def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
     say(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
 
 
-def _print(found: "FlightSchedule") -> None:
-    import numpy as np
-
-    from tvclin.base.lines import words
-    from tvclin.cli.output import print_tables
-    from tvclin.vehicle.coefficients import Coefficients
-
+def _print(found: FlightSchedule) -> None:
     first, last = found.span
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(found.at(times))

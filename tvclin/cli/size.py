@@ -4,10 +4,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from tvclin.answers.campaign.quick import disperse_study
+from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.total import DeflectionTotal, total_table
+from tvclin.answers.study import Study
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_sizing
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError
+from tvclin.boundary.stops import Stop
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
     GROUP,
@@ -25,13 +36,8 @@ from tvclin.cli.options import (
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, azimuth_of
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
-    from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.sizing.total import DeflectionTotal
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.stops import Stop
+from tvclin.vehicle.coefficients import BOTH
+from tvclin.winds.soundings.read import read_sounding
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
@@ -54,12 +60,8 @@ class FlightOptions(ShapedOptions):
         metavar="TIME",
     )
 
-    def soundings(self) -> "dict[str, SoundingAsked]":
+    def soundings(self) -> dict[str, SoundingAsked]:
         """Return the soundings of the files by name, and by the time that was asked for."""
-        from tvclin.answers.sizing.asked import SoundingAsked
-        from tvclin.base.errors import InputError
-        from tvclin.winds.soundings.read import read_sounding
-
         files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
         if degrees is not None and not files and self.wind_direction_deg is None:
             raise InputError(
@@ -83,7 +85,7 @@ class FlightOptions(ShapedOptions):
             found[name] = SoundingAsked(read_sounding(file, time=time), azimuth)
         return found
 
-    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
         own = replace(self, peak_speed=None, azimuth_deg=straight)
@@ -141,9 +143,6 @@ def size(
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.study_file.read import load_sizing
-    from tvclin.base.documents import picked
-    from tvclin.vehicle.coefficients import BOTH
 
     soundings = blows.soundings()
     note_source(source, "size")
@@ -179,12 +178,9 @@ def size(
 
 
 def _print(
-    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+    found: Sizing, total: DeflectionTotal, source: str, counted: str, said: list[str]
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
-    from tvclin.answers.sizing import tables
-    from tvclin.answers.sizing.total import total_table
-
     name = found.schedule.vehicle.name or source
     planes = "both planes, one stop" if found.alone else found.plane
     say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
@@ -201,10 +197,8 @@ def _print(
     say_notes((*found.notes, *said))
 
 
-def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
+def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
     """Which options would tell more than what was found."""
-    from tvclin.answers.sizing.record import STEADY
-
     first, last = found.schedule.span
     begin, end = (float(time) for time in (found.times.min(), found.times.max()))
     if (asked.start is None and begin > first) or (asked.stop is None and end < last):
@@ -220,22 +214,16 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
         )
 
 
-def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
+def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
     """The stop of both planes, round where they are asked for without one; None of one plane."""
-    from tvclin.vehicle.coefficients import BOTH
-
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)
         return None
     return chosen(given, stop or "round")
 
 
-def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:
+def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    from tvclin.answers.campaign.quick import disperse_study
-    from tvclin.answers.study import Study
-    from tvclin.base.errors import InputError
-
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted(found)
     band = counted.split(",")[0]
