@@ -16,7 +16,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import callable_for, different, each, instance, one_of, within
-from tvclin.base.lines import Line, Table, degrees, least
+from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
@@ -78,9 +78,10 @@ class FlownFront(Shown):
         def cells(k: int) -> Iterator[Line]:
             yield degrees(f"laws.{k}.rate", rates[k])
             for name, values in (self.limits | some).items():
-                shown = least(degrees(f"laws.{k}.{name}", values[k]))
+                shown = degrees(f"laws.{k}.{name}", values[k])
                 odd = name in self.monotone and not self.monotone[name][k]
-                yield (*shown, "*") if odd and np.isfinite(values[k]) else shown
+                more = ("*",) if odd else ()
+                yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
 
         caption = "Deflection limit that each law needs flown [deg]"
         head = ("rate limit [deg/s]", *self.limits, *some)
@@ -92,7 +93,8 @@ class FlownFront(Shown):
         stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOPS[self.cuts]
         yield (
             f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"
-            " for each rate limit"
+            " for each rate limit; none: no limit is enough up to three times the largest trim"
+            " deflection"
         )
         if not all(np.all(one) for one in self.monotone.values()):
             yield "*: some lower limits survive as well; above this one all that were tried survive"
