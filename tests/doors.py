@@ -74,11 +74,14 @@ INSIDE = {
     "Availability",
     "BandMargins",
     "CampaignResults",
+    "ControllabilityRatio",
     "Detuned",
     "FlightBeside",
+    "FlightCard",
     "Loads",
     "RangeReference",
     "Responses",
+    "SimulatedFlight",
     "Sizing",
     "Study",
 }
@@ -184,6 +187,8 @@ def doors(folder: Path) -> dict[str, Door]:
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
     asked = tv.answers.SizingAsked(schedule=schedule, every=30.0)
+    once = tv.answers.SizingAsked(schedule=schedule, start=66.0, stop=66.0)
+    carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.control.WindEstimator(bandwidth=10.0)
@@ -662,6 +667,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_limit": 0.2,
                 "actuator": tv.Actuator(),
                 "data": hinge,
+                "acceleration_limit": 1.0,
+                "travel_limit": 1.0,
+                "torque_limit": 1e4,
+                "power_limit": 1e3,
             },
         ),
         "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
@@ -1140,6 +1149,45 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": lambda done, total: None,
             },
         ),
+        "FlightCard.to_csv": Door(
+            tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
+        ),
+        "SizingAsked.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
+        "controllability_ratio": Door(
+            tv.answers.controllability_ratio,
+            {
+                "sizing": sizing,
+                "limit": 0.02,
+                "gust": 0.01,
+                "thrust_offset": 0.001,
+                "gravity_offset": 0.01,
+            },
+        ),
+        "read_log": Door(
+            tv.answers.read_log,
+            {
+                "path": SCHEDULES / "log.csv",
+                "columns": None,
+                "start": 2.0,
+                "stop": 8.0,
+                "most_rows": 50,
+            },
+        ),
+        "SimulatedFlight.write_wind": Door(
+            tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
+        ),
+        "flight_card": Door(
+            tv.answers.flight_card,
+            {
+                "case": carded,
+                "asked": once,
+                "law": "autopilot",
+                "noise": 1e-4,
+                "seed": 1,
+                "window": 0.5,
+                "progress": None,
+            },
+        ),
         "nozzle_card": Door(
             tv.answers.nozzle_card,
             {
@@ -1376,6 +1424,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": sizing,
                 "name": "K = 1",
                 "dispersion": 0.1,
+                "rate_limit": 0.1,
                 "thrust_offset": 0.001,
                 "gravity_offset": 0.01,
                 "reserve": 0.1,

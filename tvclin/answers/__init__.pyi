@@ -25,12 +25,16 @@ from .least_gains.schedule import LeastSchedule as LeastSchedule
 from .least_gains.schedule import least_gain_schedule as least_gain_schedule
 from .nozzle import Nozzle as Nozzle
 from .nozzle import NozzleData as NozzleData
-from .nozzle_motion import NozzleCard as NozzleCard
-from .nozzle_motion import nozzle_card as nozzle_card
+from .nozzle_cards.card import NozzleCard as NozzleCard
+from .nozzle_cards.card import nozzle_card as nozzle_card
+from .nozzle_cards.whole import FlightCard as FlightCard
+from .nozzle_cards.whole import flight_card as flight_card
 from .requirement import RequiredDeflection as RequiredDeflection
 from .requirement import is_sufficient as is_sufficient
 from .requirement import required_deflection as required_deflection
 from .requirement import survivable_peak as survivable_peak
+from .schedules.log import SimulatedFlight as SimulatedFlight
+from .schedules.log import read_log as read_log
 from .schedules.mapped import read_table as read_table
 from .schedules.openrocket import read_openrocket as read_openrocket
 from .schedules.rasaero import read_rasaero as read_rasaero
@@ -39,6 +43,8 @@ from .sizing.asked import SizingAsked as SizingAsked
 from .sizing.asked import SoundingAsked as SoundingAsked
 from .sizing.measured import MeasuredWind as MeasuredWind
 from .sizing.measured import fly_through as fly_through
+from .sizing.ratio import ControllabilityRatio as ControllabilityRatio
+from .sizing.ratio import controllability_ratio as controllability_ratio
 from .sizing.record import Sizing as Sizing
 from .sizing.schedule import FlightSchedule as FlightSchedule
 from .sizing.schedule_file import load_schedule as load_schedule

@@ -40,7 +40,10 @@ Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
-_LATER = ("availability", "gust_at", "sign", "gust_speed", "data")
+_LATER = (
+    *("availability", "gust_at", "sign", "gust_speed", "data"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit"),
+)
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 

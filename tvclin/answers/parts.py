@@ -53,7 +53,8 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "laws": (*_SEVERAL, "limit"),
     "fly": _SEVERAL,
     "nozzle": _SEVERAL,
-    "size": _LOOP,
+    "card": ("dispersion",),
+    "size": tuple(one for one in _LOOP if one != "rate limit"),
     "availability": (*_LOOP, "head wind", "dispersion"),
     "campaign": ("shape of the stop",),
 }
@@ -64,6 +65,7 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
+    "card without the law autopilot": ("gains",),
     "nozzle without --law": (*_LAW, "sample rate", "gains"),
 }
 """What a question that computes a part leaves out of a file, as it is asked here."""
@@ -75,7 +77,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "campaign": "all but margins and flights",
     "nozzle": "angles over rates",
     **dict.fromkeys(
-        ("respond", "optimum", "boundary", "poles", "size", "availability"),
+        ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
         _HERE,
     ),
     "explore": "all here, margins too,",

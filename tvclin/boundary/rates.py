@@ -208,6 +208,30 @@ def ramped_deflection(
         return np.where(c * short < r**2, short, held)
 
 
+def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
+    """Return the least deflection rate [rad/s] at a limit, of one pole.
+
+    It is `ramped_deflection` turned round: d0 = d f(x) with x = p d/r, which Lambert's W solves.
+
+    Parameters
+    ----------
+    least, pole, deflection : array_like
+        d0 [rad], p [1/s] and the limit d [rad], which broadcast.
+
+    Returns
+    -------
+    ndarray
+        Zero where nothing is needed, and infinite where no rate is enough.
+    """
+    from scipy.special import lambertw
+
+    d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (least, pole, deflection)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        over = d / d0
+        x = over + np.real(lambertw(-over * np.exp(-over)))
+        return np.where(d0 <= 0.0, 0.0, np.where(over > 1.0, p * d / x, np.inf))
+
+
 def rate_front(
     plant: Plant,
     wind: History,

@@ -3,7 +3,7 @@
 import typer
 
 from tvclin.answers.flown_front import FlownFront, flown_fronts
-from tvclin.answers.nozzle_motion import FlownCard
+from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.rates import RateFront, rate_front

@@ -102,7 +102,9 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
     stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
         stable = "stable by (4b) but for the slow mode of the flight path"
-    say(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
+    say(f"If the deflection is held for ever it is {stable}: it leaves {verdict.left_over}.")
+    if case.sufficient and not verdict.stable:
+        say("SUFFICIENT means for a control that lets go of the limit in time.")
     if shown.why == LET_GO:
         say(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"

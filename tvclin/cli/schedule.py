@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from tvclin.answers.schedules.log import read_log
 from tvclin.answers.schedules.mapped import read_table
 from tvclin.answers.schedules.openrocket import read_openrocket
 from tvclin.answers.schedules.rasaero import read_rasaero
@@ -139,12 +140,52 @@ def table(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    document = tables_of(read_text(columns, "a TOML file of columns"), str(columns))
+    made = read_table(file, _columns(columns), **vars(rows))
+    _write(made, file, output)
+
+
+@source.command()
+@grouped
+def log(
+    file: Annotated[
+        Path, typer.Argument(help="A table with column names, or a .mat file of version 5.")
+    ],
+    output: Output,
+    wind_output: Annotated[
+        Path | None,
+        typer.Option(help="Also write the wind that the flight met, over height, as CSV."),
+    ] = None,
+    columns: Annotated[
+        Path | None,
+        typer.Option(
+            help="TOML file with a table named columns, as of tvclin schedule from table.",
+            show_default="our names, with their units",
+        ),
+    ] = None,
+    rows: Rows = GROUP,
+) -> None:
+    """Read the log of a simulation in wind: a schedule, and the wind that it met.
+
+    The wind is the column wind_angle_deg, wind_speed_m_per_s, or angle_of_attack_deg.
+
+    Exit code 0: written; 2: bad input, and nothing is written.
+    """
+    found = read_log(file, None if columns is None else _columns(columns), **vars(rows))
+    if wind_output is None:
+        _write(found.schedule, file, output)
+        return
+    found.profile  # noqa: B018  # nothing is written where it has none
+    _write(found.schedule, file, output)
+    found.write_wind(wind_output)
+    say(f"Wrote {called(wind_output)}: add --winds {wind_output} --azimuth-deg 0")
+
+
+def _columns(file: Path) -> dict[str, Any]:
+    document = tables_of(read_text(file, "a TOML file of columns"), str(file))
     found = document.get("columns")
     if not isinstance(found, dict) or len(document) > 1:
-        raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")
-    made = read_table(file, found, **vars(rows))
-    _write(made, file, output)
+        raise InputError(f"{called(file)} must hold one table [columns] and nothing beside it")
+    return found
 
 
 def _inertias(given: list[str]) -> tuple[list[float], list[float]]:

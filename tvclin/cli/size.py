@@ -1,6 +1,6 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -11,6 +11,7 @@ import typer
 from tvclin.answers.campaign.quick import disperse_study
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total import DeflectionTotal, total_table
 from tvclin.answers.study import Study
@@ -21,8 +22,8 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
+    BOTH_LIMITS,
     GROUP,
-    LIMIT,
     MODEL,
     STOPS_HELP,
     STUDY,
@@ -41,7 +42,7 @@ from tvclin.winds.soundings.read import read_sounding
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
-_SOURCE = (
+SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
     " its nominal flight."
@@ -110,7 +111,7 @@ class FlightOptions(ShapedOptions):
 
 def size(
     source: Annotated[
-        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
     model: Given = MODEL,
@@ -123,7 +124,7 @@ def size(
         metavar="SHAPE",
     ),
     sign: Given = Given(STUDY, "sign"),
-    limit: Given = LIMIT,
+    limits: Given = BOTH_LIMITS,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
     disperse: bool = switch(
         "--disperse",
@@ -144,14 +145,8 @@ def size(
     """
     from tvclin import plots
 
-    soundings = blows.soundings()
-    note_source(source, "size")
-    case = load_sizing(source, soundings)
-    for one in (limit, model, sign, question):
-        case = one.over(case)
-    case = changed(case, plane=None if plane == BOTH else plane)
-    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
-    case = blows.over(case)
+    changes = [one.over for one in (limits, model, sign, question)]
+    case = flight_asked("size", source, blows, *changes, plane=plane, stop=stop)
     asked = case.sizing
     assert asked is not None
     if not asked.soundings:
@@ -162,23 +157,33 @@ def size(
         found = asked.sizing(case, progress)
     if disperse:
         asked = replace(asked, dispersion=_dispersed(case, asked, found))
-    whole = asked.total(case, found)
-    said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
+    whole, ratio = asked.total(case, found), asked.ratio(case, found)
+    said = [*asked.warnings, *asked.notes, *_hints(asked, found), *(ratio.notes if ratio else ())]
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
     if as_json:
         verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
-        beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}
+        beside = {
+            "total": whole,
+            "controllability": ratio,
+            "notes": [*found.notes, *said],
+            "verdict": verdict,
+        }
         print_json(found.as_dict() | beside)
     else:
-        _print(found, whole, source, asked.counted(found), said)
-    if whole.limit is not None and not whole.sufficient:
+        _print(found, whole, ratio, source, asked.counted(found), said)
+    if whole.too_slow or (whole.limit is not None and not whole.sufficient):
         raise typer.Exit(1)
 
 
 def _print(
-    found: Sizing, total: DeflectionTotal, source: str, counted: str, said: list[str]
+    found: Sizing,
+    total: DeflectionTotal,
+    ratio: ControllabilityRatio | None,
+    source: str,
+    counted: str,
+    said: list[str],
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
     name = found.schedule.vehicle.name or source
@@ -194,6 +199,8 @@ def _print(
     say(f"{tables.legend(found)}\n")
     print_tables(total_table(total, counted))
     say_lines(total.verdict)
+    if ratio is not None:
+        print_tables(ratio.table)
     say_notes((*found.notes, *said))
 
 
@@ -214,7 +221,26 @@ def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
         )
 
 
-def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
+def flight_asked(
+    question: str,
+    source: str,
+    blows: FlightOptions,
+    *changes: Callable[[StudyPlan], StudyPlan],
+    plane: str | None,
+    stop: str | None,
+) -> StudyPlan:
+    """Return the case of a flight that a file and options ask for."""
+    soundings = blows.soundings()
+    note_source(source, question)
+    case = load_sizing(source, soundings)
+    for change in changes:
+        case = change(case)
+    case = changed(case, plane=None if plane == BOTH else plane)
+    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
+    return blows.over(case)
+
+
+def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
     """The stop of both planes, round where they are asked for without one; None of one plane."""
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)

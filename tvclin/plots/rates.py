@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 _STYLES: dict[str, Style] = {
-    "wind known": {"color": INK, "ls": ":", "lw": 2.0},
+    "wind known": {"color": "0.7", "ls": "-", "lw": 4.0},
     "no forecast, at least": {"color": INK, "ls": "-", "lw": 1.6},
     "the nozzle": {"color": INK, "ls": "", "marker": "D", "ms": 7.0},
     **{

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
+from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
@@ -269,6 +270,24 @@ class SizingAsked:
             gravity_offset=self.gravity_offset,
             reserve=self.reserve,
             limit=case.nozzle.limit,
+            rate_limit=case.nozzle.rate_limit,
+        )
+
+    def ratio(self, case: Case, found: Sizing) -> ControllabilityRatio | None:
+        """Return the controllability ratio of a sizing; None for a case without a limit."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("found", found, Sizing, "see sizing()")
+        if case.nozzle.limit is None:
+            return None
+        blows = case.wind
+        assert isinstance(blows, ShapedWind)
+        met = [self._blows(case, self.schedule.at(t), blows) for t in found.times.tolist()]
+        return controllability_ratio(
+            found,
+            case.nozzle.limit,
+            gust=[0.0 if one.gust is None else float(one.gust.peak) for one in met],
+            thrust_offset=self.thrust_offset,
+            gravity_offset=self.gravity_offset,
         )
 
     def _by_sign(self, case: Case, found: Sizing) -> dict[str, NDArray[np.float64]]:

@@ -82,6 +82,10 @@ Row = tuple[str, dict[str, Any]]
 """What a row is called in messages, and its keys and values."""
 
 
+_WORDS = ("name", "numbers_from")
+"""Of a vehicle, which stand for all times."""
+
+
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     source = called(source)
     rows, notes = _moving(rows)
@@ -101,7 +105,7 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     first = vehicles[0]
     names = [name for name in first.__dataclass_fields__ if getattr(first, name) is not None]
     columns: dict[str, Any] = {
-        name: [getattr(v, name) for v in vehicles] for name in names if name != "name"
+        name: [getattr(v, name) for v in vehicles] for name in names if name not in _WORDS
     }
     nominal, altitude = zip(*others, strict=True)
     known = None if altitude[0] is None else altitude

@@ -39,12 +39,32 @@ def _laws(found: Findings) -> list[Block]:
         f"Each law is flown with a stop on {flown}, sampled at {rate:g} Hz, in winds with the peak"
         " and duration of this study. The number is the least stop above which every one that was"
         " tried survives. The laws trim and dead band hold the attitude, and are designed on a"
-        f" fixed path. {LEGEND}" + (" The gust is left out here." if s.gust is not None else "")
+        f" fixed path. {LEGEND}{_apart(found)}"
     )
     plant = Plant(s.coefficients, found.plan.law_model)
     every = standard_winds(s.wind.peak, s.wind.duration)
     beside = bounds(plant, {name: every[name] for name in asked.winds})
     return [*needed(found.trials, beside), Paragraph((words,)), *checks(doubts(found.trials))]
+
+
+def _apart(found: Findings) -> str:
+    """By what the flight of the autopilot as a law is another than that which is judged."""
+    plan, rate = found.plan, found.plan.laws.sample_rate if found.plan.laws else 0.0
+    if found.stop is None or plan.laws is None or "autopilot" not in plan.laws.names:
+        return " The gust is left out here." if found.study.gust is not None else ""
+    stop = np.degrees(abs(float(found.stop.deflection)) * found.study.of_both)
+    least = f"{stop:.3f} deg" if np.isfinite(stop) else "any limit"
+    apart = ["the gust"] if found.study.gust is not None else []
+    if plan.vehicle.structure is None:
+        apart += [f"{one} of the nozzle" for one in ("actuator", "delay")]
+    own = plan.hardware["sample_rate"]
+    rates = f" and {own:g} samples a second in place of {rate:g}" if own != rate else ""
+    added = f" with {', '.join(apart)}" if apart else ""
+    both = ", and counts both planes" if found.study.in_both else ""
+    return (
+        f" The autopilot has the gains of Autopilot and margins here too. There it needs {least},"
+        f" flown{added}{rates}{both}."
+    )
 
 
 def autopilot(found: Findings) -> Section | None:

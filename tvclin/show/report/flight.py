@@ -40,9 +40,13 @@ def _blocks(found: Findings) -> list[Block]:
         blocks.append(Figure(label, caption, drawn))
     for j in range(len(sizing.winds)):
         blocks += tables.over_time(sizing, counted, j)
-    notes = checks((*asked.warnings, *sizing.notes), asked.notes)
+    ratio = asked.ratio(found.plan, sizing)
+    notes = checks(
+        (*asked.warnings, *sizing.notes), (*asked.notes, *(ratio.notes if ratio else ()))
+    )
     verdict = [Paragraph(line) for line in total.verdict]
-    return [*blocks, total_table(total, counted), *verdict, *notes]
+    beside = [ratio.table] if ratio else []
+    return [*blocks, total_table(total, counted), *verdict, *beside, *notes]
 
 
 def _words(s: Sizing, of: str) -> str:

@@ -20,6 +20,7 @@ from tvclin.show.report import (
     flexible,
     flight,
     planes,
+    rests,
     sections,
     vehicle,
     verdict,
@@ -99,6 +100,7 @@ def _render(found: Findings, template: "Template") -> str:
         verdict=verdict.sentence(found),
         basis=verdict.basis(found),
         facts=verdict.facts(found),
+        rests=rests.rests(found),
         sections=[*made, basis.glossary(made)],
         seal=found.seal,
     )
