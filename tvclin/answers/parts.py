@@ -13,6 +13,7 @@ from dataclasses import replace
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.base.errors import one_of
+from tvclin.base.lines import listed
 from tvclin.winds.histories import History
 
 COMPUTED, TOLD, REFUSED = "computed", "told", "refused"
@@ -117,9 +118,9 @@ def refusal(question: str, option: str) -> str | None:
                     f"tvclin {question} takes no {option}: the {part} is given in its file, or as"
                     f" tvclin {question} --help says"
                 )
-            *others, last = (f"tvclin {one}" for one in who_computes(part))
-            named = f"{', '.join(others)} and {last} do" if others else f"{last} does"
-            return f"tvclin {question} does not take {option}: {named}"
+            every = [f"tvclin {one}" for one in who_computes(part)]
+            do = "do" if len(every) > 1 else "does"
+            return f"tvclin {question} does not take {option}: {listed(every)} {do}"
     return None
 
 
@@ -146,9 +147,7 @@ def told(case: Case, *questions: str) -> Iterator[str]:
     }
     named = [part for part in _given(case) if part in left] if left else []
     if named:
-        *others, last = named
-        listed = f"{', '.join(others)} and {last}" if others else last
-        yield f"what the file says of {listed} is left out here; tvclin study has it"
+        yield f"what the file says of {listed(named)} is left out here; tvclin study has it"
 
 
 def wholly_rigid(question: str) -> bool:

@@ -6,14 +6,15 @@ from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import listed
 from tvclin.boundary.rates import RateFront, rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
-    BOTH_LIMITS,
     GROUP,
     MOTION,
+    NOZZLE,
     SAMPLE_RATE,
     Given,
     Rigid,
@@ -27,14 +28,17 @@ from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
+_OF_FLIGHTS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
+"""What a flight is held to, and no theory."""
+
 
 def nozzle(
     vehicle: Source = "configuration-i",
     blows: WindOptions = GROUP,
-    limits: Given = BOTH_LIMITS,
+    limits: Given = Given(NOZZLE, at="nozzle"),
     law: str | None = asked(
-        "Also fly this law with both limits: autopilot (the gains below), trim, dead-band,"
-        " half-relief or recoverable-attitude. It needs a deflection limit.",
+        f"Also fly this law with both limits: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}."
+        " It needs a deflection limit.",
         shown="none is flown",
     ),
     laws: bool = switch(
@@ -58,6 +62,8 @@ def nozzle(
     """
     from tvclin import plots
 
+    if law is None:
+        limits.only_with("--law", *_OF_FLIGHTS)
     if law is None and not laws:
         for one in (gains, samples):
             one.only_with("--law")
@@ -84,7 +90,7 @@ def nozzle(
         print_json(blows.document(case) | {"front": front, "flown": flown} | more)
     else:
         _print(title, front, needed, flown)
-    if front.enough is False or (flown is not None and not flown.survived):
+    if front.enough is False or (flown is not None and flown.verdict.enough is False):
         raise typer.Exit(1)
 
 
@@ -114,4 +120,4 @@ def _print(
     say_notes([note for one in said for note in one.notes])
     say(f"Verdict: {front.verdict}.")
     if flown is not None:
-        say(f"Flown: {flown.words}.")
+        say(f"Flown: {flown.words}. {flown.verdict.words}.")

@@ -13,9 +13,12 @@ import typer
 
 from tvclin.base.declared import Declared, declared, help_line
 from tvclin.base.files import write_text
+from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
+from tvclin.boundary.stops import STOPS
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
+from tvclin.winds.shaped import PULSES
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -29,7 +32,7 @@ SOURCE_HELP = (
 )
 
 Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
-STOPS_HELP = "round, round-each-plane, square or square-45."
+STOPS_HELP = f"{listed(STOPS, 'or')}."
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
@@ -157,7 +160,7 @@ def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
 
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
-SHAPE = asked("Shape of the wind: triangular or rectangular.", shown="triangular")
+SHAPE = asked(f"Shape of the wind: {listed(PULSES, 'or')}.", shown="triangular")
 GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S")
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"

@@ -50,8 +50,10 @@ class StudyPlan(Case):
         Number of dispersed cases.
     seed : int
         Seed of the dispersed cases.
-    probability, confidence : float
-        Of the deflection that covers them, as of `quantile_bound`.
+    probability : float
+        Fraction of dispersed flights that the deflection is to cover.
+    confidence : float
+        Confidence with which it does.
     sizing : SizingAsked, optional
         What is asked of the whole flight.
     availability : AvailabilityAsked, optional
