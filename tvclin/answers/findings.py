@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.base.warned import warned
+from tvclin.base.warned import COMPILED, warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.boundary.loads import LoadFront
     from tvclin.boundary.rates import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
@@ -43,7 +44,7 @@ Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
 _LATER = (
     *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
-    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
 )
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -81,6 +82,8 @@ class Findings:
         On how many days of an archive it flies.
     rates : RateFront or None
         What limit and rate limit leave in the wind; None unless both are given.
+    loads : LoadFront or None
+        The limit over what the structure bears; None unless that is given.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -99,6 +102,7 @@ class Findings:
     card: FlightCard | None
     availability: Availability | None
     rates: RateFront | None
+    loads: LoadFront | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -165,6 +169,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "card": plan.sizing and plan.sizing.card,
             "availability": plan.availability,
             "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
+            "loads": plan.load,
         }
         asked = [name for name, one in wanted.items() if one is not None]
 
@@ -202,8 +207,9 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             card=part("card", _card),
             availability=part("availability", _availability),
             rates=part("rates", _rates),
+            loads=part("loads", _loads),
             reasons=reasons,
-            warnings=tuple(said),
+            warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
 
 
@@ -312,6 +318,11 @@ def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
     return rate_front(
         plan.plant.rigid, study.history, limit=limit, rate_limit=plan.nozzle.rate_limit
     )
+
+
+def _loads(plan: StudyPlan, study: Study, told: Told) -> LoadFront:
+    assert plan.load is not None
+    return plan.load.front(plan, 1.0 / study.of_both)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

@@ -57,8 +57,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "nozzle rate", "whole flight", "nozzle card", "availability", "probability",
-        "autopilot", "margins" or "flexible flight".
+        "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
+        "probability", "autopilot", "margins" or "flexible flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -130,6 +130,8 @@ def _asked(found: Findings) -> Iterator[Question]:
         yield _wind(found)
         if found.plan.nozzle.rate_limit is not None:
             yield _rate(found)
+        if found.plan.load is not None:
+            yield _load(found)
         if found.plan.sizing is not None:
             yield _flight(found)
             if found.plan.sizing.card is not None:
@@ -170,6 +172,18 @@ def _rate(found: Findings) -> Question:
     needed, there = np.degrees([front.needed_rate, front.rate_limit or np.nan])
     measure = Measure(float(needed), float(there), "deg/s")
     return Question(name, front.enough, line, need, "at this rate any control needs", measure)
+
+
+def _load(found: Findings) -> Question:
+    """Whether a control that knows the wind keeps to what the structure bears with the limit."""
+    name, front = "load", found.loads
+    if front is None:
+        return Question(name, None, (_reason(found, "loads"),))
+    line: Line = ("for this load, of a control that knows the wind",)
+    if front.enough and front.verdict.startswith("enough only"):
+        line = (*line, "; a law that does not know when it stops bears more")
+    need = front.needed * found.study.of_both
+    return Question(name, front.enough, line, need, "within this load any control needs")
 
 
 def _flight(found: Findings) -> Question:
