@@ -134,8 +134,7 @@ def _asked(found: Findings) -> Iterator[Question]:
             yield _load(found)
         if found.plan.sizing is not None:
             yield _flight(found)
-            if found.plan.sizing.card is not None:
-                yield _card(found)
+            yield from _card(found)
         asked = found.plan.availability
         if asked is not None and asked.least_part is not None:
             yield _availability(found, asked.least_part)
@@ -205,18 +204,20 @@ def _flight(found: Findings) -> Question:
     return Question(name, total.sufficient, line, total.required, whose)
 
 
-def _card(found: Findings) -> Question:
+def _card(found: Findings) -> Iterator[Question]:
     """Whether the nozzle can do what a law asks of it along the flight, by its worst line."""
     name = "nozzle card"
     if found.card is None:
-        return Question(name, None, (_reason(found, "card"),))
+        if "card" in found.reasons:
+            yield Question(name, None, (_reason(found, "card"),))
+        return
     verdict = found.card.verdict
     worst = verdict.needs[0]
     measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
     line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
     if verdict.lost or verdict.unknown:
         line = (verdict.words,)
-    return Question(name, verdict.enough, line, measure=measure)
+    yield Question(name, verdict.enough, line, measure=measure)
 
 
 def _availability(found: Findings, least: float) -> Question:
