@@ -39,12 +39,14 @@ ANSWERS = {
     "FlownMargins",
     "FlownPlaneLimit",
     "FlownPlanes",
+    "FlownLoad",
     "ForecastFreeLimit",
     "GainsFront",
     "LawTrial",
     "LeastGains",
     "LeastSchedule",
     "LeftOver",
+    "LoadFront",
     "MarginBounds",
     "Margins",
     "ModeBand",
@@ -73,11 +75,14 @@ INSIDE = {
     "Availability",
     "BandMargins",
     "CampaignResults",
+    "ControllabilityRatio",
     "Detuned",
     "FlightBeside",
+    "FlightCard",
     "Loads",
     "RangeReference",
     "Responses",
+    "SimulatedFlight",
     "Sizing",
     "Study",
 }
@@ -183,6 +188,8 @@ def doors(folder: Path) -> dict[str, Door]:
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
     asked = tv.answers.SizingAsked(schedule=schedule, every=30.0)
+    once = tv.answers.SizingAsked(schedule=schedule, start=66.0, stop=66.0)
+    carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.control.WindEstimator(bandwidth=10.0)
@@ -397,6 +404,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
         ),
+        "CampaignResults.to_csv": Door(results.to_csv, {"path": folder / "campaign.csv"}),
         "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
         "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
         "Climb": Door(
@@ -660,6 +668,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_limit": 0.2,
                 "actuator": tv.Actuator(),
                 "data": hinge,
+                "acceleration_limit": 1.0,
+                "travel_limit": 1.0,
+                "torque_limit": 1e4,
+                "power_limit": 1e3,
             },
         ),
         "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
@@ -689,6 +701,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "design_peak": 0.09,
                 "trust": 0.8,
                 "dead_band": 0.0,
+                "rate_limit": 0.01,
                 "estimator": estimator,
             },
         ),
@@ -801,6 +814,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "TriangularWind": Door(tv.TriangularWind, pulse),
         "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
+        "TrimLaw.suited": Door(
+            tv.TrimLaw.suited, {"plant": plant, "peak": 0.09, "rate_limit": 0.01}
+        ),
         "Vehicle": Door(
             tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
         ),
@@ -1124,6 +1140,55 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "flown_fronts": Door(
+            tv.answers.flown_fronts,
+            {
+                "cases": {"one": tv.Case(vehicle=booster)},
+                "rates": [0.02],
+                "laws": ("half-relief",),
+                "cuts": 0,
+                "progress": lambda done, total: None,
+            },
+        ),
+        "FlightCard.to_csv": Door(
+            tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
+        ),
+        "SizingAsked.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
+        "controllability_ratio": Door(
+            tv.answers.controllability_ratio,
+            {
+                "sizing": sizing,
+                "limit": 0.02,
+                "gust": 0.01,
+                "thrust_offset": 0.001,
+                "gravity_offset": 0.01,
+            },
+        ),
+        "read_log": Door(
+            tv.answers.read_log,
+            {
+                "path": SCHEDULES / "log.csv",
+                "columns": None,
+                "start": 2.0,
+                "stop": 8.0,
+                "most_rows": 50,
+            },
+        ),
+        "SimulatedFlight.write_wind": Door(
+            tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
+        ),
+        "flight_card": Door(
+            tv.answers.flight_card,
+            {
+                "case": carded,
+                "asked": once,
+                "law": "autopilot",
+                "noise": 1e-4,
+                "seed": 1,
+                "window": 0.5,
+                "progress": None,
+            },
+        ),
         "nozzle_card": Door(
             tv.answers.nozzle_card,
             {
@@ -1136,6 +1201,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "angle_of_attack": 0.01 * np.ones(5),
                 "attitude": 0.01 * np.ones(5),
             },
+        ),
+        "LoadBound": Door(
+            tv.answers.LoadBound,
+            {"moment": 1e6, "alpha_moment": 2e7, "deflection_moment": 1e7},
         ),
         "NozzleData": Door(
             tv.answers.NozzleData,
@@ -1156,6 +1225,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.02,
                 "rate_limit": 0.1,
                 "acceleration_limit": 5.0,
+            },
+        ),
+        "load_front": Door(
+            tv.boundary.load_front,
+            {
+                **history,
+                "loads": [0.08, 0.09],
+                "limit": 0.02,
+                "load": 0.09,
+                "rate_limit": 0.1,
+                "moment_ratio": 0.5,
             },
         ),
         "optimum_deflection": Door(
@@ -1282,9 +1362,13 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "standard_laws": Door(
-            tv.answers.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
+            tv.answers.standard_laws,
+            {"plant": plant, "peak": 0.09, "autopilot": autopilot, "rate_limit": 0.01},
         ),
-        "design_law": Door(tv.control.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
+        "design_law": Door(
+            tv.control.design_law,
+            {"name": "trim", "plant": plant, "peak": 0.09, "rate_limit": 0.01},
+        ),
         "standard_winds": Door(tv.answers.standard_winds, pulse),
         "steady_climb": Door(
             tv.winds.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
@@ -1345,6 +1429,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": sizing,
                 "name": "K = 1",
                 "dispersion": 0.1,
+                "rate_limit": 0.1,
                 "thrust_offset": 0.001,
                 "gravity_offset": 0.01,
                 "reserve": 0.1,

@@ -15,7 +15,13 @@ from tvclin.answers.campaign.written import read, written
 from tvclin.cli.app import app
 
 LIMIT = np.radians(0.36)
-HEAD = {"vehicle": "configuration-i", "cases": 12, "seed": 3, "model": "fixed-path"}
+HEAD = {
+    "vehicle": "configuration-i",
+    "cases": 12,
+    "seed": 3,
+    "model": "fixed-path",
+    "sign": "frozen",
+}
 TABLES = {
     "campaign": HEAD,
     "wind": {"peak_deg": 5.0, "duration_s": 7.5},

@@ -13,7 +13,7 @@ from tests.turns import drawn
 from tvclin.answers.requirement import NOTHING
 from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
-from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.engines import planar_verdict
 
 PEAK = np.radians(5.0)
 

@@ -10,7 +10,7 @@ import pytest
 
 import tvclin as tv
 from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
-from tvclin.answers.schedules.mapped import _QUANTITIES
+from tvclin.answers.schedules.mapped import QUANTITIES
 from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.base.units import UNITS
 
@@ -173,7 +173,7 @@ def test_every_unit_of_our_names_is_known_behind_theirs(tmp_path: Path) -> None:
         names = {key: name for key, name in MAP.items() if key != "thrust"}
         found = tv.answers.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
         assert found.at(3.0).thrust == pytest.approx(2400.0, rel=1e-14)
-    for kind in set(_QUANTITIES.values()) - {"number"}:
+    for kind in set(QUANTITIES.values()) - {"number"}:
         for unit, factor in UNITS[kind].items():
             written = unit.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
             assert unit_of(written, WRITTEN[kind]).factor == pytest.approx(factor), (kind, unit)

@@ -201,13 +201,11 @@ def test_table_dataset_and_worst_hold_the_same_numbers(configuration_i, tmp_path
             assert (float(row["time_s"]), row["wind"]) == (time, wind)
             need = found.required["K = 0.5"][i, j]
             assert np.radians(float(row["K0.5_deg"])) == pytest.approx(need, rel=1e-15)
-            assert float(here["boundary"].sel(dead_band=0.5)) == need
+            assert float(here["K0.5"]) == need
             assert float(here["no_forecast"]) == found.required["no forecast"][i, j]
     worst = found.worst["K = 1"]
     assert worst.deflection == found.required["K = 1"].max() == found.at_times("K = 1").max()
-    assert float(data["boundary"].sel(time=worst.time, wind=worst.wind, dead_band=1.0)) == (
-        worst.deflection
-    )
+    assert float(data["K1"].sel(time=worst.time, wind=worst.wind)) == worst.deflection
     assert data["trim"].attrs["units"] == "rad"
 
 

@@ -6,6 +6,9 @@ import pytest
 import tvclin as tv
 from tvclin import InputError
 from tvclin.answers.sizing.total import DeflectionTotal, Line
+from tvclin.base.lines import text
+
+SCHEDULE = tv.load_schedule("configuration-i")
 
 
 def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
@@ -92,3 +95,60 @@ def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None
         tv.worst_total(found, "K = 1")
     with pytest.raises(InputError, match="kind must be one of"):
         Line("a", 0.1, "sometimes")
+
+
+def test_a_rate_limit_adds_what_a_ramp_needs_more():
+    """With K = 0, which needs the minimum, that is the linear program with a rate limit."""
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    found = tv.size(
+        SCHEDULE, wind, times=[66.0], dead_bands=[0.0], model="fixed-path", varying=False
+    )
+    plant = tv.Plant.from_vehicle(SCHEDULE.at(66.0), "fixed-path")
+    for rate in np.radians([0.15, 0.4, 2.0]):
+        total = tv.answers.worst_total(found, "K = 0", rate_limit=float(rate), limit=0.1)
+        slow = tv.boundary.optimum_with_rate_limit(plant, wind, float(rate), 0.0).peak
+        parts = {one.name: one.deflection for one in total.lines}
+        assert parts["wind"] + parts["rate limit"] == pytest.approx(slow, rel=1e-4)
+        exact = tv.answers.worst_total(found, "K = 0", rate_limit=float(rate), limit=total.total)
+        assert exact.needed_rate == pytest.approx(rate, rel=1e-9)
+
+
+def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    found = tv.size(SCHEDULE, wind, times=[66.0], varying=False)
+    total = tv.answers.worst_total(found, "K = 1", rate_limit=1e-3, limit=0.1)
+    assert total.sufficient is False
+    words = " ".join(text(line) for line in total.verdict)
+    assert "NOT SUFFICIENT at this rate limit" in words
+    assert f"{np.degrees(total.needed_rate):.3f} deg/s needed" in words
+    assert tv.answers.worst_total(found, "K = 1", rate_limit=1e-3).sufficient is False
+
+
+def test_the_controllability_ratio_is_that_of_its_parts():
+    booster = SCHEDULE.at(66.0)
+    gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust, gust_at=3.75)
+    asked = tv.answers.SizingAsked(
+        schedule=SCHEDULE,
+        start=66.0,
+        stop=66.0,
+        varying=False,
+        thrust_offset=np.radians(0.2),
+        gravity_offset=0.05,
+    )
+    case = tv.Case(vehicle=booster, wind=wind, nozzle=tv.Nozzle(limit=np.radians(1.2)))
+    found = asked.ratio(case, asked.sizing(case))
+    B = abs(tv.Coefficients.from_vehicle(booster).B)
+    force, nominal = booster.control_force, abs(float(SCHEDULE.nominal_at(66.0)))
+    random = np.hypot(
+        B * np.radians(1.5),
+        np.hypot(
+            booster.thrust * np.sin(np.radians(0.2)) / force,
+            (booster.thrust - booster.axial_force) * 0.05 / (force * booster.control_arm),
+        ),
+    )
+    assert found.ratio == pytest.approx(
+        np.radians(1.2) / (nominal + B * np.radians(5.0) + random), rel=1e-9
+    )
+    assert "above the limit of 1" in found.words
+    assert asked.ratio(tv.Case(vehicle=booster), asked.sizing(case)) is None

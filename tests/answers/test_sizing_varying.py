@@ -8,7 +8,7 @@ import tvclin as tv
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.varying import varying_need
 from tvclin.flights.condition import load_flight_condition
-from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.engines import planar_verdict
 
 PEAK = np.radians(0.01)
 BANDS = (1.0, 0.5, 0.0)

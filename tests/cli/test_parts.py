@@ -48,6 +48,8 @@ BASE = {
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
     "nozzle": ("--law", "autopilot", "--limit-deg", 2),
+    "card": ("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
+    "loads": ("--law", "autopilot", "--limit-deg", 2),
     "size": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
@@ -66,6 +68,13 @@ OTHERWISE = {
     ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 45),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
     ("nozzle", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
+    ("card", "limit"): ("--law", "autopilot", "--limit-deg", 1.5, "--from", 70, "--to", 70),
+    ("card", "shape of the stop"): (
+        *("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
+        *("--plane", "both", "--stop", "square", *VALUES["heading"]),
+    ),
+    ("size", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["size"]),
+    ("loads", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
@@ -215,6 +224,7 @@ OF_ONE_TIME = {
     "laws": ("--rigid",),
     "fly": ("--engine", "linear"),
     "nozzle": ("--law", "autopilot"),
+    "loads": ("--law", "autopilot"),
 }
 
 

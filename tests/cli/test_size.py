@@ -78,7 +78,7 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--count", "trim")
 
     assert enough.exit_code == 0
-    assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg left beside the reserve\n", enough.output)
+    assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg left after the reserve\n", enough.output)
     assert "limit that keeps 10 % in reserve" in enough.output
     assert short.exit_code == 1
     assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg\n", short.output)

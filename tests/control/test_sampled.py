@@ -3,6 +3,7 @@
 import warnings
 from dataclasses import replace
 
+import control
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -126,6 +127,45 @@ def test_a_rigid_plant_is_sampled_as_well_with_all_its_feedbacks():
         expected = straight + (whole - straight) * np.exp(-0.5j * omega / rate)
         errors.append(np.abs(one.frequency_response(plant, omega) - expected))
     np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("late", [0, 1, 2])
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
+def test_a_rigid_loop_and_its_margins_are_those_of_python_control(model, late):
+    """Which holds plant and nozzle, warps the filter, and closes the loop, all by itself."""
+    plant, h, own = tv.Plant.from_vehicle(BOOSTER, model), 0.05, 13.0
+    servo, shelf = tv.Actuator(natural_frequency=30.0), tv.vehicle.Filter.low_pass(own, 0.7)
+    autopilot = tv.Autopilot(
+        attitude_gain=0.5, rate_gain=0.7, actuator=servo, filters=(shelf,),
+        delay=late * h, sample_rate=1.0 / h,
+    )  # fmt: skip
+    airframe = plant.ss()[["attitude", "attitude_rate"], ["deflection"]]
+    held = control.sample_system(control.series(control.ss(servo.tf()), airframe), h, "zoh")
+    warped = control.sample_system(
+        control.tf(shelf.numerator, shelf.denominator), h, "bilinear", prewarp_frequency=own
+    )
+    sums = control.ss([], [], [], [[-0.5, -0.7]], h)  # L is minus what returns
+    waits = control.ss(np.eye(late, k=-1), np.eye(late, 1), np.eye(late)[-1:], 0.0, h)
+    chain = [held, sums, control.ss(warped), *([waits] if late else [])]
+    loop = control.series(*chain)
+    omega = np.array([0.3, 1.4, 5.0, 30.0, 60.0])
+    found = autopilot.frequency_response(plant, omega)
+    np.testing.assert_allclose(found, loop(np.exp(1j * omega * h)), rtol=1e-9)
+    poles = autopilot.exact_loop(plant).closed_loop_poles
+    theirs = control.feedback(loop, 1).poles()
+    assert np.abs(poles).max() == pytest.approx(np.abs(theirs).max(), rel=1e-9)
+    at = 1.3 * np.exp(1j * np.linspace(0.1, 3.0, 7))[:, np.newaxis]
+    np.testing.assert_allclose(np.prod(at - poles, -1), np.prod(at - theirs, -1), rtol=1e-9)
+    m = autopilot.margins(plant)
+    for factor, omega in (
+        (1.0 / m.aero_margin, m.aero_frequency),
+        (m.gain_increase, m.gain_increase_frequency),
+    ):
+        assert factor * loop(np.exp(1j * omega * h)) == pytest.approx(-1.0, rel=1e-9)
+        edge = control.feedback(factor * loop, 1).poles()
+        assert np.abs(edge).max() == pytest.approx(1.0, abs=1e-9)
+    turned = np.exp(-1j * m.phase_margin) * loop(np.exp(1j * m.crossover_frequency * h))
+    assert turned == pytest.approx(-1.0, rel=1e-9)
 
 
 def flown(autopilot, plant, seconds, parts=8):

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import tvclin as tv
+from tests.turns import drawn
 from tvclin.flights.closed_loop.growth import step_near_rest
 from tvclin.flights.closed_loop.sampled import one_flight
 
@@ -15,7 +15,7 @@ VEHICLE = tv.load_vehicle("made-up-booster")
 STRUCTURE = VEHICLE.structure
 WIND = tv.TriangularWind(peak=0.05, duration=8.0)
 MODELS = ("fixed-path", "drift-exact", "drift-and-speed")
-RIGID = [tv.Plant.from_vehicle(VEHICLE, model) for model in MODELS]
+RIGID = [tv.Plant.from_vehicle(VEHICLE, model) for model in (*MODELS, "drift")]
 FLEXIBLE = [tv.FlexiblePlant.from_vehicle(VEHICLE, STRUCTURE, model) for model in MODELS]
 
 
@@ -174,16 +174,15 @@ def agreed(plant, autopilot):
     margins = autopilot.exact_loop(plant).closed_loop_poles
     flight = np.linalg.eigvals(flown_step(plant, autopilot))
     other = np.linalg.eigvals(independent_step(plant, autopilot))
+    assert same_spectrum(margins, flight, 1e-11)
     assert same_spectrum(margins, other, 1e-9)
-    assert same_spectrum(flight, other, 1e-9)
     sizes = [np.abs(one).max() for one in (margins, flight, other)]
     # A multiple root at the edge moves by the root of the rounding.
     assert np.ptp(sizes) < 1e-6 * max(sizes)
     return sizes
 
 
-@settings(max_examples=60, deadline=None)
-@given(loops())
+@drawn(200, 2000, loops())
 def test_margins_and_flights_are_of_one_loop(loop):
     agreed(*loop)
 

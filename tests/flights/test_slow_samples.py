@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.flexible import BOOSTER, MODES, TANKS
 from tests.turns import usual
+from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.sampled import flights, one_flight
 
 PEAK = np.radians(5.0)
@@ -161,3 +162,32 @@ def test_beside_the_edge_of_stability_a_flight_is_on_the_side_that_margins_say(r
         PLANT, LAW, WIND, gain=1.001 * rise, actuator=actuator, sample_rate=rate
     )
     assert found.creeps
+
+
+BENDS = tv.FlexiblePlant.from_vehicle(BOOSTER, tv.Structure(bending=MODES, slosh=TANKS))
+
+
+@pytest.mark.parametrize("rate", [10.0, 25.0, 50.0])
+@pytest.mark.parametrize("hertz", [4.0, 8.0, 20.0])
+@pytest.mark.parametrize("plant", [PLANT, BENDS], ids=["rigid", "flexible"])
+def test_a_millionth_beyond_each_margin_the_step_of_a_flight_grows(plant, hertz, rate):
+    """And a millionth before it, it does not: with more gain, with less, and with more delay."""
+    shelf = tv.vehicle.Filter.low_pass(5.0, 0.7)
+    gains = tv.design_gains(
+        plant.coefficients, natural_frequency=1.0, damping=0.9, filters=(shelf,) * (plant is BENDS)
+    )
+    nozzle, late = tv.Actuator(natural_frequency=2.0 * np.pi * hertz), 0.3 / rate
+    sampled = replace(gains, actuator=nozzle, sample_rate=rate, delay=late)
+    m = tv.control.loop_margins(sampled.exact_loop(plant))
+    assert m.stable
+    law = tv.SaturatedLaw(gains)
+
+    def growth(gain, delay):
+        return growth_near_rest(
+            one_flight(plant, law, WIND, 1.0, np.inf, nozzle, 1.0 / rate, delay, gain)
+        )
+
+    for beyond in (1.0 - 1e-6, 1.0 + 1e-6):
+        changes = [(beyond * m.gain_increase, late), (1.0, late + beyond * m.delay_margin)]
+        changes.append((1.0 / (beyond * m.aero_margin), late))
+        assert [growth(*one) > 0.0 for one in changes] == [beyond > 1.0] * 3

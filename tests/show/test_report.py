@@ -18,10 +18,10 @@ from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example
 from tvclin.answers.trials import law_trials
-from tvclin.base.lines import Number
+from tvclin.base.lines import Number, text
 from tvclin.cli.app import app
 from tvclin.linear.models import MODELS
-from tvclin.show.report import basis, flight, sections, verdict
+from tvclin.show.report import basis, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of
 from tvclin.vehicle.file import template
@@ -332,6 +332,7 @@ def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
         "total.limit_deg": 0.4,
         "total.short_deg": worst["total"] / 0.9 - 0.4,
         "facts.flight_deg": worst["total"] / 0.9,
+        "rests.change_percent": found[f"flight.0.{[*totals].index(max(totals))}.change_percent"],
     }
 
 
@@ -356,6 +357,13 @@ def test_every_number_is_that_of_the_library(plan: tv.answers.StudyPlan, page: P
     phase = expected["criteria.phase_margin_deg.surplus"]
     row = {"needed": 30.0, "there": 30.0 + phase, "left": phase}
     expected |= {f"asked.margins.{column}_deg": value for column, value in row.items()}
+    for key in needs.values():  # they stand in the table of all questions
+        del expected[key]
+    seen = {
+        "angle_of_attack_deg": "wind.angle_of_attack_deg",
+        "rate_deg": "wind.deflection_rate_deg",
+    }
+    expected |= {f"rests.{name}": expected[key] for name, key in seen.items()}
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}
     found = {name: value for name, (value, _) in page.numbers.items()}
 
@@ -623,20 +631,18 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     section = {
         one.name: one.text for one in cells(flight.over_flight(short)) if isinstance(one, Number)
     }
-    tiles = {
-        label: "".join(getattr(one, "text", one) for one in line)
-        for label, line in verdict.facts(short)
-    }
+    table = cells(verdict.asked(short))
+    tiles = {one.name: one.text for one in table if isinstance(one, Number)}
 
     assert headline["verdict.surplus_deg"] == section["total.short_deg"]
-    assert tiles["the whole flight needs"] == f"{headline['verdict.required_deg']} deg"
-    assert tiles["this wind needs"] == "0.368 deg"
+    assert tiles["asked.whole_flight.needed_deg"] == headline["verdict.required_deg"]
+    assert tiles["asked.wind.needed_deg"] == "0.368"
     assert verdict.sentence(short)[0] == "Not enough: the limit of "
     assert "the whole flight of configuration-i needs" in verdict.sentence(short)[-1]
     total = enough.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
     assert numbers(flight.over_flight(enough))["total.left_deg"] == pytest.approx(left, rel=1e-12)
-    assert any("left beside the reserve" in one for one in words(flight.over_flight(enough)))
+    assert any("left after the reserve" in one for one in words(flight.over_flight(enough)))
 
 
 @pytest.mark.usefixtures("few_durations")
@@ -703,10 +709,8 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
         long = tv.answers.StudyPlan(
             vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration)
         )
-        assert (
-            any("Beware" in part for part in verdict.basis(find(long)) if isinstance(part, str))
-            is told
-        )
+        doubts = [text(one.line) for one in rests.rests(find(long)) if one.state == "doubt"]
+        assert any("slow motion" in one for one in doubts) is told
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,18 @@
 - Files: `load_study`, `load_sizing`, `load_schedule`, `load_campaign`; as records `StudyPlan`,
   `SizingAsked`, `SoundingAsked`, `AvailabilityAsked`, `LawsAsked`, `Document`.
 - A flight: `FlightSchedule`, from other tools `read_openrocket`, `read_rasaero`,
-  `schedule_from_rocketpy`, `read_table`; its `size`, the `MeasuredWind` of `fly_through`, and the
-  `DeflectionTotal` of `total_deflection`, `worst_total`.
+  `schedule_from_rocketpy`, `read_table`, `read_log`; its `size`, the `MeasuredWind` of
+  `fly_through`, the `DeflectionTotal` of `total_deflection`, `worst_total`, and the
+  `ControllabilityRatio` of `controllability_ratio`.
 - Days of an archive: `tvclin.availability`; what the wind may become: `PairGrowth`, `WindGrowth`.
 - Many cases: `Campaign` of `Dispersion` and `Dispersions`; `run_campaign`, `open_campaign`,
   `resume_campaign`.
 - Gains for the least nozzle: `least_deflection_gains`, `least_gain_schedule`, `least_gains_front`;
   the worst case in a box: `tvclin.worst_case`.
 - Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`.
-- What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`.
+- What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`; a whole flight:
+  `flight_card`; what laws need over its rate limit: `flown_fronts`; what a structure bears:
+  `LoadBound`.
 """
 
 from tvclin.base.doors import door

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.errors import (
+    InputError,
     instance,
     nonnegative,
     number,
@@ -75,16 +76,26 @@ class Nozzle:
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
         both planes are judged, which share it.
     rate_limit : float, optional
-        Limit of the deflection rate [rad/s]; it counts in flights.
+        Limit of the deflection rate [rad/s]; it counts in flights, and the laws trim and
+        recoverable-attitude suit it.
     actuator : Actuator or None
         Between command and deflection.
     data : NozzleData, optional
         What resists the actuators, for torque and power.
+    acceleration_limit : float, optional
+        Largest deflection acceleration [rad/s2]; like all below it is judged, and limits no flight.
+    travel_limit : float, optional
+        What the nozzle may turn in a flight, there and back [rad].
+    torque_limit : float, optional
+        Largest torque of its actuators [N m]; it needs data.
+    power_limit : float, optional
+        Largest power of its actuators [W]; it needs data.
 
     Raises
     ------
     InputError
-        For numbers out of range, an unknown shape of a stop, and what is no actuator.
+        For numbers out of range, an unknown shape of a stop, what is no actuator, and a torque or a
+        power without data.
     """
 
     limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
@@ -92,6 +103,10 @@ class Nozzle:
     rate_limit: float | None = quantity("angular rate", None, positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
+    acceleration_limit: float | None = quantity("angular acceleration", None, positive)
+    travel_limit: float | None = quantity("angle", None, positive)
+    torque_limit: float | None = quantity("moment", None, positive)
+    power_limit: float | None = quantity("power", None, positive)
 
     def __post_init__(self) -> None:
         checked(self)
@@ -101,6 +116,10 @@ class Nozzle:
             instance("actuator", self.actuator, Actuator, "or None")
         if self.data is not None:
             instance("data", self.data, NozzleData, "of an engine and its hinge")
+        elif self.torque_limit is not None or self.power_limit is not None:
+            raise InputError(
+                "torque_limit and power_limit need what turns: mass_kg and arm_m in [nozzle]"
+            )
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:

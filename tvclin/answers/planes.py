@@ -27,7 +27,7 @@ from tvclin.winds.shaped import ShapedWind, part_in
 FloatArray = NDArray[np.float64]
 
 PARTS, VECTOR = (
-    "each plane by itself in its part of the stop",
+    "the plane that needs most of its part of the stop",
     "the boundary of both planes together",
 )
 _LARGEST = 1e99
@@ -182,13 +182,13 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[
     if not judged:
         yield (
             f"this wind blows in both planes: with a round stop they need"
-            f" {np.degrees(planes.deflection):.3f} deg, and the {plane} plane alone finds"
-            f" {missing:.0f} % too little (to judge both: --stop, or stop in [nozzle])"
+            f" {np.degrees(planes.deflection):.3f} deg, {missing:.0f} % of which the {plane} plane"
+            " alone does not see (to judge both: --stop, or stop in [nozzle])"
         )
         return
     yield (
-        f"the verdict is on both planes with one stop, for which the {plane} plane alone finds"
-        f" {missing:.0f} % too little; boundaries, minima and laws are of that plane"
+        f"the verdict is on both planes with one stop; boundaries, minima and laws are of the"
+        f" {plane} plane alone, which does not see {missing:.0f} % of what both need"
     )
 
 

@@ -75,9 +75,9 @@ def slow_or_paired(
     """Say where two modes grow together, or the wind is too long for the single-pole theory."""
     if required.status == PAIR:
         yield (
-            "two unstable poles are a pair or equal here, and one limit cannot meet the conditions"
-            " (4b) of both: required is the largest trim deflection over K, with which the dead"
-            " band is never left (tvclin optimum shows the minimum)"
+            "two unstable poles are a pair or equal here, and no limit meets the condition (4b) of"
+            " both: required is the largest trim deflection over K, so that the dead band is never"
+            " left (tvclin optimum shows the minimum)"
         )
         return
     edge = float(single_pole_validity(plant.coefficients))

@@ -66,7 +66,7 @@ class Carded:
         record: Any = self
         found = picked(record, self._keys) if self._keys else record.as_dict()
         for key, value in found.items():
-            yield from _parts(*_named(key), value)
+            yield from _parts(*named(key), value)
 
     def _repr_html_(self) -> str:
         return card(_title(type(self)), self._quantities())
@@ -105,8 +105,8 @@ def _title(kind: type) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _named(key: str) -> tuple[str, str]:
-    """The name in a key, and the unit at its end."""
+def named(key: str) -> tuple[str, str]:
+    """Return the name in a key, and the unit at its end."""
     for place in (k for k, one in enumerate(key) if one == "_"):
         if key[place + 1 :] in _SUFFIXES:
             return key[:place].replace("_", " "), written(key[place + 1 :])

@@ -12,16 +12,20 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache, partial
+from textwrap import wrap
 from typing import Any
 
 from tvclin.base.errors import InputError, different, finite, one_of, whole_number
 from tvclin.base.errors import flag as true_or_false
 from tvclin.base.errors import number as one_number
 from tvclin.base.errors import text as printable
+from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, optional_unit, si_unit
 
 _DECLARED = "declared"
+_WIDE = 96
+"""Letters in a line of a template."""
 _UNIT = re.compile(r" \[[^\]]+\]")
 _CLAUSE = re.compile(r"[;:.](?=\s|$)|$")
 _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
@@ -177,6 +181,21 @@ def file_table(heading: str, kind: type, names: str = "", **more: Any) -> FileTa
     )
 
 
+def completed(text: str, table: FileTable, kind: type) -> str:
+    """Return a template whose table names every key of its fields: those it leaves out as comments.
+
+    `text`: the template, in which the table ends with an empty line.
+    """
+    start = text.index(f"\n{table.heading}\n")
+    place = text.find("\n\n", start + 1) % len(text)
+    names = [one for one in declared(kind).values() if one.key]
+    missing = [one for one in names if not re.search(rf"\b{one.name}(_|\b)", text[start:place])]
+    keys = {one.name: table.spelled(one.name).split(" or ")[0] for one in missing}
+    said = [f"also {keys[one.name]}: {_UNIT.sub('', one.help)}" for one in missing]
+    lines = [line for each in said for line in wrap(each, _WIDE, subsequent_indent="  ")]
+    return text[:place] + "".join(f"\n# {line}" for line in lines) + text[place:]
+
+
 def _helps(kind: type) -> dict[str, str]:
     """The lines of help of the attributes that the docstring of a class describes."""
     doc = inspect.cleandoc(kind.__doc__ or "")
@@ -195,7 +214,6 @@ def help_line(one: Declared) -> str:
         said = _UNIT.sub("", said, count=1)
         said = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", said, count=1)
     if not all(choice in said for choice in one.choices):
-        *others, last = one.choices
-        listed = f": {', '.join(others)} or {last}"
-        said = _CLAUSE.sub(lambda end: listed + end[0], said, count=1)
+        every = listed(one.choices, "or")
+        said = _CLAUSE.sub(lambda end: f": {every}{end[0]}", said, count=1)
     return said

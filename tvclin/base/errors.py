@@ -261,6 +261,15 @@ def number(
     return float(array)
 
 
+def unlimited(
+    name: str, value: ArrayLike, check: Callable[..., FloatArray] = positive, unit: str = ""
+) -> float:
+    """Return a limit as a float: infinite, or one number that passes the check."""
+    if isinstance(value, float) and value == np.inf:
+        return np.inf
+    return number(name, value, check, unit)
+
+
 def directions(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
     """Return directions, in rad or deg; `InputError` beyond one turn, where degrees were meant."""
     turn = 360.0 if unit == "deg" else 2.0 * np.pi

@@ -4,7 +4,7 @@
 - In closed form: `rectangular_limit` (7) and (16), `triangular_limit` (12),
   `triangular_limit_with_drift` (18), with a status from `solve_triangular_with_drift`.
 - The minimum-peak control of appendix C: `optimum_deflection`, `optimum_with_rate_limit`; angle and
-  rate together: `rate_front`.
+  rate together: `rate_front`; angle and load: `load_front`.
 - Both planes: `plane_limit`, `plane_optimum`; stops: `CircularStop`, `SquareStop`, `EllipticStop`,
   `PolygonStop`, and of several engines a `Cluster` of `ClusterEngine`.
 - How far the report's formulas hold: `single_pole_validity`, `triangle_error`.

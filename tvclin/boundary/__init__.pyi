@@ -9,6 +9,8 @@ from .forecast_free import forecast_free_limit as forecast_free_limit
 from .limit import BoundaryLimit as BoundaryLimit
 from .limit import boundary_limit as boundary_limit
 from .limit import triangle_error as triangle_error
+from .loads import LoadFront as LoadFront
+from .loads import load_front as load_front
 from .optimum.minimum_peak import Optimum as Optimum
 from .optimum.minimum_peak import optimum_deflection as optimum_deflection
 from .optimum.rate_limit import RateLimitedOptimum as RateLimitedOptimum

@@ -45,8 +45,8 @@ _TOGETHER = 1e-4
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
 PAIR = (
-    "two unstable poles are a pair or equal: no one limit meets the conditions (4b) of both, and"
-    " with this one the dead band is never left"
+    "two unstable poles are a pair or equal, and each has its own condition (4b), which no limit"
+    " meets for both; this limit is so large that the dead band is never left"
 )
 BOUNDARY = "the boundary of the control"
 MINIMUM = "the minimum over all unstable poles"

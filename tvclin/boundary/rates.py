@@ -25,7 +25,15 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, between, number, one_row, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    number,
+    one_row,
+    positive,
+    small_angle,
+    unlimited,
+)
 from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
@@ -200,6 +208,30 @@ def ramped_deflection(
         return np.where(c * short < r**2, short, held)
 
 
+def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
+    """Return the least deflection rate [rad/s] at a limit, of one pole.
+
+    It is `ramped_deflection` turned round: d0 = d f(x) with x = p d/r, which Lambert's W solves.
+
+    Parameters
+    ----------
+    least, pole, deflection : array_like
+        d0 [rad], p [1/s] and the limit d [rad], which broadcast.
+
+    Returns
+    -------
+    ndarray
+        Zero where nothing is needed, and infinite where no rate is enough.
+    """
+    from scipy.special import lambertw
+
+    d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (least, pole, deflection)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        over = d / d0
+        x = over + np.real(lambertw(-over * np.exp(-over)))
+        return np.where(d0 <= 0.0, 0.0, np.where(over > 1.0, p * d / x, np.inf))
+
+
 def rate_front(
     plant: Plant,
     wind: History,
@@ -248,9 +280,7 @@ def rate_front(
     >>> (front.limits / front.least_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = acceleration_limit
-    if not (isinstance(c, float) and np.isposinf(c)):
-        c = number("acceleration_limit", c, between(*_RATES), "rad/s2")
+    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATES), "rad/s2")
     angle, turning = small_angle("a deflection", positive), between(*_RATES)
     most = None if limit is None else number("limit", limit, angle, "rad")
     there = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")

@@ -1,10 +1,11 @@
 """The commands together, and what becomes of a bad input: one sentence and exit code 2.
 
-Only typer is imported at the top of this file; a command is loaded when it is asked for, and loads
-what it needs when it runs.
+Only typer is imported at the top of this file; a command is loaded when it is asked for, with what
+it needs but for figures.
 """
 
 import gc
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from functools import wraps
 from importlib import import_module
 from io import TextIOWrapper
+from pkgutil import get_data
 from typing import Annotated, Any
 
 import typer
@@ -21,7 +23,7 @@ _PANELS = {
     "Start here": ("study", "init", "vehicles", "report", "explore"),
     "Theory": ("boundary", "optimum", "respond", "poles", "reproduce"),
     "Control": ("autopilot", "margins", "laws"),
-    "Flights": ("size", "availability", "fly", "nozzle", "schedule", "campaign"),
+    "Flights": ("size", "availability", "fly", "nozzle", "loads", "card", "schedule", "campaign"),
     "This installation": ("doctor",),
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
@@ -61,14 +63,13 @@ def _made(name: str, command: Any) -> Any:
 
 
 def _listed(name: str) -> Any:
-    """Return a command without options: to be listed it need not load what they are made of."""
+    """Return a command as a list has it: its help is read in its file, which is not loaded."""
 
     def command() -> None: ...
 
-    function = function_of(name)
-    if isinstance(function, typer.Typer):
-        return _made(name, function)
-    command.__doc__ = function.__doc__
+    text = get_data("tvclin.cli", f"{_ELSEWHERE.get(name, name)}.py") or b""
+    said = re.search(rf'(?s)^(?:def {name}\(.*?"""|{name} = .*?help=")(.+?)"', text.decode(), re.M)
+    command.__doc__ = said[1] if said else None
     return _made(name, command)
 
 

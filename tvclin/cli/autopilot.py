@@ -1,13 +1,20 @@
 """`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import degrees, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.answers.least_gains.record import LeastGains
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.documents import picked
+from tvclin.base.lines import Row, quantities, significant
+from tvclin.base.lines import degrees as angle
 from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -18,15 +25,10 @@ from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, 
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from tvclin.answers.least_gains.record import LeastGains
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.base.lines import Row
-    from tvclin.control.comparison.duration import WorstDuration
-    from tvclin.control.comparison.trim import TrimComparison
+from tvclin.control.comparison.duration import WorstDuration, worst_duration
+from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
@@ -55,9 +57,6 @@ def autopilot(
 
     Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
     """
-    from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.control.comparison.trim import compare_with_trim
-
     changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid)
     with waiting("seeking gains"):
@@ -81,10 +80,10 @@ def autopilot(
 class _Found:
     """What an autopilot needs in the wind of a case, and in the one that asks for most."""
 
-    case: "StudyPlan"
-    compared: "TrimComparison"
-    worst: "WorstDuration | None"
-    sought: "LeastGains | None"
+    case: StudyPlan
+    compared: TrimComparison
+    worst: WorstDuration | None
+    sought: LeastGains | None
 
     @property
     def limit(self) -> float | None:
@@ -110,8 +109,6 @@ class _Found:
     @property
     def loads(self) -> tuple[float, float]:
         """Normal force [N] and speed across [m/s]; NaN for a vehicle known by its coefficients."""
-        from tvclin.vehicle.vehicle import Vehicle
-
         vehicle, found = self.case.vehicle, self.compared
         if not isinstance(vehicle, Vehicle):
             return float("nan"), float("nan")
@@ -120,8 +117,6 @@ class _Found:
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        from tvclin.base.documents import picked
-
         found, (force, across) = self.compared, self.loads
         bounds = {f"{K:g}": degrees(one) for K, one in found.boundaries.items()}
         return {
@@ -149,8 +144,6 @@ class _Found:
 
     def print(self, title: str) -> None:
         """Print the autopilot, what it needs, and the verdict; and how it was sought."""
-        from tvclin.base.lines import quantities
-
         found, rows = self.compared, self.compared.autopilot.rows()
         if found.plant.structure is not None:
             say(parts_line(found.plant.structure))
@@ -179,11 +172,8 @@ class _Found:
             word += f" in this wind, but not in one of {worst.duration:.3g} s"
         say(f"Limit {self.limit:g} deg: {word}")
 
-    def _more(self) -> "Iterator[Row]":
+    def _more(self) -> Iterator[Row]:
         """Yield what takes the whole vehicle, and the wind that asks most."""
-        from tvclin.base.lines import degrees as angle
-        from tvclin.base.lines import significant
-
         (force, across), worst = self.loads, self.worst
         if isfinite(force):
             yield (
@@ -212,11 +202,8 @@ class _Found:
             say(f"No figure is written to {plot}: {said}.", err=True)
 
 
-def _worst(found: "TrimComparison", wind: Any) -> "WorstDuration | None":
+def _worst(found: TrimComparison, wind: Any) -> WorstDuration | None:
     """The worst duration of a pulse; a sounding has the one that it has."""
-    from tvclin.control.comparison.duration import worst_duration
-    from tvclin.winds.shaped import ShapedWind
-
     if not isinstance(wind, ShapedWind) or not found.margins.stable or not wind.peak:
         return None
     return worst_duration(

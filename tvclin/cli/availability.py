@@ -2,22 +2,37 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.availability import answer_tables
+from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.availability.record import Availability, Today
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.schedule_file import load_schedule
+from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import GROUP, GUST, MODEL, TIME_HELP, AsJson, Given, Plot, asked, switch
+from tvclin.cli.options import (
+    GROUP,
+    GUST,
+    MODEL,
+    SIGN,
+    TIME_HELP,
+    AsJson,
+    Given,
+    Plot,
+    asked,
+    switch,
+)
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
-
-if TYPE_CHECKING:
-    from tvclin.answers.availability.growth import PairGrowth
-    from tvclin.answers.availability.record import Availability, Today
-    from tvclin.answers.sizing.schedule import FlightSchedule
-    from tvclin.winds.soundings.archive import Soundings
-    from tvclin.winds.soundings.profile import WindProfile
+from tvclin.vehicle.coefficients import IN_WORDS
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 @dataclass(frozen=True)
@@ -34,10 +49,8 @@ class ArchiveOptions:
     )
     utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
 
-    def read(self, archive: list[Path]) -> "Soundings":
+    def read(self, archive: list[Path]) -> Soundings:
         """Return these soundings."""
-        from tvclin.winds.soundings.read_soundings import read_soundings
-
         with bar("read") as progress:
             return read_soundings(
                 archive,
@@ -70,8 +83,8 @@ class JudgedOptions:
     )
 
     def availability(
-        self, flight: "FlightSchedule", soundings: "Soundings", **told: Any
-    ) -> "Availability":
+        self, flight: FlightSchedule, soundings: Soundings, **told: Any
+    ) -> Availability:
         """Return on how many days a limit is enough, which `availability` is told with more."""
         from tvclin.answers.availability.availability import availability
 
@@ -87,11 +100,8 @@ class JudgedOptions:
             )
 
     @property
-    def growth(self) -> "float | PairGrowth | None":
+    def growth(self) -> float | PairGrowth | None:
         """An angle [rad], or how needs grew in the archive; None without an option."""
-        from tvclin.answers.availability.growth import PairGrowth
-        from tvclin.base.errors import InputError
-
         if self.persistence_deg is not None and self.persistence_hours is not None:
             raise InputError("give --persistence-deg or --persistence-hours, not both")
         if self.persistence_hours is not None:
@@ -99,7 +109,7 @@ class JudgedOptions:
         return radians_of("--persistence-deg", self.persistence_deg, 0.0)
 
     @property
-    def balloon(self) -> "WindProfile | None":
+    def balloon(self) -> WindProfile | None:
         """What the balloon of today saw; None without an option."""
         if self.today is None:
             only_with("--today", today_time=self.today_time)
@@ -130,6 +140,7 @@ def availability(
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
     model: Given = MODEL,
+    sign: Given = SIGN,
     question: Given = Given(
         "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
     ),
@@ -154,17 +165,14 @@ def availability(
     Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
     every direction; 1: it is not, or that is not known; 2: bad input.
     """
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.answers.sizing.schedule_file import load_schedule
-    from tvclin.base.errors import within
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **question.values}
+    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
+    told |= question.values
     found = judged.availability(flight, only.read(archive), **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
@@ -178,7 +186,7 @@ def availability(
         raise typer.Exit(1)
 
 
-def _document(found: "Availability", today: "tuple[Today, ...]") -> dict[str, Any]:
+def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
     """What was found, with the balloon of today in each direction, as JSON."""
     document = found.as_dict()
     for towards, one in zip(document["towards"], today, strict=False):
@@ -186,12 +194,7 @@ def _document(found: "Availability", today: "tuple[Today, ...]") -> dict[str, An
     return document
 
 
-def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:
-    import numpy as np
-
-    from tvclin.answers.availability import answer_tables
-    from tvclin.vehicle.coefficients import IN_WORDS
-
+def _print(found: Availability, launch: tuple[Today, ...], source: str) -> None:
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {IN_WORDS[found.plane]}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
@@ -215,10 +218,8 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     say_notes(found.notes)
 
 
-def _said(one: "Today") -> str:
+def _said(one: Today) -> str:
     """What a balloon says, in words."""
-    import numpy as np
-
     if one.go is None:
         between = f", between {np.degrees(one.least):.3f} and {np.degrees(one.most):.3f} deg"
         return f"NOT KNOWN{f', {one.why}' if one.why else between}"

@@ -1,23 +1,18 @@
 """What `tvclin margins` says of the bands of a flexible vehicle: rigid body, bending, slosh."""
 
 from math import isnan
-from typing import TYPE_CHECKING
 
-from tvclin.cli.output import say
-
-if TYPE_CHECKING:
-    from tvclin.control.margins.bands import BandMargins
-    from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.structure import Structure
+from tvclin.cli.output import print_tables, say
+from tvclin.control.margins.bands import BandMargins
+from tvclin.control.margins.criteria import Criteria
+from tvclin.control.margins.tables import band_table
+from tvclin.vehicle.structure import Structure
 
 _OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
 
 
-def print_bands(found: "BandMargins", asked: "Criteria") -> None:
+def print_bands(found: BandMargins, asked: Criteria) -> None:
     """Print what the rigid body has and what each mode has, beside what is asked of modes."""
-    from tvclin.cli.output import print_tables
-    from tvclin.control.margins.tables import band_table
-
     judged = asked.judge(found)
     print_tables(band_table(found, judged))
     judged_modes = {one.band for one in judged if one.band and not isnan(one.value)}
@@ -30,7 +25,7 @@ def print_bands(found: "BandMargins", asked: "Criteria") -> None:
             )
 
 
-def parts_line(structure: "Structure") -> str:
+def parts_line(structure: Structure) -> str:
     """Return in one line what makes a vehicle flexible."""
     counted = (("bending mode", len(structure.bending)), ("tank", len(structure.slosh)))
     parts = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]

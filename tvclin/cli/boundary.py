@@ -1,15 +1,18 @@
 """`tvclin boundary`: the boundary limit over the duration of the wind."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from tvclin.base.errors import one_of, positive, within
+from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.cli.inputs import case_of, chosen
 from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
-
-if TYPE_CHECKING:
-    from tvclin.linear.plant import Plant
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.winds.shaped import PULSES
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -34,12 +37,7 @@ def boundary(
     plot: Plot = None,
 ) -> None:
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.base.errors import one_of, positive, within
-    from tvclin.boundary.limit import boundary_limit
-    from tvclin.winds.shaped import PULSES
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
@@ -63,11 +61,8 @@ def boundary(
     say_notes(_notes(axis, x, K, limits.status))
 
 
-def _subject(vehicle: str | None, motion: Given) -> "tuple[str, Plant, str, str]":
+def _subject(vehicle: str | None, motion: Given) -> tuple[str, Plant, str, str]:
     """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.coefficients import Coefficients
-
     if vehicle is None:
         motion.only_with("a vehicle")
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
@@ -78,8 +73,6 @@ def _subject(vehicle: str | None, motion: Given) -> "tuple[str, Plant, str, str]
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
     """What is odd about a part of the table: for each K from which duration to which."""
-    from tvclin.boundary.limit import OK
-
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
         for said in dict.fromkeys(column[column != OK].tolist()):

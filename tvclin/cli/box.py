@@ -1,19 +1,20 @@
 """What `tvclin margins --box` adds: the worst margins when numbers lie anywhere in a box."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
+from tvclin.base.errors import InputError
+from tvclin.base.tables import known
 from tvclin.cli.output import print_tables, say
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.answers.worst_case import WorstCase
-    from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.vehicle import Vehicle
-    from tvclin.winds.shaped import ShapedWind
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.criteria import Criteria
+from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
 
 Box = Annotated[
     list[str] | None,
@@ -33,8 +34,8 @@ Box = Annotated[
 class BoxFound:
     """The worst case in a box, and what is asked of its margins."""
 
-    worst: "WorstCase"
-    asked: "Criteria"
+    worst: WorstCase
+    asked: Criteria
 
     @property
     def met(self) -> bool:
@@ -51,8 +52,6 @@ class BoxFound:
 
     def print(self) -> None:
         """Print the worst margins and the worst deflection, where they are, and the verdict."""
-        from tvclin.answers.worst_case import unit_of
-
         print_tables(self.worst.table())
         if not self.worst.stable:
             say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
@@ -62,15 +61,10 @@ class BoxFound:
         say(f"Criteria {self.asked.name} in the box: {'MET' if self.met else 'NOT MET'}")
 
 
-def worst_in_box(given: list[str], case: "StudyPlan", autopilot: "Autopilot") -> "BoxFound | None":
+def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxFound | None:
     """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
     if not given:
         return None
-    from tvclin.answers.worst_case import worst_case
-    from tvclin.base.errors import InputError
-    from tvclin.vehicle.linear_vehicle import whole_vehicle
-    from tvclin.winds.shaped import ShapedWind
-
     vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.blows
     loop = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
@@ -91,13 +85,9 @@ def worst_in_box(given: list[str], case: "StudyPlan", autopilot: "Autopilot") ->
 
 
 def _interval(
-    one: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "ShapedWind"
+    one: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind
 ) -> tuple[str, tuple[float, float]]:
     """The name of a number, and its two ends [SI]."""
-    from tvclin.answers.worst_case import BOX_TABLE
-    from tvclin.base.errors import InputError
-    from tvclin.base.tables import known
-
     key, (low, high), percent = _parted(one)
     if not percent:
         ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
@@ -114,8 +104,6 @@ def _interval(
 
 def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
     """The key, the two numbers, and whether they are in percent."""
-    from tvclin.base.errors import InputError
-
     key, found, ends = one.partition("=")
     low, dots, high = (part.strip() for part in ends.partition(".."))
     if not found or not dots:
@@ -133,7 +121,7 @@ def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
         ) from None
 
 
-def _nominal(name: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "ShapedWind") -> float:
+def _nominal(name: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind) -> float:
     """The nominal value of a number; zero where there is none."""
     actuator = autopilot.actuator
     known: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}

@@ -1,23 +1,27 @@
 """`tvclin campaign`: many dispersed cases, run, continued, shown and replayed."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from tvclin.answers.campaign.engine import damaged, open_campaign, resume_campaign, run_campaign
+from tvclin.answers.campaign.executors import cluster, processes
+from tvclin.answers.campaign.file import load_campaign, template
+from tvclin.answers.campaign.manifest import read_manifest
+from tvclin.answers.campaign.results import CampaignResults
+from tvclin.answers.campaign.summary import CampaignSummary
+from tvclin.base.errors import InputError, number, positive
+from tvclin.base.files import called, write_new
 from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import GROUP, AsJson, asked, grouped
-from tvclin.cli.output import print_tables, say
+from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
+from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.progress import bar
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-    from contextlib import AbstractContextManager
-
-    from tvclin.answers.campaign.results import CampaignResults
 
 campaign = typer.Typer(
     no_args_is_help=True,
@@ -42,8 +46,6 @@ class WorkOptions:
     @contextmanager
     def told(self, folder: Path) -> Iterator[dict[str, Any]]:
         """Lend what a run into a folder is told; say how to go on where the user interrupts."""
-        from tvclin.base.files import called
-
         try:
             with self._executor() as executor, bar("cases") as progress:
                 yield {"executor": executor, "shard": self.shard, "progress": progress}
@@ -53,10 +55,7 @@ class WorkOptions:
             say(said, err=True)
             raise typer.Exit(130) from None
 
-    def _executor(self) -> "AbstractContextManager[Executor | None]":
-        from tvclin.answers.campaign.executors import cluster, processes
-        from tvclin.base.errors import InputError
-
+    def _executor(self) -> AbstractContextManager[Executor | None]:
         if self.workers is not None and self.scheduler is not None:
             raise InputError("give --workers or --scheduler, not both")
         if self.scheduler is not None:
@@ -69,9 +68,6 @@ def init(
     file: Annotated[Path, typer.Argument(help="The campaign file to write, such as my.toml.")],
 ) -> None:
     """Write a commented campaign file to fill in."""
-    from tvclin.answers.campaign.file import template
-    from tvclin.base.files import called, write_new
-
     write_new(file, template())
     name = called(file)
     say(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
@@ -86,18 +82,17 @@ def run(
     until_converged: float | None = asked(
         "Stop when both bounds lie within this percentage of the answer."
     ),
+    sign: Given = SIGN,
 ) -> None:
     """Run a campaign; in a folder where it has begun already, continue it.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
-    from tvclin.answers.campaign.engine import run_campaign
-    from tvclin.answers.campaign.file import load_campaign
-
     plan = load_campaign(file)
     note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
+    plan = sign.over(plan)
     with work.told(folder) as told:
         found = run_campaign(plan, folder, **told)
     _print_done(found)
@@ -105,14 +100,11 @@ def run(
 
 @campaign.command()
 @grouped
-def resume(folder: Folder, work: WorkOptions = WorkOptions()) -> None:
+def resume(folder: Folder, work: WorkOptions = GROUP) -> None:
     """Continue a campaign; chunks that are damaged or of another one are named and computed again.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
-    from tvclin.answers.campaign.engine import damaged, resume_campaign
-    from tvclin.answers.campaign.manifest import read_manifest
-
     for said in damaged(folder, read_manifest(folder)).values():
         say(f"Warning: {said}", err=True)
     with work.told(folder) as told:
@@ -135,13 +127,6 @@ def show(
 
     Exit code 0: answered; 2: bad input.
     """
-    from math import radians
-
-    from tvclin.answers.campaign.engine import open_campaign
-    from tvclin.answers.campaign.summary import CampaignSummary
-    from tvclin.base.errors import number, positive
-    from tvclin.cli.output import print_json
-
     limit = (
         None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
     )
@@ -165,9 +150,6 @@ def replay(
 
     Exit code 0: answered; 2: bad input.
     """
-    from tvclin.answers.campaign.engine import open_campaign
-    from tvclin.cli.output import print_json
-
     one = open_campaign(folder).replay(case)
     if as_json:
         print_json(one)
@@ -175,9 +157,7 @@ def replay(
         print_tables(*one.tables())
 
 
-def _print_done(found: "CampaignResults") -> None:
-    from tvclin.base.files import called
-
+def _print_done(found: CampaignResults) -> None:
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
     say(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")

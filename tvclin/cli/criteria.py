@@ -1,13 +1,12 @@
 """The options of what margins are held to, and the criteria that they ask for."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import nonnegative, one_of
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import asked
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.control.margins.criteria import CRITERIA
 
 MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
 
@@ -31,11 +30,8 @@ class CriteriaOptions:
         "Required phase margin of each phase-stabilised mode, in deg."
     )
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the named criteria, or with numbers of the user's."""
-        from tvclin.base.errors import nonnegative, one_of
-        from tvclin.control.margins.criteria import CRITERIA
-
         if plan.vehicle.structure is None:
             only_with(MODES, mode_gain_db=self.mode_gain_db, mode_phase_deg=self.mode_phase_deg)
         limits: dict[str, float] = {}

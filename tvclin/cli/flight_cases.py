@@ -1,20 +1,30 @@
 """What `tvclin fly` flies, as its options name it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+import numpy as np
 
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.cli.fly_shown import Compared
-    from tvclin.control.laws.law import Law
-    from tvclin.flights.beside import FlightBeside
-    from tvclin.flights.condition import FlightCondition
-    from tvclin.flights.control import ReportControl
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.vehicle import Vehicle
-    from tvclin.winds.histories import History
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.cli.fly_shown import Compared, wind_line
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
+from tvclin.flights.beside import FlightBeside, fly_beside, linear_boundary
+from tvclin.flights.condition import FlightCondition
+from tvclin.flights.control import ReportControl
+from tvclin.flights.engines import ENGINES
+from tvclin.flights.falls import watched_until
+from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.modes import all_modes
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
 
 _TOLERANCE, _HIGHEST = 5e-4, 4.0
 """Of a boundary that is flown, over the largest trim deflection."""
@@ -32,23 +42,18 @@ _SMALLEST = 2.5e-7
 class Flying:
     """A case whose wind is one history, what that is called, and the name of the law."""
 
-    case: "StudyPlan"
+    case: StudyPlan
     shape: str
     law: str
     dead_band: float | None
 
     @property
-    def wind(self) -> "History":
+    def wind(self) -> History:
         """The wind [rad]."""
         return self.case.history
 
-    def designed(self, plant: "Plant") -> "ReportControl | Law":
+    def designed(self, plant: Plant) -> ReportControl | Law:
         """Return the report's control, or the law with its dead band or the gains of the case."""
-        from tvclin.answers.least_gains.asked import autopilot_asked
-        from tvclin.base.errors import InputError, one_of
-        from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
-        from tvclin.flights.control import ReportControl
-
         one_of("--law", self.law, [REPORT, *LAWS])
         own: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
         if own and self.law not in (REPORT, DEAD_BAND):
@@ -57,6 +62,7 @@ class Flying:
             return ReportControl(**own)
         if self.law == AUTOPILOT:
             own = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
+        own["rate_limit"] = self.case.hardware["rate_limit"]
         return design_law(self.law, plant, float(self.wind.peak), **own)
 
 
@@ -65,33 +71,26 @@ class FlightCase(Flying):
     """What is flown, and its linear boundary and the minimum over all unstable poles [rad]."""
 
     engine: str
-    control: "ReportControl | Law"
-    condition: "FlightCondition | None"
+    control: ReportControl | Law
+    condition: FlightCondition | None
     boundary: float
     minimum: float
     limit: float
 
     @property
-    def vehicle(self) -> "Vehicle":
+    def vehicle(self) -> Vehicle:
         """The vehicle."""
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         return whole_vehicle(self.case.vehicle, "a flight")
 
     @property
     def title(self) -> str:
         """The vehicle, and in a second line the wind and the control."""
-        from tvclin.cli.fly_shown import wind_line
-
         band = self.dead_band
         return wind_line(self) + ("" if band is None else f", K = {band:g}")
 
     @property
     def heads(self) -> list[str]:
         """What is flown, and what it takes for granted."""
-        from tvclin.flights.engines import ENGINES
-        from tvclin.linear.models import USUAL_MODEL
-
         assumed = "parameters frozen, flat planet at rest, rigid, no actuator"
         if self.condition is not None:
             assumed = (
@@ -110,15 +109,9 @@ class FlightCase(Flying):
 
 
 def flight_case(
-    asked: Flying, engine: str, condition: "FlightCondition | None", length: float
+    asked: Flying, engine: str, condition: FlightCondition | None, length: float
 ) -> FlightCase:
     """Return what is flown for a length [s], with a tenth of limit to spare if none is given."""
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-    from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-    from tvclin.flights.beside import linear_boundary
-
     asked = replace(asked, case=replace(asked.case, model=""))
     plant, wind = asked.case.plant.rigid, asked.wind
     _check_flight(plant, wind, length)
@@ -142,17 +135,11 @@ def flight_case(
     )
 
 
-def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
+def _check_flight(plant: Plant, wind: Any, length: float) -> None:
     """Raise `InputError` for a flight that no solver follows, and for a vehicle without boundary.
 
     A flight is watched for some time after its wind before it is judged.
     """
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-    from tvclin.flights.falls import watched_until
-    from tvclin.linear.modes import all_modes
-
     pole = float(plant.coefficients.pole)
     if abs(float(wind.peak)) < _SMALLEST:
         raise InputError(
@@ -169,14 +156,8 @@ def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
         )
 
 
-def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> "Compared":
+def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> Compared:
     """Return a flight of a length [s] beside the linear theory, with its boundary if asked for."""
-    import numpy as np
-
-    from tvclin.cli.fly_shown import Compared
-    from tvclin.flights.beside import fly_beside
-    from tvclin.linear.models import USUAL_MODEL
-
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)
     told = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
@@ -202,10 +183,8 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     )
 
 
-def _ends(case: FlightCase, flight: "FlightBeside") -> "Iterator[str]":
+def _ends(case: FlightCase, flight: FlightBeside) -> Iterator[str]:
     """Whether the flight survives, and what is odd about it."""
-    import numpy as np
-
     words = {True: "SURVIVED", False: "NOT SURVIVED"}
     yield f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."
     if case.limit < case.minimum and (flight.survived or flight.predicted):
@@ -222,9 +201,6 @@ def _ends(case: FlightCase, flight: "FlightBeside") -> "Iterator[str]":
 
 def _flown_boundary(case: FlightCase) -> float:
     """The boundary of its control [rad], in size, by flights."""
-    from tvclin.flights.control import ReportControl
-    from tvclin.flights.flown_boundary import flown_boundary
-
     chosen: dict[str, Any] = {"law": case.control}
     if isinstance(case.control, ReportControl):
         chosen = {"dead_band": case.control.dead_band}

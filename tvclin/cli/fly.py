@@ -1,10 +1,15 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import vehicle_source
+from tvclin.base.errors import one_of, within
+from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -26,9 +31,10 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.engines import ENGINES
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 _LONGEST = 20.0
 
@@ -43,8 +49,7 @@ class WhatFlies:
         shown="linear for a flexible vehicle, else planar",
     )
     law: str | None = asked(
-        "Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
-        " recoverable-attitude.",
+        f"Control law: {listed((REPORT, *LAWS), 'or')}; gains below are of {AUTOPILOT}.",
         shown="autopilot for --engine linear, else report",
     )
     dead_band: float | None = asked(
@@ -52,19 +57,12 @@ class WhatFlies:
     )
 
     def __post_init__(self) -> None:
-        from tvclin.base.errors import one_of
-        from tvclin.control.laws.registry import LAWS
-        from tvclin.flights.engines import ENGINES
-
         if self.engine is not None:
             one_of("--engine", self.engine, (*ENGINES, "linear"))
         one_of("--law", self.law or REPORT, [REPORT, *LAWS])
 
-    def on(self, case: "StudyPlan", along: bool, gains: Given) -> tuple[str, str, Any]:
+    def on(self, case: StudyPlan, along: bool, gains: Given) -> tuple[str, str, Any]:
         """Return engine, law and dead band for a case, and say what they leave out of it."""
-        from tvclin.control.laws.registry import AUTOPILOT
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         bends = whole_vehicle(case.vehicle, "a flight").structure is not None
         engine = self.engine or ("linear" if bends and not along else "planar")
         law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
@@ -101,12 +99,6 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    import numpy as np
-
-    from tvclin.answers.study_file.read import vehicle_source
-    from tvclin.base.errors import within
-    from tvclin.flights.condition import load_flight_condition
-
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     changes = [one.over for one in (limit, rate_limit, samples, plane, gains, loop)]

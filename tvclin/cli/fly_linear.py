@@ -1,19 +1,21 @@
 """`tvclin fly --engine linear`: a sampled law, with the nozzle's limits, rigid or flexible."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from tvclin.answers.flexible import with_filters
+from tvclin.base.errors import InputError
+from tvclin.cli.bands import parts_line
 from tvclin.cli.flight_cases import REPORT, Flying
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from tvclin.cli.fly_shown import Compared
-    from tvclin.control.laws.law import Law
-    from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
-    from tvclin.flights.flexible import SampledFlight
-    from tvclin.linear.flexible import AnyPlant
+from tvclin.cli.fly_shown import Compared, wind_line
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
+from tvclin.flights.flexible import SampledFlight, fly_sampled
+from tvclin.linear.flexible import AnyPlant
 
 _SPARE, _HIGHEST = 1.1, 4.0
 """Of the limit over the boundary, and of the limits tried for that over the largest trim."""
@@ -26,7 +28,7 @@ class LinearCase(Flying):
     engine = "linear"
 
     @property
-    def plant(self) -> "AnyPlant":
+    def plant(self) -> AnyPlant:
         """What flies."""
         return self.case.plant
 
@@ -36,12 +38,8 @@ class LinearCase(Flying):
         return self.case.vehicle.structure is not None
 
     @cached_property
-    def control(self) -> "Law":
+    def control(self) -> Law:
         """The law, with the filters that were asked for."""
-        from tvclin.answers.flexible import with_filters
-        from tvclin.base.errors import InputError
-        from tvclin.control.laws.law import Law
-
         if self.law == REPORT:
             raise InputError(
                 f"--law {REPORT} has no actuator and no samples: fly it by --engine planar or"
@@ -51,19 +49,14 @@ class LinearCase(Flying):
         assert isinstance(chosen, Law)
         return with_filters(chosen, self.case.asked)
 
-    def boundary(self, plant: "AnyPlant") -> "ClosedLoopBoundary":
+    def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
         """Return the boundary of the law on a plant."""
-        from tvclin.flights.closed_loop.boundary import closed_loop_boundary
-
         hardware = self.case.hardware
         return closed_loop_boundary(plant, self.control, self.wind, highest=_HIGHEST, **hardware)
 
     @property
     def title(self) -> str:
         """The vehicle, the wind, and what flies, in lines."""
-        from tvclin.cli.bands import parts_line
-        from tvclin.cli.fly_shown import wind_line
-
         structure = self.case.vehicle.structure
         servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.asked.delay
         rate = self.case.hardware["sample_rate"]
@@ -77,13 +70,8 @@ class LinearCase(Flying):
         return "\n".join(said)
 
 
-def fly_linear(case: LinearCase, boundary: bool, times: Any) -> "Compared":
+def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     """Return the flight of a case; without a limit that has a tenth to spare."""
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-    from tvclin.flights.flexible import fly_sampled
-
     least = None
     limit = case.case.nozzle.limit
     if limit is None or boundary:
@@ -103,14 +91,10 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> "Compared":
 def _compared(
     case: LinearCase,
     limit: float,
-    flight: "SampledFlight",
-    least: "tuple[ClosedLoopBoundary, ...] | None",
-) -> "Compared":
+    flight: SampledFlight,
+    least: tuple[ClosedLoopBoundary, ...] | None,
+) -> Compared:
     """A flight and its boundaries, where they were asked for, beside those of the rigid vehicle."""
-    import numpy as np
-
-    from tvclin.cli.fly_shown import Compared
-
     both, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     return Compared(
         case=case,
@@ -134,8 +118,8 @@ def _compared(
 
 
 def _ends(
-    case: LinearCase, flight: "SampledFlight", least: "Iterable[ClosedLoopBoundary]"
-) -> "Iterator[str]":
+    case: LinearCase, flight: SampledFlight, least: Iterable[ClosedLoopBoundary]
+) -> Iterator[str]:
     """Whether the flights survive, and what is odd about their boundaries."""
     flown, rigid = map(_word, flight.status)
     yield f"Flown: {flown}." + (f" Rigid: {rigid}." if case.bends else "")

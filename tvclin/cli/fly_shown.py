@@ -1,13 +1,15 @@
 """What `tvclin fly` shows of a flight, whatever flew: a table, JSON, a CSV file and a figure."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from tvclin.base.documents import picked
+from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_json, print_tables, say
-
-if TYPE_CHECKING:
-    from tvclin.cli.options import ShownCurves
-    from tvclin.flights.beside import FlightBeside
+from tvclin.cli.wind import wind_words
+from tvclin.flights.beside import PEAKS, FlightBeside
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +21,7 @@ class Compared:
     """
 
     case: Any
-    flight: "FlightBeside"
+    flight: FlightBeside
     limit: float
     beside: str
     columns: tuple[str, ...]
@@ -33,10 +35,8 @@ class Compared:
         """Return two values by what they are of."""
         return dict(zip(("flown", self.beside), values, strict=True))
 
-    def show(self, shown: "ShownCurves") -> bool:
+    def show(self, shown: ShownCurves) -> bool:
         """Write and print the flight, and return whether it survived."""
-        import numpy as np
-
         from tvclin.plots import flight_chart, flight_curves
 
         said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
@@ -56,23 +56,15 @@ class Compared:
 
     def _peaks(self) -> dict[str, list[float]]:
         """The largest of each over the wind, of both [deg]."""
-        import numpy as np
-
-        from tvclin.flights.beside import PEAKS
-
         return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
 
     def _ends(self) -> list[float | None] | None:
         """Both boundaries [deg]."""
-        import numpy as np
-
         if self.boundary is None:
             return None
         return [None if one is None else float(np.degrees(one)) for one in self.boundary]
 
     def _document(self) -> dict[str, Any]:
-        from tvclin.base.documents import picked
-
         case, ends = self.case, self._ends()
         return {
             **picked(case, "vehicle=case.vehicle.name engine plane=case.plane law dead_band"),
@@ -86,8 +78,6 @@ class Compared:
 
 def wind_line(case: Any) -> str:
     """Return the vehicle of a case, and in a second line its wind and law."""
-    from tvclin.cli.wind import wind_words
-
     words = wind_words(case.shape, case.case)
     said = f"{words}, {case.case.plane}, law {case.law}"
     return f"{case.case.vehicle.name}\n{said}" if case.case.vehicle.name else said

@@ -2,18 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from math import pi
+from typing import Annotated, Any
 
 import typer
 
+from tvclin.answers.nozzle import USUAL_ACTUATOR
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, nonnegative, number, positive
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import DESIGN, Given, asked
-
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.autopilot.rules import AutopilotDesign
-    from tvclin.vehicle.filters import Filter
-
+from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
+from tvclin.vehicle.filters import Filter
 
 NotchHz = Annotated[
     list[str] | None,
@@ -47,13 +47,8 @@ class LoopOptions:
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the actuator, the delay and the filters of these options."""
-        from math import pi
-
-        from tvclin.answers.nozzle import USUAL_ACTUATOR
-        from tvclin.base.errors import InputError, nonnegative, number
-
         if self.actuator_frequency is not None and self.actuator_hz is not None:
             raise InputError("give --actuator-frequency or --actuator-hz, not both")
         servo, frequency = plan.nozzle.actuator, self.actuator_frequency
@@ -81,7 +76,7 @@ class LoopOptions:
 class GainOptions(Given):
     """The gains, or a rule for them."""
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these gains, or with this rule for them."""
         given = self.values
         return replace(plan, design=with_gains(plan.asked, **given)) if given else plan
@@ -93,13 +88,11 @@ GAINS = GainOptions(
 )
 
 
-def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "AutopilotDesign":
+def with_gains(asked: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:
     """Return a design with gains or a rule that options give.
 
     Each puts out the other, and a named rule also what another one took.
     """
-    from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS
-
     out: tuple[str, ...] = ()
     if given.keys() & set(OWN_GAINS):
         out = RULE_KEYS
@@ -110,10 +103,8 @@ def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "Autopi
     return replace(asked, **changed)
 
 
-def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+def _filters(notches: Sequence[str], passes: Sequence[str]) -> tuple[Filter, ...]:
     """Return the filters of `NotchHz` and `LowPassHz`."""
-    from tvclin.vehicle.filters import Filter
-
     made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]
     made += [Filter.low_pass(*_numbers("--low-pass-hz", given, 1, 2)) for given in passes]
     return tuple(made)
@@ -121,10 +112,6 @@ def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ..
 
 def _numbers(option: str, given: str, least: int, most: int) -> list[float]:
     """Return numbers that commas part, the first of them a frequency, from Hz to rad/s."""
-    from math import pi
-
-    from tvclin.base.errors import InputError, number, positive
-
     parts = given.replace(",", " ").split()
     try:
         found = [float(part) for part in parts]

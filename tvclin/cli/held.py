@@ -2,15 +2,20 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from tvclin.answers.case import Case
-    from tvclin.linear.extremes import Extremes, Shown
-    from tvclin.linear.loads import Loads
-    from tvclin.linear.plant import Plant
-    from tvclin.linear.verdict import Verdict
-    from tvclin.winds.histories import History
+import numpy as np
+
+from tvclin.answers.case import Case
+from tvclin.answers.requirement import covers, required_deflection
+from tvclin.base.errors import InputError, within
+from tvclin.cli.wind import wind_words
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.extremes import Extremes, Shown, extremes, shown_until
+from tvclin.linear.loads import Loads, wind_loads
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.linear.verdict import Verdict, judge
+from tvclin.winds.histories import History
 
 _LARGEST = 700.0
 """Floating-point numbers end a little above e^709."""
@@ -20,48 +25,38 @@ _LARGEST = 700.0
 class Held:
     """A case, and the deflection that meets its wind, with K, what is required and the limit."""
 
-    case: "Case"
+    case: Case
     name: str
-    wind: "History"
-    deflection: "History"
+    wind: History
+    deflection: History
     dead_band: float
     required: float
     limit: float
     governs: str
 
     @property
-    def plant(self) -> "Plant":
+    def plant(self) -> Plant:
         """The rigid plant."""
         return self.case.plant.rigid
 
     @cached_property
-    def verdict(self) -> "Verdict":
+    def verdict(self) -> Verdict:
         """What becomes of the attitude where this deflection is held for ever."""
-        from tvclin.linear.verdict import judge
-
         return judge(self.plant, self.deflection, self.wind)
 
     @property
-    def loads(self) -> "Loads":
+    def loads(self) -> Loads:
         """The loads of the wind."""
-        from tvclin.linear.loads import wind_loads
-
         return wind_loads(self.plant, self.deflection, self.wind)
 
     @property
     def words(self) -> str:
         """Wind, model, dead band and limit."""
-        import numpy as np
-
-        from tvclin.cli.wind import wind_words
-
         limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg"
         return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
 
-    def followed(self, length: float) -> "tuple[Extremes, Shown]":
+    def followed(self, length: float) -> tuple[Extremes, Shown]:
         """Return the extremes of the attitude in a length [s], and how much of it is shown."""
-        from tvclin.linear.extremes import extremes, shown_until
-
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
         shown = shown_until(*motion, length, lets_go=self.sufficient and lets_go)
         found = extremes(*motion, shown.time)
@@ -72,22 +67,14 @@ class Held:
     @property
     def sufficient(self) -> bool:
         """Whether the limit is at or above what is required."""
-        from tvclin.answers.requirement import covers
-
         return bool(covers(self.limit, self.required))
 
 
-def held(case: "Case", name: str, dead_band: float, capability: float | None, until: float) -> Held:
+def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:
     """Return what the options ask for, to be followed for so many durations of the wind.
 
     The wind is one with a name, and sets in at t = 0.
     """
-    import numpy as np
-
-    from tvclin.answers.requirement import required_deflection
-    from tvclin.base.errors import InputError, within
-    from tvclin.linear.deflections import trim_then_hold
-
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
     wind, plant = case.history, case.plant.rigid
@@ -111,13 +98,8 @@ def held(case: "Case", name: str, dead_band: float, capability: float | None, un
     return Held(case, name, history, deflection, K, required, limit, str(needed.governs))
 
 
-def _check_length(plant: "Plant", length: float) -> None:
+def _check_length(plant: Plant, length: float) -> None:
     """Raise `InputError` for a length [s] in which what is left over outgrows every number."""
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-    from tvclin.linear.modes import unstable_modes
-
     fastest = float(np.real(unstable_modes(plant).poles).max(initial=0.0))
     if fastest * length > _LARGEST:
         raise InputError(

@@ -2,16 +2,24 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import radians
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from tvclin.answers.case import Case
+from tvclin.answers.parts import told, wholly_rigid
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_study
+from tvclin.base.errors import InputError, within
+from tvclin.base.files import tables_of
+from tvclin.base.lines import listed
 from tvclin.cli.output import say
+from tvclin.vehicle.doubts import doubts
+from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-
-    from tvclin.answers.case import Case
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 T = TypeVar("T")
 R = TypeVar("R", bound="DataclassInstance")
@@ -22,35 +30,28 @@ def only_with(needed: str, **options: Any) -> None:
 
     Options are named as in a signature; one that is None or False is not given.
     """
-    from tvclin.base.errors import InputError
-
     given = [
         f"--{name.replace('_', '-')}"
         for name, value in options.items()
         if value is not None and value is not False
     ]
     if given:
-        *others, last = given
-        named = f"{', '.join(others)} and {last} need" if others else f"{last} needs"
-        raise InputError(f"{named} {needed}")
+        raise InputError(f"{listed(given)} {'need' if len(given) > 1 else 'needs'} {needed}")
 
 
 def case_of(
     source: str,
     *changes: "Callable[[StudyPlan], StudyPlan]",
-    blows: "Callable[[StudyPlan, str], StudyPlan] | None" = None,
+    blows: Callable[[StudyPlan, str], StudyPlan] | None = None,
     told: tuple[str, ...] = (),
     rigid: bool = False,
-) -> "StudyPlan":
+) -> StudyPlan:
     """Return the case that a study file or a vehicle asks for, with options in its place.
 
     Groups of options are changes, as `GainOptions.over`; `PulseOptions.over` has the wind. What
     questions leave out of the case is told on stderr, and so is what is odd in the vehicle; a
     question that is wholly of the rigid vehicle is given that.
     """
-    from tvclin.answers.parts import wholly_rigid
-    from tvclin.answers.study_file.read import load_study
-
     plan = load_study(source)
     if "study" not in told:  # which has them among its own notes
         note_doubts(plan.vehicle)
@@ -65,34 +66,26 @@ def case_of(
     return without_structure(plan) if any(map(wholly_rigid, told)) else plan
 
 
-def without_structure(plan: "StudyPlan") -> "StudyPlan":
+def without_structure(plan: StudyPlan) -> StudyPlan:
     """Return a case of the rigid vehicle, of which nothing is asked of modes."""
     asked = plan.criteria and plan.criteria.without_modes
     return replace(plan, vehicle=plan.vehicle.rigid, criteria=asked)
 
 
-def note_doubts(vehicle: "AnyVehicle") -> None:
+def note_doubts(vehicle: AnyVehicle) -> None:
     """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
-    from tvclin.vehicle.doubts import doubts
-    from tvclin.vehicle.vehicle import Vehicle
-
     for doubt in doubts(vehicle) if isinstance(vehicle, Vehicle) else ():
         say(f"Note: {doubt}.", err=True)
 
 
-def note_left_out(case: "Case", *questions: str) -> None:
+def note_left_out(case: Case, *questions: str) -> None:
     """Say on stderr what questions leave out of a case, see `parts.told`."""
-    from tvclin.answers.parts import told
-
     for sentence in told(case, *questions):
         say(f"Note: {sentence}.", err=True)
 
 
 def note_source(source: str, question: str) -> None:
     """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
-    from tvclin.base.files import tables_of
-    from tvclin.vehicle.file import vehicle_text
-
     if source.lower().endswith(".csv"):
         return
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
@@ -101,18 +94,14 @@ def note_source(source: str, question: str) -> None:
 
 def radians_of(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
     """Return the angle [rad] of an option, at least so many degrees; None without it."""
-    from math import radians
-
-    from tvclin.base.errors import within
-
     return None if degrees is None else radians(within(name, degrees, lowest, 90.0))
 
 
-def chosen(option: "T | None", otherwise: "T") -> "T":
+def chosen(option: T | None, otherwise: T) -> T:
     """Return an option, or what holds where it is not given."""
     return otherwise if option is None else option
 
 
-def changed(record: "R", **options: Any) -> "R":
+def changed(record: R, **options: Any) -> R:
     """Return a record with the options that are given in place of its own values."""
     return replace(record, **{name: one for name, one in options.items() if one is not None})

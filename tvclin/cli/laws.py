@@ -2,8 +2,17 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from math import degrees
+from typing import Any
 
+from tvclin.answers.flexible import with_filters
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.trial_tables import LEGEND, Bounds, bounds, doubts, loads, needed, tried
+from tvclin.answers.trials import WINDS, LawTrials, law_trials, standard_laws, standard_winds
+from tvclin.base.documents import picked
+from tvclin.base.errors import one_of, within
+from tvclin.base.lines import listed
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
@@ -21,24 +30,23 @@ from tvclin.cli.options import (
 from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.linear.flexible import AnyPlant, plant_of
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
 
-if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.answers.trial_tables import Bounds
-    from tvclin.answers.trials import LawTrials
-    from tvclin.control.laws.law import Law
-    from tvclin.linear.flexible import AnyPlant
-    from tvclin.linear.plant import Plant
-    from tvclin.winds.histories import History
+
+def _quoted(name: str) -> str:
+    return f"'{name}'" if " " in name else name
 
 
 def laws(
     vehicle: Source = "configuration-i",
     blows: BlowingOptions = GROUP,
     wind: list[str] | None = asked(
-        "Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
-        " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
-        " 'flip to 0.3', 'full reversal'.",
+        f"Only this wind; may be given several times: {listed(map(_quoted, WINDS), 'or')}.",
         shown="all",
     ),
     cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
@@ -62,10 +70,6 @@ def laws(
     Exit code 0: answered; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.trial_tables import bounds
-    from tvclin.answers.trials import law_trials
-    from tvclin.base.errors import within
-    from tvclin.linear.flexible import plant_of
 
     if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
@@ -94,18 +98,16 @@ def laws(
 class _Found:
     """What flew in winds of a peak [rad] and a duration [s], and what stands beside it."""
 
-    case: "StudyPlan"
-    plant: "AnyPlant"
+    case: StudyPlan
+    plant: AnyPlant
     peak: float
     duration: float
     rate: float
-    trials: "LawTrials"
-    beside: "dict[str, Bounds]"
+    trials: LawTrials
+    beside: dict[str, Bounds]
 
     def document(self, cuts: int) -> dict[str, Any]:
         """Return it for JSON."""
-        from tvclin.base.documents import picked
-
         trims = {name: one.trim_deg for name, one in self.beside.items()}
         return {
             **picked(self, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
@@ -122,10 +124,6 @@ class _Found:
 
     def print(self, source: str) -> None:
         """Print what flew, what each law needs, and what is odd about it."""
-        from math import degrees
-
-        from tvclin.answers.trial_tables import LEGEND, doubts, loads, needed, tried
-
         if self.plant.structure is not None:
             say(parts_line(self.plant.structure))
             say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.asked.delay:g} ms")
@@ -139,7 +137,7 @@ class _Found:
         say_notes(doubts(self.trials))
 
 
-def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
+def _beside_boundaries(plan: StudyPlan) -> StudyPlan:
     """Return the case of a file as laws fly it beside boundaries, which have no actuator."""
     if plan.vehicle.structure is not None:
         return plan
@@ -148,22 +146,17 @@ def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 
 
-def _with_gains(gains: Given, plan: "StudyPlan") -> "StudyPlan":
+def _with_gains(gains: Given, plan: StudyPlan) -> StudyPlan:
     """Return a plan with the gains of options; `InputError` where no law of its file has them."""
-    from tvclin.control.laws.registry import AUTOPILOT
-
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
         gains.only_with("the law autopilot in the table [laws]")
     return gains.over(plan)
 
 
-def _laws(case: "StudyPlan", plant: "Plant", peak: float) -> "dict[str, Law]":
+def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     """The laws that are asked for, designed for a peak [rad], with the filters of the case."""
-    from tvclin.answers.flexible import with_filters
-    from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.answers.trials import standard_laws
-
-    every = standard_laws(plant, peak, autopilot_asked(case, case.history, case.held_to))
+    own = autopilot_asked(case, case.history, case.held_to)
+    every = standard_laws(plant, peak, own, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.asked)
         for name, law in every.items()
@@ -172,13 +165,9 @@ def _laws(case: "StudyPlan", plant: "Plant", peak: float) -> "dict[str, Law]":
 
 
 def _winds(
-    blows: BlowingOptions, names: list[str] | None, case: "StudyPlan"
-) -> "tuple[float, float, dict[str, History]]":
+    blows: BlowingOptions, names: list[str] | None, case: StudyPlan
+) -> tuple[float, float, dict[str, History]]:
     """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
-    from tvclin.answers.trials import standard_winds
-    from tvclin.base.errors import one_of
-    from tvclin.winds.shaped import ShapedWind
-
     pulse = case.blows
     if not isinstance(pulse, ShapedWind):
         only_with("the standard winds in place of --winds", wind=names)

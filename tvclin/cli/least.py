@@ -1,18 +1,19 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
+from tvclin.answers.case import Case
+from tvclin.answers.least_gains.asked import least_asked
+from tvclin.answers.least_gains.record import LeastGains
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError
 from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import asked, switch
 from tvclin.cli.output import print_tables, say, say_notes
-
-if TYPE_CHECKING:
-    from tvclin.answers.case import Case
-    from tvclin.answers.least_gains.record import LeastGains
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.margins.criteria import Criteria
+from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.control.margins.criteria import Criteria
+from tvclin.winds.shaped import ShapedWind
 
 _DURATIONS = (1.0, 0.5, 2.0)
 """Of the winds, over the one that is asked about: one wind alone is overfitted."""
@@ -36,10 +37,8 @@ class LeastOptions:
         "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
     )
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan of these gains, where they are asked for."""
-        from tvclin.control.autopilot.rules import LEAST_NOZZLE
-
         if not self.least:
             only_with("--least", **vars(self))
             return plan
@@ -47,13 +46,8 @@ class LeastOptions:
         design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
         return replace(plan, design=design)
 
-    def found(self, case: "Case", criteria: "Criteria") -> "LeastGains | None":
+    def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
         """Return the gains for the least nozzle where they are asked for."""
-        from tvclin.answers.least_gains.asked import least_asked
-        from tvclin.base.errors import InputError
-        from tvclin.control.autopilot.rules import LEAST_NOZZLE
-        from tvclin.winds.shaped import ShapedWind
-
         asked, wind = case.asked, case.blows
         if not self.least:
             return None
@@ -75,7 +69,7 @@ class LeastOptions:
         )
 
 
-def print_least(found: "LeastGains") -> None:
+def print_least(found: LeastGains) -> None:
     """Print what was sought, what holds it, and what is to be known about it."""
     print_tables(found.table())
     say(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")

@@ -1,18 +1,23 @@
 """What `tvclin margins` prints: an autopilot, the margins of its loop, and the criteria."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from tvclin.base.errors import InputError
+from tvclin.base.lines import quantities
+from tvclin.cli.bands import parts_line, print_bands
 from tvclin.cli.output import print_tables, say, say_notes
-
-if TYPE_CHECKING:
-    from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.autopilot.bounds import MarginBounds
-    from tvclin.control.autopilot.detuning import Detuned
-    from tvclin.control.margins.bands import BandMargins
-    from tvclin.control.margins.criteria import Criteria, Judgement
-    from tvclin.control.margins.record import Margins
-    from tvclin.linear.flexible import AnyPlant
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.bounds import MarginBounds, margin_bounds
+from tvclin.control.autopilot.detuning import Detuned, detuned
+from tvclin.control.margins.bands import BandMargins
+from tvclin.control.margins.criteria import Criteria, Judgement
+from tvclin.control.margins.record import Margins
+from tvclin.control.margins.sampled_loop import SampledLoop
+from tvclin.control.margins.tables import margin_table
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 _BESIDE = 0.05
 """A pole of an approximate delay is that of the exact one if it is so near, over its size."""
@@ -22,14 +27,14 @@ _BESIDE = 0.05
 class MarginsFound:
     """The margins of a loop, by band too of a flexible plant, and what is asked of them."""
 
-    autopilot: "Autopilot"
-    plant: "AnyPlant"
-    whole: "Margins"
-    bands: "BandMargins | None"
-    asked: "Criteria"
+    autopilot: Autopilot
+    plant: AnyPlant
+    whole: Margins
+    bands: BandMargins | None
+    asked: Criteria
 
     @classmethod
-    def of(cls, autopilot: "Autopilot", plant: "AnyPlant", asked: "Criteria") -> "MarginsFound":
+    def of(cls, autopilot: Autopilot, plant: AnyPlant, asked: Criteria) -> "MarginsFound":
         """Return the margins of a plant, by band too where it is flexible."""
         if plant.structure is None:
             return cls(autopilot, plant, autopilot.margins(plant), None, asked)
@@ -37,16 +42,13 @@ class MarginsFound:
         return cls(autopilot, plant, bands.whole, bands, asked)
 
     @property
-    def judged(self) -> "tuple[Judgement, ...]":
+    def judged(self) -> tuple[Judgement, ...]:
         """What is asked, of the whole loop and of each mode, and whether it is met."""
         return self.asked.judge(self.bands or self.whole)
 
     @property
-    def detuned(self) -> "Detuned":
+    def detuned(self) -> Detuned:
         """The margins of a flexible vehicle's loop with detuned modes."""
-        from tvclin.control.autopilot.detuning import detuned
-        from tvclin.linear.flexible import FlexiblePlant
-
         assert isinstance(self.plant, FlexiblePlant)  # margins refuses --detuned of all else
         return detuned(self.autopilot, self.plant, criteria=self.asked)
 
@@ -58,10 +60,6 @@ class MarginsFound:
 
 def print_margins(title: str, found: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
-    from tvclin.base.lines import quantities
-    from tvclin.cli.bands import parts_line, print_bands
-    from tvclin.control.margins.tables import margin_table
-
     rows, whole = found.autopilot.rows(), found.whole
     if found.plant.structure is not None:
         say(parts_line(found.plant.structure))
@@ -82,28 +80,23 @@ def print_margins(title: str, found: MarginsFound) -> None:
             say("Other gains: --natural-frequency and --damping, or gains of your own.")
 
 
-def print_bounds(autopilot: "Autopilot", plant: "AnyPlant") -> None:
+def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:
     """Print what no autopilot around a plant with this nozzle and delay can have."""
     found = _bounds(autopilot, plant)
     if found is not None and found.sentence:
         say(f"Bounds: {found.sentence}.")
 
 
-def _bounds(autopilot: "Autopilot", plant: "AnyPlant") -> "MarginBounds | None":
+def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
     """What bounds the margins; None where nothing grows."""
-    from tvclin.base.errors import InputError
-    from tvclin.control.autopilot.bounds import margin_bounds
-
     try:
         return margin_bounds(plant, actuator=autopilot.actuator, delay=float(autopilot.delay))
     except InputError:
         return None
 
 
-def poles(autopilot: "Autopilot", plant: Any) -> str:
+def poles(autopilot: Autopilot, plant: Any) -> str:
     """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
-    import numpy as np
-
     every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         exact = autopilot.exact_loop(plant).closed_loop_poles
@@ -131,10 +124,8 @@ def margins_document(found: MarginsFound) -> dict[str, Any]:
     }
 
 
-def poles_document(autopilot: "Autopilot", plant: "AnyPlant") -> dict[str, Any]:
+def poles_document(autopilot: Autopilot, plant: AnyPlant) -> dict[str, Any]:
     """Return the closed-loop poles: s [1/s], or z of a sampled autopilot."""
-    from tvclin.control.margins.sampled_loop import SampledLoop
-
     if autopilot.sample_rate is None:
         return {"closed_loop_poles": autopilot.closed_loop_poles(plant).tolist()}
     loop = autopilot.exact_loop(plant)

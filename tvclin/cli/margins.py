@@ -5,6 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.documents import picked
+from tvclin.base.errors import one_of
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.flown import flown_found, print_flown
@@ -25,13 +29,12 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import draw, print_json, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
+from tvclin.control.autopilot.detuning import Detuned
+from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 if TYPE_CHECKING:
     from control import ControlPlot
-
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.control.autopilot.detuning import Detuned
-    from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -73,10 +76,6 @@ def margins(
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
     """
-    from tvclin.answers.least_gains.asked import autopilot_asked
-    from tvclin.base.errors import one_of
-    from tvclin.control.autopilot.rules import LEAST_NOZZLE
-
     one_of("--chart", chart, _CHARTS)
     if not flown:
         limits.only_with("--flown")
@@ -107,11 +106,11 @@ def margins(
 class _Answer:
     """Margins, and what was asked for besides: of detuned modes, flown in a wind, and in a box."""
 
-    case: "StudyPlan"
+    case: StudyPlan
     found: MarginsFound
     wind: str
-    moved: "Detuned | None"
-    in_wind: "FlownMargins | None"
+    moved: Detuned | None
+    in_wind: FlownMargins | None
     in_box: BoxFound | None
 
     @property
@@ -121,8 +120,6 @@ class _Answer:
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        from tvclin.base.documents import picked
-
         wind = {"name": self.wind, **picked(self.case, "peak_deg=history.peak")}
         beside = {
             "wind": self.in_wind and wind,

@@ -2,17 +2,21 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import typer
 
+from tvclin.answers.optimum import KnownWind
+from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, ShownCurves, Source, asked
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from tvclin.linear.plant import Plant
     from tvclin.plots.curves import Curves
-    from tvclin.winds.histories import History
 
 
 def optimum(
@@ -31,8 +35,6 @@ def optimum(
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.optimum import KnownWind
-    from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 
     case = case_of(vehicle, rate_limit.over, motion.over, blows=blows.over, told=("optimum",))
     plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
@@ -51,11 +53,8 @@ def optimum(
         raise typer.Exit(1)
 
 
-def _curves(plant: "Plant", deflection: "History", wind: "History", title: str) -> "Curves":
+def _curves(plant: Plant, deflection: History, wind: History, title: str) -> "Curves":
     """The response, until the wind is over for twice as long as it blew."""
-    import numpy as np
-
-    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_curves
 
     first = min(0.0, float(deflection.onset), float(wind.onset))

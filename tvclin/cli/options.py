@@ -11,13 +11,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from tvclin.base.declared import Declared, declared, help_line
+from tvclin.base.files import write_text
+from tvclin.base.lines import listed
+from tvclin.base.units import optional_unit
+from tvclin.boundary.stops import STOPS
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
+from tvclin.winds.shaped import PULSES
 
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.base.declared import Declared
     from tvclin.plots.curves import Curves
 
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
@@ -27,7 +32,7 @@ SOURCE_HELP = (
 )
 
 Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
-STOPS_HELP = "round, round-each-plane, square or square-45."
+STOPS_HELP = f"{listed(STOPS, 'or')}."
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
@@ -79,14 +84,16 @@ class Given:
     values: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def fields(self) -> "dict[str, Declared]":
+    def fields(self) -> dict[str, Declared]:
         """The fields by the names of parameters."""
-        from tvclin.base.declared import declared
-
-        module, _, name = self.kind.rpartition(".")
-        every = declared(getattr(import_module(f"tvclin.{module}"), name))
+        every = declared(self._kind)
         chosen = [every[one] for one in self.names.split()]
         return {_parameter(one): one for one in chosen or every.values() if one.option is not None}
+
+    @property
+    def _kind(self) -> Any:
+        module, _, name = self.kind.rpartition(".")
+        return getattr(import_module(f"tvclin.{module}"), name)
 
     def parameters(self) -> list[Parameter]:
         """Return the parameters of a command."""
@@ -109,6 +116,8 @@ class Given:
         if not self.at:
             return replace(plan, **self.values)
         part = plan.asked if self.at == "design" else getattr(plan, self.at)
+        if part is None:
+            return replace(plan, **{self.at: self._kind(**self.values)})
         return replace(plan, **{self.at: replace(part, **self.values)})
 
     def only_with(self, needed: str, *names: str) -> None:
@@ -123,10 +132,8 @@ class Given:
         )
 
 
-def _parameter(one: "Declared") -> str:
+def _parameter(one: Declared) -> str:
     """The parameter of a field: its name with the unit of the option, or that of the option."""
-    from tvclin.base.units import optional_unit
-
     if one.option and "/" not in one.option:
         name = one.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
@@ -137,11 +144,8 @@ def _flag(parameter: str) -> str:
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
-def _option(name: str, one: "Declared", shown: Mapping[str, str]) -> Parameter:
+def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
     """The option of a field, with its help and its default."""
-    from tvclin.base.declared import help_line
-    from tvclin.base.units import optional_unit
-
     kinds = {"text": str, "flag": bool, "count": int}
     kind: Any = kinds.get(one.kind, float)
     default = shown.get(one.name, one.shown)
@@ -162,13 +166,13 @@ def _option(name: str, one: "Declared", shown: Mapping[str, str]) -> Parameter:
 
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
-SHAPE = asked("Shape of the wind: triangular or rectangular.", shown="triangular")
+SHAPE = asked(f"Shape of the wind: {listed(PULSES, 'or')}.", shown="triangular")
 GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S")
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"
 MOTION = Given(STUDY, "model plane")
-MODEL, PLANE = Given(STUDY, "model"), Given(STUDY, "plane")
+MODEL, PLANE, SIGN = (Given(STUDY, one) for one in ("model", "plane", "sign"))
 LIMIT = Given(NOZZLE, "limit", "nozzle")
 RATE_LIMIT = Given(NOZZLE, "rate_limit", "nozzle")
 BOTH_LIMITS = Given(NOZZLE, "limit rate_limit", "nozzle")
@@ -198,8 +202,6 @@ class ShownCurves(Shown, _Csv):
         """Write the CSV file and the figure that are asked for."""
         if self.csv is None and self.plot is None:
             return
-        from tvclin.base.files import write_text
-
         numbers = curves()
         if self.csv is not None:
             write_text(self.csv, numbers.csv())

@@ -1,13 +1,14 @@
 """`tvclin poles`: where the poles are, and how strongly the inputs excite the unstable ones."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, Given, Plot, Source, asked
 from tvclin.cli.output import draw, print_json, print_tables
-
-if TYPE_CHECKING:
-    from tvclin.linear.modes import Modes
+from tvclin.linear.models import MODELS, models_of
+from tvclin.linear.modes import Modes, all_modes, mode_table
+from tvclin.linear.plant import Plant
 
 
 def poles(
@@ -19,10 +20,6 @@ def poles(
 ) -> None:
     """Print the poles of the models, and the residues at the unstable ones."""
     from tvclin import plots
-    from tvclin.base.errors import one_of
-    from tvclin.linear.models import MODELS, models_of
-    from tvclin.linear.modes import all_modes, mode_table
-    from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
     case = case_of(vehicle, within.over, told=("poles",))
@@ -38,7 +35,7 @@ def poles(
     print_tables(mode_table(f"{loaded.name or vehicle}, {plane}: poles of the attitude", found))
 
 
-def _document(found: "Modes") -> list[dict[str, Any]]:
+def _document(found: Modes) -> list[dict[str, Any]]:
     columns = (found.poles, found.deflection_residues, found.wind_residues)
     return [
         {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}

@@ -1,16 +1,17 @@
 """`tvclin report`: the whole answer as one page."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from tvclin.answers.findings import Findings
+from tvclin.answers.questions import all_yes, sufficient
+from tvclin.answers.study_file.read import example_plan, load_study
+from tvclin.base.files import called, write_whole
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
-
-if TYPE_CHECKING:
-    from tvclin.answers.findings import Findings
 
 
 def report(
@@ -31,9 +32,6 @@ def report(
     Exit code 0: the answer to every question of the file is yes, or no limit was given; 1: the
     answer to one is not yes; 2: bad input.
     """
-    from tvclin.answers.questions import all_yes, sufficient
-    from tvclin.answers.study_file.read import example_plan, load_study
-    from tvclin.base.files import called, write_whole
     from tvclin.show.report.page import page_of
 
     plan = example_plan() if source is None else load_study(source)

@@ -3,6 +3,11 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.documents import picked
+from tvclin.base.errors import within
 from tvclin.cli.held import Held, held
 from tvclin.cli.inputs import case_of, chosen
 from tvclin.cli.options import (
@@ -18,12 +23,11 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
+from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
+from tvclin.linear.loads import response_table
+from tvclin.linear.response import attitude_responses
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from tvclin.linear.extremes import Extremes, Shown
     from tvclin.plots.curves import Curves
 
 _LONGEST = 1000.0
@@ -49,10 +53,7 @@ def respond(
 
     Exit code 0: answered; 2: bad input.
     """
-    import numpy as np
-
     from tvclin import plots
-    from tvclin.base.errors import within
 
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
@@ -72,9 +73,8 @@ def respond(
         _print(case, found, shown)
 
 
-def _curves(case: Held, times: "NDArray[np.float64]") -> "Curves":
+def _curves(case: Held, times: NDArray[np.float64]) -> "Curves":
     """The response over times [s]."""
-    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_curves
 
     deflection, wind = case.deflection, case.wind
@@ -89,12 +89,7 @@ def _title(case: Held) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, found: "Extremes", shown: "Shown") -> None:
-    import numpy as np
-
-    from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER
-    from tvclin.linear.loads import response_table
-
+def _print(case: Held, found: Extremes, shown: Shown) -> None:
     say(case.words)
     caption = f"{case.case.vehicle.name}: exact response"
     whole = _covers_the_wind(case, shown)
@@ -107,7 +102,9 @@ def _print(case: Held, found: "Extremes", shown: "Shown") -> None:
     stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
         stable = "stable by (4b) but for the slow mode of the flight path"
-    say(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
+    say(f"If the deflection is held for ever it is {stable}: it leaves {verdict.left_over}.")
+    if case.sufficient and not verdict.stable:
+        say("SUFFICIENT means for a control that lets go of the limit in time.")
     if shown.why == LET_GO:
         say(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
@@ -119,15 +116,11 @@ def _print(case: Held, found: "Extremes", shown: "Shown") -> None:
             say(TURNED_OVER)
 
 
-def _covers_the_wind(case: Held, shown: "Shown") -> bool:
-    from tvclin.linear.extremes import WHOLE
-
+def _covers_the_wind(case: Held, shown: Shown) -> bool:
     return shown.why == WHOLE or shown.time >= float(case.wind.end)
 
 
-def _document(case: Held, found: "Extremes", shown: "Shown") -> dict[str, Any]:
-    from tvclin.base.documents import picked
-
+def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
     verdict, whole = case.verdict, _covers_the_wind(case, shown)
     keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
     return {

@@ -2,15 +2,22 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from tvclin.answers.schedules.log import read_log
+from tvclin.answers.schedules.mapped import read_table
+from tvclin.answers.schedules.openrocket import read_openrocket
+from tvclin.answers.schedules.rasaero import read_rasaero
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, shown
+from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.lines import words
 from tvclin.cli.options import GROUP, asked, grouped
-from tvclin.cli.output import say
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.cli.output import print_tables, say
+from tvclin.vehicle.coefficients import Coefficients
 
 schedule = typer.Typer(
     no_args_is_help=True, help="Make flight schedules: a vehicle over the time of its flight."
@@ -43,8 +50,6 @@ class Site:
     @property
     def told(self) -> dict[str, Any]:
         """What a reader is told of it."""
-        from tvclin.base.errors import InputError
-
         number, table = self.cn_alpha_per_rad, self.cn_alpha
         if number is not None and table is not None:
             raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
@@ -77,8 +82,6 @@ def openrocket(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.openrocket import read_openrocket
-
     found = read_openrocket(
         file,
         gimbal_station=gimbal_station_m,
@@ -109,9 +112,6 @@ def rasaero(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.rasaero import read_rasaero
-    from tvclin.base.errors import InputError
-
     told = site.told
     if told["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
@@ -140,21 +140,55 @@ def table(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    from tvclin.answers.schedules.mapped import read_table
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, read_text, tables_of
-
-    document = tables_of(read_text(columns, "a TOML file of columns"), str(columns))
-    found = document.get("columns")
-    if not isinstance(found, dict) or len(document) > 1:
-        raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")
-    made = read_table(file, found, **vars(rows))
+    made = read_table(file, _columns(columns), **vars(rows))
     _write(made, file, output)
 
 
-def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
-    from tvclin.base.errors import InputError, shown
+@source.command()
+@grouped
+def log(
+    file: Annotated[
+        Path, typer.Argument(help="A table with column names, or a .mat file of version 5.")
+    ],
+    output: Output,
+    wind_output: Annotated[
+        Path | None,
+        typer.Option(help="Also write the wind that the flight met, over height, as CSV."),
+    ] = None,
+    columns: Annotated[
+        Path | None,
+        typer.Option(
+            help="TOML file with a table named columns, as of tvclin schedule from table.",
+            show_default="our names, with their units",
+        ),
+    ] = None,
+    rows: Rows = GROUP,
+) -> None:
+    """Read the log of a simulation in wind: a schedule, and the wind that it met.
 
+    The wind is the column wind_angle_deg, wind_speed_m_per_s, or angle_of_attack_deg.
+
+    Exit code 0: written; 2: bad input, and nothing is written.
+    """
+    found = read_log(file, None if columns is None else _columns(columns), **vars(rows))
+    if wind_output is None:
+        _write(found.schedule, file, output)
+        return
+    found.profile  # noqa: B018  # nothing is written where it has none
+    _write(found.schedule, file, output)
+    found.write_wind(wind_output)
+    say(f"Wrote {called(wind_output)}: add --winds {wind_output} --azimuth-deg 0")
+
+
+def _columns(file: Path) -> dict[str, Any]:
+    document = tables_of(read_text(file, "a TOML file of columns"), str(file))
+    found = document.get("columns")
+    if not isinstance(found, dict) or len(document) > 1:
+        raise InputError(f"{called(file)} must hold one table [columns] and nothing beside it")
+    return found
+
+
+def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
     try:
         pairs = [tuple(map(float, one.split(":"))) for one in given]
         times, inertias = zip(*pairs, strict=True)
@@ -166,11 +200,8 @@ def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
     return list(times), list(inertias)
 
 
-def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
+def _write(found: FlightSchedule, file: Path, output: Path) -> None:
     """Write a schedule, and print what it is and where it came from."""
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, exists
-
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     found.to_csv(output)
@@ -178,13 +209,7 @@ def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
     say(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
 
 
-def _print(found: "FlightSchedule") -> None:
-    import numpy as np
-
-    from tvclin.base.lines import words
-    from tvclin.cli.output import print_tables
-    from tvclin.vehicle.coefficients import Coefficients
-
+def _print(found: FlightSchedule) -> None:
     first, last = found.span
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(found.at(times))

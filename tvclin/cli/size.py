@@ -1,20 +1,33 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from tvclin.answers.campaign.quick import disperse_study
+from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.ratio import ControllabilityRatio
+from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.total import DeflectionTotal, total_table
+from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.study import Study
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_sizing
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError
+from tvclin.boundary.stops import Stop
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
+    BOTH_LIMITS,
     GROUP,
-    LIMIT,
     MODEL,
+    SIGN,
     STOPS_HELP,
-    STUDY,
     TIME_HELP,
     AsJson,
     Given,
@@ -25,17 +38,12 @@ from tvclin.cli.options import (
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import ShapedOptions, azimuth_of
-
-if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
-    from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.sizing.total import DeflectionTotal
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.boundary.stops import Stop
+from tvclin.vehicle.coefficients import BOTH
+from tvclin.winds.soundings.read import read_sounding
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
-_SOURCE = (
+SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
     " its nominal flight."
@@ -54,12 +62,8 @@ class FlightOptions(ShapedOptions):
         metavar="TIME",
     )
 
-    def soundings(self) -> "dict[str, SoundingAsked]":
+    def soundings(self) -> dict[str, SoundingAsked]:
         """Return the soundings of the files by name, and by the time that was asked for."""
-        from tvclin.answers.sizing.asked import SoundingAsked
-        from tvclin.base.errors import InputError
-        from tvclin.winds.soundings.read import read_sounding
-
         files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
         if degrees is not None and not files and self.wind_direction_deg is None:
             raise InputError(
@@ -83,7 +87,7 @@ class FlightOptions(ShapedOptions):
             found[name] = SoundingAsked(read_sounding(file, time=time), azimuth)
         return found
 
-    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
         own = replace(self, peak_speed=None, azimuth_deg=straight)
@@ -108,7 +112,7 @@ class FlightOptions(ShapedOptions):
 
 def size(
     source: Annotated[
-        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
     model: Given = MODEL,
@@ -120,8 +124,8 @@ def size(
         shown="round",
         metavar="SHAPE",
     ),
-    sign: Given = Given(STUDY, "sign"),
-    limit: Given = LIMIT,
+    sign: Given = SIGN,
+    limits: Given = BOTH_LIMITS,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
     disperse: bool = switch(
         "--disperse",
@@ -141,50 +145,48 @@ def size(
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.study_file.read import load_sizing
-    from tvclin.base.documents import picked
-    from tvclin.vehicle.coefficients import BOTH
 
-    soundings = blows.soundings()
-    note_source(source, "size")
-    case = load_sizing(source, soundings)
-    for one in (limit, model, sign, question):
-        case = one.over(case)
-    case = changed(case, plane=None if plane == BOTH else plane)
-    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
-    case = blows.over(case)
+    changes = [one.over for one in (limits, model, sign, question)]
+    case = flight_asked("size", source, blows, *changes, plane=plane, stop=stop)
     asked = case.sizing
     assert asked is not None
     if not asked.soundings:
         question.only_with("a sounding, --winds or [[wind]] with one", "window")
-    if not (asked.pulse or asked.others):
-        sign.only_with("a pulse: a sounding has its own sign")
+    if not (asked.pulse or asked.others or case.sign == FROZEN):
+        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
         asked = replace(asked, dispersion=_dispersed(case, asked, found))
-    whole = asked.total(case, found)
-    said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
+    whole, ratio = asked.total(case, found), asked.ratio(case, found)
+    said = [*asked.warnings, *asked.notes, *_hints(asked, found), *(ratio.notes if ratio else ())]
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
     if as_json:
         verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
-        beside = {"total": whole, "notes": [*found.notes, *said], "verdict": verdict}
+        beside = {
+            "total": whole,
+            "controllability": ratio,
+            "notes": [*found.notes, *said],
+            "verdict": verdict,
+        }
         print_json(found.as_dict() | beside)
     else:
-        _print(found, whole, source, asked.counted(found), said)
-    if whole.limit is not None and not whole.sufficient:
+        _print(found, whole, ratio, source, asked.counted(found), said)
+    if whole.too_slow or (whole.limit is not None and not whole.sufficient):
         raise typer.Exit(1)
 
 
 def _print(
-    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+    found: Sizing,
+    total: DeflectionTotal,
+    ratio: ControllabilityRatio | None,
+    source: str,
+    counted: str,
+    said: list[str],
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
-    from tvclin.answers.sizing import tables
-    from tvclin.answers.sizing.total import total_table
-
     name = found.schedule.vehicle.name or source
     planes = "both planes, one stop" if found.alone else found.plane
     say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
@@ -198,13 +200,14 @@ def _print(
     say(f"{tables.legend(found)}\n")
     print_tables(total_table(total, counted))
     say_lines(total.verdict)
+    if ratio is not None:
+        print_tables(ratio.table)
+        say_lines([ratio.verdict])
     say_notes((*found.notes, *said))
 
 
-def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
+def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
     """Which options would tell more than what was found."""
-    from tvclin.answers.sizing.record import STEADY
-
     first, last = found.schedule.span
     begin, end = (float(time) for time in (found.times.min(), found.times.max()))
     if (asked.start is None and begin > first) or (asked.stop is None and end < last):
@@ -220,22 +223,35 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
         )
 
 
+def flight_asked(
+    question: str,
+    source: str,
+    blows: FlightOptions,
+    *changes: Callable[[StudyPlan], StudyPlan],
+    plane: str | None,
+    stop: str | None,
+) -> StudyPlan:
+    """Return the case of a flight that a file and options ask for."""
+    soundings = blows.soundings()
+    note_source(source, question)
+    case = load_sizing(source, soundings)
+    for change in changes:
+        case = change(case)
+    case = changed(case, plane=None if plane == BOTH else plane)
+    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
+    return blows.over(case)
+
+
 def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
     """The stop of both planes, round where they are asked for without one; None of one plane."""
-    from tvclin.vehicle.coefficients import BOTH
-
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)
         return None
     return chosen(given, stop or "round")
 
 
-def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:
+def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    from tvclin.answers.campaign.quick import disperse_study
-    from tvclin.answers.study import Study
-    from tvclin.base.errors import InputError
-
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted(found)
     band = counted.split(",")[0]

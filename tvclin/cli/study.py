@@ -2,10 +2,16 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import typer
 
+from tvclin.answers import study_tables as tables
+from tvclin.answers.asked_table import asked_table
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+from tvclin.answers.findings import Findings, find
+from tvclin.answers.questions import all_yes, questioned, questions, sufficient
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     GROUP,
@@ -19,33 +25,28 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import print_tables, say, say_lines, say_notes
+from tvclin.cli.output import print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
-
-if TYPE_CHECKING:
-    from tvclin.answers.findings import Findings
-    from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.vehicle.file import as_written
 
 
 @dataclass(frozen=True)
 class DisperseOptions(Given):
     """The number of dispersed cases and their seed."""
 
-    def over(self, plan: "StudyPlan") -> "StudyPlan":
+    def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these numbers; `InputError` where nothing is dispersed."""
         if plan.dispersions is None:
             self.only_with("--disperse, or a study file with dispersions")
         return super().over(plan)
 
 
-def _beside(stop: str | None, disperse: bool, plan: "StudyPlan") -> "StudyPlan":
+def _beside(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
     """Return a plan with the stop of an option, and dispersions that are assumed if it has none."""
     plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
     if not disperse or plan.dispersions is not None:
         return plan
-    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
-
     return replace(plan, dispersions=DEFAULT_DISPERSIONS)
 
 
@@ -78,10 +79,6 @@ def study(
     Exit code 0: the answer to every question is yes, or no limit was given; 1: the answer to one is
     not yes; 2: bad input.
     """
-    from tvclin.answers.findings import find
-    from tvclin.answers.questions import all_yes, questioned
-    from tvclin.base.errors import InputError
-
     own = limit.over, partial(_beside, stop, disperse), question.over, drawn.over
     plan = case_of(source, *own, blows=blows.over, told=("study",))
     with bar("answers") as progress:
@@ -102,22 +99,14 @@ def study(
         raise typer.Exit(1)
 
 
-def _print_json(found: "Findings") -> None:
-    from tvclin.answers.questions import questions, sufficient
-    from tvclin.cli.output import print_json
-
+def _print_json(found: Findings) -> None:
     extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
     answers = {"questions": questions(found), "sufficient": sufficient(found)}
     print_json(found.study.as_dict() | extra | answers)
 
 
-def _print(found: "Findings", source: str, explain: bool) -> None:
+def _print(found: Findings, source: str, explain: bool) -> None:
     """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
-    from tvclin.answers import study_tables as tables
-    from tvclin.answers.asked_table import asked_table
-    from tvclin.answers.questions import questions, sufficient
-    from tvclin.vehicle.file import as_written
-
     s, d, each = found.study, found.dispersed, questions(found)
     print_tables(tables.vehicle(s, source, as_written(source)), tables.coefficients(s))
     print_tables(tables.poles(s), tables.boundaries(s))

@@ -1,21 +1,33 @@
 """The options of the wind of one flight time, and the wind that they ask for."""
 
 from dataclasses import dataclass, replace
+from math import degrees, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from tvclin.answers.case import Case
+from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind, fly_through
+from tvclin.answers.sizing.placing import place
+from tvclin.answers.sizing.schedule_file import load_schedule
+from tvclin.answers.study import pulse_of
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import vehicle_source
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, between, nonnegative, nonzero, number, one_of, positive
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import GUST, SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
+from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.winds import file
+from tvclin.winds.file import heading_of
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.read import read_sounding
 
 if TYPE_CHECKING:
-    from tvclin.answers.case import Case
-    from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
-    from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.winds.histories import History
-    from tvclin.winds.shaped import ShapedWind
-    from tvclin.winds.soundings.profile import WindProfile
-
     Met = MeasuredWind | MeasuredPlanes
 
 _WINDOW = 20.0
@@ -45,8 +57,6 @@ class PulseOptions:
     azimuth_deg: float | None = asked("Direction of flight, in deg from north, clockwise.")
 
     def __post_init__(self) -> None:
-        from tvclin.base.errors import InputError
-
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
         if self.gust is not None and self.gust_speed is not None:
@@ -54,15 +64,8 @@ class PulseOptions:
         if self.gust is None and self.gust_speed is None:
             only_with("--gust", gust_at=self.gust_at, gust_plateau=self.gust_plateau)
 
-    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, as far as they give one."""
-        import numpy as np
-
-        from tvclin.answers.study import pulse_of
-        from tvclin.base.errors import number, one_of, positive
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-        from tvclin.winds.shaped import PULSES
-
         wind, shape = pulse_of(plan), getattr(self, "wind", None)
         lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
         wind = replace(
@@ -78,11 +81,8 @@ class PulseOptions:
             wind = wind.of_speed(self.peak_speed, whole, plan.plane)
         return replace(plan, wind=wind)
 
-    def _gusty(self, wind: "ShapedWind", plan: "StudyPlan") -> "ShapedWind":
+    def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
         """A wind with the gust of these options, as the vehicle of a plan meets it."""
-        from tvclin.base.errors import nonzero, number
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         if self.gust is None and self.gust_speed is None:
             return wind
         plateau = chosen(self.gust_plateau, 0.0)
@@ -98,11 +98,6 @@ class PulseOptions:
     @property
     def _heading(self) -> float | None:
         """The heading of the wind [rad]; None without --wind-direction-deg."""
-        import numpy as np
-
-        from tvclin.base.errors import number
-        from tvclin.winds.file import heading_of
-
         given = {"--wind-direction-deg": self.wind_direction_deg, "--azimuth-deg": self.azimuth_deg}
         angles = [
             None if one is None else float(np.radians(number(name, one)))
@@ -136,7 +131,7 @@ class BlowingOptions(PulseOptions):
         shown="20",
     )
 
-    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
         if self.winds is None:
             only_with("a sounding, --winds", window=self.window, winds_time=self.winds_time)
@@ -144,11 +139,8 @@ class BlowingOptions(PulseOptions):
         met = self.sounding(plan, source)
         return replace(plan, wind=met.shift(-float(met.onset)))
 
-    def in_flight(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+    def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return the same in flight time, a pulse with its middle at the vehicle's own."""
-        from tvclin.answers.study import pulse_of
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         if self.winds is not None:
             return replace(plan, wind=self.sounding(plan, source))
         found = self.over(plan, source)
@@ -156,34 +148,28 @@ class BlowingOptions(PulseOptions):
         middle = 0.0 if time is None else float(time)
         return replace(found, wind=found.history.shift(middle - 0.5 * pulse_of(found).duration))
 
-    def name(self, case: "Case") -> str:
+    def name(self, case: Case) -> str:
         """Return what the wind of a case is called: its shape, or the file of the sounding."""
         if self.winds is not None:
             return self.winds.name
         return chosen(getattr(self, "wind", None), case.shape)
 
-    def title(self, case: "Case", source: str) -> str:
+    def title(self, case: Case, source: str) -> str:
         """Return the vehicle of a case, its model and its wind in words."""
         name = case.vehicle.name or source
         return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}"
 
-    def document(self, case: "Case") -> dict[str, Any]:
+    def document(self, case: Case) -> dict[str, Any]:
         """Return the same for JSON, and the plane."""
-        from tvclin.base.documents import picked
-
         wind = {"name": self.name(case), **picked(case.history, "peak_deg onset_s end_s")}
         head = picked(case, "vehicle=vehicle.name model=plant.model")
         return {**head, "wind": wind, "plane": case.plane}
 
-    def sounding(self, plan: "StudyPlan", source: str) -> "History":
+    def sounding(self, plan: StudyPlan, source: str) -> History:
         """Return what the flight of a plan meets of the sounding, in flight time.
 
         As in `tvclin size`, what blows to the side on which the wind is largest counts.
         """
-        from tvclin.answers.sizing.placing import place
-        from tvclin.base.errors import InputError, number, positive
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         assert self.winds is not None
         own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
@@ -208,13 +194,8 @@ class BlowingOptions(PulseOptions):
             )
         return placed.in_flight
 
-    def _met(self, plan: "StudyPlan", source: str, azimuth: float, length: float) -> "Met":
+    def _met(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
         """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
-        from tvclin.answers.sizing.measured import fly_through
-        from tvclin.answers.sizing.schedule_file import load_schedule
-        from tvclin.answers.study import pulse_of
-        from tvclin.answers.study_file.read import vehicle_source
-
         assert self.winds is not None
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
@@ -234,19 +215,13 @@ class WindOptions(BlowingOptions, ShapedOptions):
 
 def azimuth_of(degrees: float | None) -> float:
     """Return the direction of flight [rad] of --azimuth-deg, which soundings need."""
-    from math import radians
-
-    from tvclin.base.errors import InputError, between, number
-
     if degrees is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
 
 
-def noted_sounding(file: Path, time: str | None) -> "WindProfile":
+def noted_sounding(file: Path, time: str | None) -> WindProfile:
     """Return the sounding of a file, and say on stderr what is odd in it."""
-    from tvclin.winds.soundings.read import read_sounding
-
     profile = read_sounding(file, time=time)
     for note in profile.notes:
         say(f"Note: {file.name}: {note}.", err=True)
@@ -255,13 +230,8 @@ def noted_sounding(file: Path, time: str | None) -> "WindProfile":
 
 def gust_of(
     given: tuple[float, float] | None, plateau: float = 0.0, option: str = "--gust"
-) -> "History | None":
+) -> History | None:
     """Return the gust of a peak [deg] and a duration [s], some of which it stays at its peak."""
-    import numpy as np
-
-    from tvclin.base.errors import nonnegative, nonzero, number, positive
-    from tvclin.winds import file
-
     if given is None:
         return None
     peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
@@ -269,12 +239,8 @@ def gust_of(
     return file.gust_of(float(np.radians(peak)), duration, level)
 
 
-def wind_words(name: str, case: "Case") -> str:
+def wind_words(name: str, case: Case) -> str:
     """Return the wind of a case in words: its name, its peak, how long it blows, and its gust."""
-    from math import degrees
-
-    from tvclin.winds.shaped import ShapedWind
-
     wind, gust = case.history, ""
     peak, length = float(wind.peak), float(wind.end - wind.onset)
     if isinstance(case.blows, ShapedWind):

@@ -7,16 +7,91 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.checks import check_frozen
+from tvclin.flights.condition import FlightCondition
+from tvclin.flights.control import Control, command_of
+from tvclin.flights.falls import judged, watched_until
+from tvclin.flights.planar.case import planar_case
 from tvclin.flights.planar.fly_planar import fly_planar
-from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.sixdof.case import SixDof
+from tvclin.flights.sixdof.earth import Earth
 from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
-from tvclin.flights.sixdof.survival import sixdof_verdict
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
 
 Verdict = Callable[[float], bool]
 """Takes a deflection limit [rad] and says whether its flight survives."""
+
+
+def planar_verdict(
+    vehicle: Vehicle,
+    wind: History,
+    control: Control,
+    *,
+    plane: str = "pitch",
+    frozen: bool = True,
+    drift: bool = True,
+    condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
+) -> Verdict:
+    """Return the verdict of planar flights.
+
+    All but `frozen` as of `fly_planar`; the wind ends. `frozen`: whether parameters are frozen; if
+    not, they vary along the nominal flight of `condition`. `InputError` as `fly_planar`, and for an
+    aerodynamically stable vehicle.
+    """
+    check_frozen(frozen, condition)
+    pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
+    if frozen:  # any time is like another, and near zero it is known more sharply
+        wind = wind.shift(-wind.onset)
+    span = (float(wind.onset), watched_until(wind, pole))
+    case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
+    command = command_of(control, span[0], actuator, rate_limit)
+
+    def late_rate(limit: float) -> float:
+        flown = case.flown(command, limit)
+        return float(flown.rows(np.array([min(flown.end, span[1])]))[1, 0])
+
+    return judged(late_rate, command.control, wind, pole)
+
+
+def sixdof_verdict(
+    vehicle: Vehicle,
+    wind: History,
+    control: Control,
+    *,
+    plane: str = "pitch",
+    frozen: bool = True,
+    drift: bool = True,
+    step: float = 0.01,
+    earth: Earth | None = None,
+    condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
+) -> Verdict:
+    """Return the verdict of flights in JSBSim.
+
+    `step`, `earth`: as of `fly_sixdof`, which says what is refused; all others as of
+    `planar_verdict`.
+    """
+    check_frozen(frozen, condition)
+    case = SixDof(vehicle, plane, drift, step, earth, condition)
+    pole, begin = float(case.coefficients.pole), float(wind.onset)
+    air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, pole))
+    command = command_of(control, begin, actuator, rate_limit)
+
+    def late_rate(limit: float) -> float:
+        return float(case.flown(case.steering(command, limit, air), air)[-1, 1])
+
+    return judged(late_rate, command.control, wind, pole)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ With a limit that is too low the vehicle falls to the side to which the wind tur
 that is high enough a law brings it back; the limit held for ever turns it to the other side.
 """
 
+from collections.abc import Callable
+
 from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -19,22 +21,24 @@ def watched_until(wind: History | PlaneWind, pole: float) -> float:
     return float(wind.end) + _WATCHED / pole
 
 
-def lets_go(control: object) -> bool:
-    """Return whether a control lets go of the limit when the work is done."""
-    return isinstance(control, Law)
-
-
 def has_fallen(rate: float, peak: float, pole: float) -> bool:
     """Return whether a late attitude rate [rad/s] is a fall, after a wind of a peak [rad]."""
     return rate > _STILL * pole * abs(peak)
 
 
-def has_survived(rate: float, wind: History, pole: float, let_go: bool) -> bool:
-    """Return whether the late attitude rate [rad/s] is no fall.
+def judged(
+    late_rate: Callable[[float], float], control: object, wind: History, pole: float
+) -> Callable[[float], bool]:
+    """Return what says of a limit [rad] that the late rate [rad/s] with it is no fall.
 
-    Where the limit is let go of, there is no falling to either side; otherwise only to the side
-    to which the wind turns a vehicle.
+    A law lets go of the limit when the work is done, and falls to neither side; what holds the
+    limit for ever, only to the side to which the wind turns a vehicle.
     """
-    peak = float(wind.peak)
-    with_the_wind = -rate if peak > 0.0 else rate
-    return not has_fallen(abs(rate) if let_go else with_the_wind, peak, pole)
+    peak, lets_go = float(wind.peak), isinstance(control, Law)
+
+    def survives(limit: float) -> bool:
+        rate = late_rate(limit)
+        with_the_wind = -rate if peak > 0.0 else rate
+        return not has_fallen(abs(rate) if lets_go else with_the_wind, peak, pole)
+
+    return survives

@@ -17,6 +17,8 @@ FAST_FIRST = 0.9
 """Part of the limit that the fast mode may need against the felt wind."""
 SLOW_LOOP = 3.0
 """Gain of the slow mode's outer loop, in units of its coordinate."""
+_NEWTON = 5
+"""Steps: all digits, since the first guess is within a third and the steps are quadratic."""
 _POWER = 4.0
 """For exponents beyond this, (1 - x)^4 bounds the edge of the recoverable set."""
 
@@ -27,8 +29,9 @@ class LawNumbers(NamedTuple):
     `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and
     of the slow coordinate (zeros where there is none), `ratio` of slow and fast pole (or zero),
     the strength of the wind, B, and the law's own numbers; `peak` is infinite without a design
-    peak. With `estimates` the first two states are attitude rate and wind, to be used in place of
-    what is measured, and the law's own state comes behind them.
+    peak, and `swing`, `reach` times the rate limit over B and the fast pole [rad], without that.
+    With `estimates` the first two states are attitude rate and wind, to be used in place of what is
+    measured, and the law's own state comes behind them.
     """
 
     attitude: float = 0.0
@@ -53,6 +56,7 @@ class LawNumbers(NamedTuple):
     peak: float = math.inf
     trust: float = 0.0
     dead_band: float = 0.0
+    swing: float = math.inf
     estimates: bool = False
 
 
@@ -80,15 +84,41 @@ def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
 def leaning(law: Any, theta: float, rate: float, path: float, wind: float, limit: float) -> float:
     """Return u = z - k w + gain (z - Z), as a deflection; `wind` counts from the path too.
 
-    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z.
+    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z. Where the
+    rate limit is known the feedback is no larger than can be taken back in time, and u stays where
+    z can be brought back if the wind stops.
     """
     wind = wind - path
     size = max(abs(wind) - law.dead_band, 0.0)
     felt = law.wind * (-size if wind < 0.0 else size)
     fast = law.fast_attitude * theta + law.fast_rate * rate + law.fast_path * path
     slow = law.slow_attitude * theta + law.slow_rate * rate + law.slow_path * path
-    lean = leant(law, slow, felt, size, limit / abs(law.B))
-    return law.B * (fast - felt + law.gain * (fast - lean))
+    D = limit / abs(law.B)
+    error = fast - leant(law, slow, felt, size, D)
+    turn = law.gain * error
+    if law.swing < math.inf:
+        reach, most = law.reach * D, turned_back(abs(error), law.swing) - abs(error)
+        turn = fast - felt + min(max(turn, -most), most)
+        turn = max(turn, reach - turned_back(reach - fast, law.swing))
+        return law.B * min(turn, turned_back(reach + fast, law.swing) - reach)
+    return law.B * (fast - felt + turn)
+
+
+@inlined
+def turned_back(room: float, swing: float) -> float:
+    """Return D - u for the furthest u from which D - z = `room` is brought back in still air.
+
+    At the full rate R = `swing` to D, and held there, z up to u + R (1 - e^(-x)) is brought back,
+    x = (D - u)/R: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above. It is also the
+    u from which that rate comes to rest together with z = `room`.
+    """
+    q = max(room, 0.0) / swing
+    x = q + math.sqrt(2.0 * q)
+    for _ in range(_NEWTON):
+        slope = -math.expm1(-x)
+        if slope > 0.0:
+            x -= (x - slope - q) / slope
+    return swing * x
 
 
 @inlined

@@ -77,7 +77,7 @@ def classical_margins(found: LoopFindings) -> FloatArray:
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
     rise = np.where(factors > 1.0, factors, np.nan)
     pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (found.delays, omega))
-    return np.asarray([_least(values, where) for values, where in pairs])
+    return np.asarray([least_of(values, where) for values, where in pairs])
 
 
 def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
@@ -231,14 +231,14 @@ def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> 
     return rows
 
 
-def _least(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The least of each row and its frequency; infinite and NaN in an empty one."""
+def least_of(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the least of each row and its frequency; infinite and NaN in an empty one."""
     if not values.shape[-1]:
         return np.full(len(values), np.inf), np.full(len(values), np.nan)
     filled = np.where(np.isnan(values), np.inf, values)
     place = np.argmin(filled, axis=-1)[:, np.newaxis]
-    least, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
-    return least, np.where(np.isinf(least), np.nan, where)
+    found, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
+    return found, np.where(np.isinf(found), np.nan, where)
 
 
 def _joined(parts: list[LoopFindings]) -> LoopFindings:

@@ -22,7 +22,7 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.linear.modes import unstable_poles, wind_strength
+from tvclin.linear.modes import left_row, unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import INPUTS, Plant
 from tvclin.linear.system import LinearSystem
@@ -274,18 +274,15 @@ class FlexiblePlant(Shown):
         growing = unstable_poles(self.rigid)
         if not growing.shape[-1] or np.any(np.isnan(growing[..., 0])):
             raise InputError("shift() needs a vehicle with a growing mode; this one has none")
-        stiff = growing[..., :1]
+        stiff = growing[..., 0]
         A, B = self._airframe
-        poles, left = np.linalg.eig(np.swapaxes(A, -1, -2))
-        nearest = np.abs(poles - stiff).argmin(axis=-1)[..., np.newaxis]
-        pole = np.take_along_axis(poles, nearest, axis=-1)
-        vector = np.take_along_axis(left, nearest[..., np.newaxis, :], axis=-1)[..., 0]
-        reached = np.einsum("...i,...ij->...j", vector, B)
-        turned = reached[..., :1] + (pole**2 * reached[..., 2:]).sum(axis=-1, keepdims=True)
-        price = np.abs(reached[..., 1:2] / turned) / np.abs(wind_strength(self.rigid, stiff))
+        pole, row = left_row(A, stiff)
+        reached = np.einsum("...i,...ij->...j", row, B)
+        turned = reached[..., 0] + pole**2 * reached[..., 2:].sum(axis=-1)
+        rigid = wind_strength(self.rigid, stiff[..., np.newaxis])[..., 0]
+        price = np.abs(reached[..., 1] / turned) / np.abs(rigid)
         return Shift(
-            plain(100.0 * (np.abs(pole) / np.abs(stiff) - 1.0)[..., 0]),
-            plain(100.0 * (price - 1.0)[..., 0]),
+            plain(100.0 * (np.abs(pole) / np.abs(stiff) - 1.0)), plain(100.0 * (price - 1.0))
         )
 
     @property

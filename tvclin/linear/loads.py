@@ -53,8 +53,8 @@ def response_table(caption: str, found: Extremes, loads: Loads | None) -> Table:
     """Return what stands out in a response, and when; of its loads where it covers the wind."""
     angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
     points = {
-        "with_wind": ("largest attitude error, to the side the wind turns it", found.with_wind),
-        "against_wind": ("largest attitude error, to the other side", found.against_wind),
+        "with_wind": ("largest attitude error, with the wind", found.with_wind),
+        "against_wind": ("largest attitude error, against the wind", found.against_wind),
         "back_at_zero": ("attitude last back at zero", found.back_at_zero),
         "at_wind_end": ("attitude error when the wind ends", found.at_wind_end),
         "at_end": ("attitude error at the end of what is shown", found.at_end),

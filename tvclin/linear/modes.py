@@ -134,6 +134,14 @@ def parted(poles: AnyArray) -> AnyArray:
     return np.real(apart) if np.all((np.imag(apart) == 0.0) | np.isnan(apart)) else apart
 
 
+def left_row(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Return the eigenvalue p of A ``(..., n, n)`` next to a pole ``(...)``, and l of l A = p l."""
+    values, left = np.linalg.eig(np.swapaxes(A, -1, -2))
+    nearest = np.abs(values - pole[..., np.newaxis]).argmin(axis=-1)[..., np.newaxis]
+    row = np.take_along_axis(left, nearest[..., np.newaxis, :], axis=-1)[..., 0]
+    return np.take_along_axis(values, nearest, axis=-1)[..., 0], row
+
+
 def wind_strength(plant: Plant, poles: AnyArray) -> AnyArray:
     """Return N_wind(p)/N_deflection(p) of the attitude at poles ``(..., N)``.
 

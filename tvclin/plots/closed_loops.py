@@ -14,7 +14,17 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
-from tvclin.plots.style import INK, QUANTITIES, WARM, Look, control_plot, draw, fine_grid, literal
+from tvclin.plots.style import (
+    ANGLES,
+    INK,
+    QUANTITIES,
+    WARM,
+    Look,
+    control_plot,
+    draw,
+    fine_grid,
+    literal,
+)
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -37,7 +47,6 @@ _ORDINATES = {
     "wind": "wind angle of attack [deg]",
 }
 _STYLES = QUANTITIES | {_TRIM: {"color": INK, "ls": "--", "lw": 1.4}}
-_ANGLES = ("attitude", "flight_path_angle", "angle_of_attack")
 _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
 _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
 
@@ -152,7 +161,7 @@ def _wind_curves(
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
     trim = np.full(times.size, -float(plant.coefficients.B) * peak)
-    angles = [name for name in _ANGLES if name in rows]
+    angles = [name for name in ANGLES if name in rows]
     columns = [
         *(Column(name, rows[name], "deg", "angles") for name in angles),
         Column("deflection", rows["deflection"], "deg", "deflection"),

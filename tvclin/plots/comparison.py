@@ -8,7 +8,18 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, QUANTITIES, WARM, Look, Style, called, draw
+from tvclin.plots.style import (
+    ANGLES,
+    COLOURS,
+    INK,
+    LINES,
+    QUANTITIES,
+    WARM,
+    Look,
+    Style,
+    called,
+    draw,
+)
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -62,7 +73,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
             for name, limit in levels.items()
             if np.isfinite(limit)
         ),
-        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in _STYLES),
+        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in ANGLES),
         Column("wind", wind, "deg", "angles"),
     ]
     peak = float(np.degrees(c.wind.peak))

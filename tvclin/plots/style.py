@@ -36,6 +36,7 @@ QUANTITIES: dict[str, Style] = {
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
 }
 """How what varies over time is drawn in every figure."""
+ANGLES = ("attitude", "flight_path_angle", "angle_of_attack")
 
 _SYMBOLS = {
     "tau*beta": r"$\tau\beta$",

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 _ALONG = np.linspace(0.0, 1.0, 21)
 _SLIM, _NOSE, _BELL = 0.045, 0.10, 0.07
 """Radius of the body, length of the nose and of the nozzle, over the length between the forces."""
+_WIDTH, _TITLE = 8.6, 0.4
+"""Of the figure, and of its title [inch]."""
 _CLOSE = 0.2
 """Names nearer than this part of that length stand above each other."""
 _DIMENSION: Style = {"color": COLOURS[0], "lw": 1.2}
@@ -44,7 +46,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     single("vehicle", vehicle.batch)
     curves = _curves(vehicle, limit)
     stations = _stations(vehicle)
-    _, axes = plt.subplots(figsize=(8.6, 2.5), layout="constrained")
+    figure, axes = plt.subplots(layout="constrained")
     lines: list[Any] = []
     for name in dict.fromkeys(one.label.rpartition(" ")[0] for one in curves.columns):
         style: Style = {"color": INK, "lw": 1.6} if name == "body" else {"color": WARM, "lw": 1.4}
@@ -78,6 +80,8 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     axes.set_ylim((-4.2 if below > -3.0 * radius else -6.2) * radius, top)
     axes.set(xticks=[], yticks=[])
     axes.set_axis_off()
+    high, wide = (float(np.ptp(ends)) for ends in (axes.get_ylim(), axes.get_xlim()))
+    figure.set_size_inches(_WIDTH, _WIDTH * high / wide + _TITLE)
     return control_plot(lines, axes, curves)
 
 

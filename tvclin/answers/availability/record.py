@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +12,11 @@ from tvclin.answers.availability.confidence import part_of
 from tvclin.answers.availability.judge import Judge
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import Shown, card
+from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     between,
     finite,
-    imported,
     instance,
     nonnegative,
     number,
@@ -25,13 +24,9 @@ from tvclin.base.errors import (
     small_angle,
     within,
 )
-from tvclin.base.files import write_rows
 from tvclin.base.lines import degrees, text
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
-
-if TYPE_CHECKING:
-    import xarray
 
 FloatArray = NDArray[np.float64]
 
@@ -79,7 +74,7 @@ class Today(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Availability(Shown):
+class Availability(Tabled):
     """The deflections that the soundings of an archive need; make it with `availability`.
 
     With several azimuths arrays have a leading axis for them, and methods give a tuple.
@@ -237,56 +232,22 @@ class Availability(Shown):
             found.append(Today(least, high, self.limit, part, (span[0], span[1]), needs.why[0]))
         return self._plain(found)
 
-    def to_csv(self, path: Path | None = None) -> str:
-        """Return a line for each sounding and azimuth as CSV, and write it where a path is given.
-
-        The columns need_deg, least_deg and most_deg are `need`, `least` and `most`; from_s and to_s
-        are `judged`.
-
-        Raises
-        ------
-        InputError
-            When the file cannot be written.
-        """
-        names = "time_utc azimuth_deg need_deg least_deg most_deg flies from_s to_s why"
-        rows = [names.split()]
-        angles = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
-        flies = np.atleast_2d(self.flies)
-        for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
-            for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
-                said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
-                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in angles)
-                ends = ("" if np.isnan(x) else repr(x) for x in self.judged[i].tolist())
-                rows.append([str(time), f"{azimuth:.10g}", *cells, said, *ends, why])
-        return write_rows(rows, path)
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return all numbers as an `xarray.Dataset` over azimuth and time [UTC]; angles in radians.
-
-        Raises
-        ------
-        InputError
-            Where xarray is not installed.
-        """
-        of = imported("xarray", "a Dataset needs xarray", "campaign")
-        make: type[xarray.Dataset] = of.Dataset
-        data: dict[str, Any] = {
-            name: (("azimuth", "time"), np.atleast_2d(getattr(self, name)), {"units": unit})
-            for name, unit in {"need": "rad", "least": "rad", "most": "rad", "flies": "1"}.items()
-        }
-        data["why"] = ("time", np.array(self.why, dtype=str))
-        return make(
-            data,
-            coords={
-                "azimuth": ("azimuth", np.atleast_1d(self.azimuth), {"units": "rad"}),
-                "time": self.soundings.times.astype("datetime64[ns]"),
-            },
-            attrs={
-                "limit": self.limit,
-                "plane": self.plane,
-                "model": self.model,
-                "station": self.soundings.station,
-            },
+    def _columns(self) -> Columns:
+        each = {name: np.atleast_2d(getattr(self, name)) for name in ("need", "least", "most")}
+        begins, ends = self.judged.T
+        return Columns(
+            (
+                Column("azimuth", np.atleast_1d(self.azimuth), "rad"),
+                Column("time", self.soundings.times.astype("datetime64[ns]"), "UTC"),
+            ),
+            (
+                *(Column(name, values, "rad") for name, values in each.items()),
+                Column("flies", np.atleast_2d(self.flies)),
+                Column("from", begins, "s", ("time",)),
+                Column("to", ends, "s", ("time",)),
+                Column("why", np.array(self.why, dtype=str), "", ("time",)),
+            ),
+            picked(self, "limit plane model station=soundings.station"),
         )
 
     def with_limit(self, limit: float) -> Self:

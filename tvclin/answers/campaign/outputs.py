@@ -10,6 +10,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import first_plant
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
+from tvclin.answers.sizing.wind_sign import OWN, batch_factors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -118,8 +119,11 @@ def required_name(dead_band: float, kind: str = "required") -> str:
 
 
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
+    given = (batch.vehicle.rigid, campaign.model, campaign.plane, batch.wind)
     return {
         required_name(K): np.abs(required_deflection(batch.plant, batch.wind, K).deflection)
+        * batch_factors(*given, K, sign)
         for K in campaign.dead_bands
     }
 
@@ -132,7 +136,8 @@ def _slow(campaign: Campaign) -> bool:
 def law_of(campaign: Campaign, batch: Batch) -> Law:
     """Return the law that flies the first case: the nominal one, or with gains of its own."""
     gains: dict[str, Any] = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    own = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    own: dict[str, Any] = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    own["rate_limit"] = campaign.hardware["rate_limit"]
     law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
     return with_filters(law, campaign.asked)
 

@@ -24,15 +24,16 @@ from tvclin.answers.campaign.statistics import (
     success_probability,
 )
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
-from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, imported, number, one_of, path, small_angle, whole_number
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
 
 if TYPE_CHECKING:
-    import xarray
+    pass
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignResults(Shown):
+class CampaignResults(Tabled):
     """The finished chunks of a campaign. Columns are read when they are asked for.
 
     Attributes
@@ -266,27 +267,17 @@ class CampaignResults(Shown):
         """Return one case in full; see `Replay`."""
         return replay_case(self.campaign, case, self.manifest.compiled)
 
-    def to_xarray(self) -> "xarray.Dataset":
-        """Return all finished cases as an `xarray.Dataset` along the dimension "case".
-
-        Units are in the attributes of each variable.
-        """
-        of = imported("xarray", "a Dataset needs xarray", "campaign")
-        make: type[xarray.Dataset] = of.Dataset
-        units = UNITS_OF | columns(self.campaign)
-        data = {
-            name: ("case", self.column(name), {"units": units[name]} if name in units else {})
-            for name in self._names
-            if name != "case"
-        }
-        about = {
-            "vehicle": self.campaign.vehicle.name,
-            "model": self.campaign.model,
-            "plane": self.campaign.plane,
-            "seed": self.campaign.seed,
-            "sha256": self.manifest.seal,
-        }
-        return make(data, coords={"case": self.column("case")}, attrs=about)
+    def _columns(self) -> Columns:
+        units, plan = UNITS_OF | columns(self.campaign), self.campaign
+        of = {name: units.get(name, "") for name in self._names if name != "case"}
+        return Columns(
+            (Column("case", self.column("case"), ""),),
+            tuple(Column(name, self.column(name), unit) for name, unit in of.items()),
+            {
+                **picked(plan, "vehicle=vehicle.name model plane seed"),
+                "sha256": self.manifest.seal,
+            },
+        )
 
     def answers(self, output: str | None = None) -> FloatArray:
         """Return an output of the cases that have an answer, in the order of the cases."""

@@ -51,7 +51,7 @@ def schedule_of_flight(
     check_masses(flight, values["weight"])
     check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
-    kept, off = _thinned(time, values, most)
+    kept, off = rows_kept(time, values, most)
     thin = f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent"
     thinned = (thin,) if kept.size < time.size else ()
     beside = {key: values.pop(key)[kept] for key in _BESIDE if key in values}
@@ -116,10 +116,10 @@ def _stable(vehicle: Vehicle) -> tuple[str, ...]:
     return (f"stable at {part} of {arm.size} times, where a fixed path needs no deflection",)
 
 
-def _thinned(
+def rows_kept(
     time: FloatArray, values: dict[str, FloatArray], most: int
 ) -> tuple[IndexArray, float]:
-    """The rows to keep, and how far straight lines between them are off, in parts of the largest.
+    """Return the rows to keep, and how far lines between them are off, in parts of the largest.
 
     All where they are few; else the ends, and again and again the row that is farthest off.
     """

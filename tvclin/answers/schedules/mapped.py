@@ -24,7 +24,7 @@ from tvclin.base.errors import InputError, number, shown
 from tvclin.base.tables import FileTable
 from tvclin.base.units import POUND_FORCE, UNITS
 
-_QUANTITIES = {
+QUANTITIES = {
     "time": "time",
     "weight": "force",
     "mass": "mass",
@@ -107,33 +107,34 @@ def read_table(
     >>> flight.span, round(flight.at(3.0).control_arm, 3)
     ((1.0, 5.0), 1.214)
     """
-    wanted = _wanted(columns)
+    wanted = map_of(columns, QUANTITIES)
     time = str(wanted["time"][2])
     missing = f"column names with {shown(time)} among them"
     sheet = read_sheet(path, "a table of a flight", lambda each: bool(_named(each, time)), missing)
-    found = {name: _column(sheet, name, *one) for name, one in wanted.items()}
+    found = mapped_columns(sheet, wanted, QUANTITIES)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
     flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
-    return schedule_of_flight(flight, _vehicle(flight), "mapped table", most_rows)
+    return schedule_of_flight(flight, vehicle_columns(flight), "mapped table", most_rows)
 
 
 Wanted = dict[str, tuple[str, float | None, str | float]]
 """For each quantity our key, the factor of its unit where it has one, and what is to be read."""
 
 
-def _wanted(columns: Mapping[str, str | float]) -> Wanted:
+def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) -> Wanted:
+    """Return what a map asks for; `InputError` for what is not known, twice there or missing."""
     if not isinstance(columns, Mapping):
         raise InputError(
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
-    known = FileTable("columns", _QUANTITIES).keys
+    known = FileTable("columns", dict(quantities)).keys
     found: Wanted = {}
     for key, source in columns.items():
-        bare = key if isinstance(key, str) and key in _QUANTITIES else None
+        bare = key if isinstance(key, str) and key in quantities else None
         if bare is None and key not in known:
             raise InputError(
-                f"columns must be among {', '.join(_QUANTITIES)}, with or without a unit; got"
+                f"columns must be among {', '.join(quantities)}, with or without a unit; got"
                 f" {shown(key)}"
             )
         name, factor = (bare, None) if bare is not None else known[key]
@@ -141,8 +142,8 @@ def _wanted(columns: Mapping[str, str | float]) -> Wanted:
             raise InputError(f"columns has {name} twice, as {found[name][0]} and {key}; keep one")
         if not isinstance(source, str):
             number(f"columns: {key}", source)
-            if factor is None and _QUANTITIES[name] != "number":
-                unit = next(iter(UNITS[_QUANTITIES[name]]))
+            if factor is None and quantities[name] != "number":
+                unit = next(iter(UNITS[quantities[name]]))
                 raise InputError(f"columns: {key} is a number without a unit; write {name}_{unit}")
         found[name] = (key, factor, source)
     _check_complete(found)
@@ -169,7 +170,16 @@ def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
     return found[0] if found else None
 
 
-def _column(sheet: Sheet, name: str, key: str, factor: float | None, source: str | float) -> Column:
+def mapped_columns(
+    sheet: Sheet, wanted: Wanted, quantities: Mapping[str, str]
+) -> dict[str, Column]:
+    """Return the columns of a sheet that a map asks for."""
+    return {name: _column(sheet, name, quantities[name], *one) for name, one in wanted.items()}
+
+
+def _column(
+    sheet: Sheet, name: str, dimension: str, key: str, factor: float | None, source: str | float
+) -> Column:
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)
         return Column(np.full(sheet.line.size, value), f"given, {key} = {source:g}")
@@ -185,8 +195,8 @@ def _column(sheet: Sheet, name: str, key: str, factor: float | None, source: str
             " of attack; give a column of the slope, or a number"
         )
     if factor is None:
-        return sheet.numbers(heading, _QUANTITIES[name])
-    known = WRITTEN[_QUANTITIES[name]]
+        return sheet.numbers(heading, dimension)
+    known = WRITTEN[dimension]
     if name in ("weight", "thrust", "axial_force"):
         known = known | {"lb": POUND_FORCE}  # as many tools write a force
     theirs = unit_of(heading.unit, known) if heading.unit else None
@@ -216,7 +226,8 @@ def _is_coefficient(heading: Heading) -> bool:
     )
 
 
-def _vehicle(flight: Flight) -> dict[str, Column]:
+def vehicle_columns(flight: Flight) -> dict[str, Column]:
+    """Return the fields of a vehicle, and altitude and nominal deflection, of a flight."""
     have = flight.columns
     plain = (*_PLAIN, "altitude", "nominal_deflection", "pitch_damping")
     made = {name: have[name] for name in plain if name in have}

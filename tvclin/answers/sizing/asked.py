@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
+from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.sizing.wind_sign import SIGNS, sign_factors
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
@@ -33,6 +34,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
+from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -115,6 +117,8 @@ class SizingAsked:
         Distance of the centre of gravity from the axis [m].
     reserve : float
         Fraction of the limit to keep unused, from 0 to 1.
+    card : str, optional
+        The law that is flown for the card of the nozzle, see `flight_card`; on the page too.
 
     Raises
     ------
@@ -148,6 +152,7 @@ class SizingAsked:
     thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
     gravity_offset: float = quantity("length", 0.0)
     reserve: float = quantity("percent", 0.0, nonnegative)
+    card: str | None = word(LAWS, None, option=None)
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
@@ -269,6 +274,24 @@ class SizingAsked:
             gravity_offset=self.gravity_offset,
             reserve=self.reserve,
             limit=case.nozzle.limit,
+            rate_limit=case.nozzle.rate_limit,
+        )
+
+    def ratio(self, case: Case, found: Sizing) -> ControllabilityRatio | None:
+        """Return the controllability ratio of a sizing; None for a case without a limit."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("found", found, Sizing, "see sizing()")
+        if case.nozzle.limit is None:
+            return None
+        blows = case.wind
+        assert isinstance(blows, ShapedWind)
+        met = [self._blows(case, self.schedule.at(t), blows) for t in found.times.tolist()]
+        return controllability_ratio(
+            found,
+            case.nozzle.limit,
+            gust=[0.0 if one.gust is None else float(one.gust.peak) for one in met],
+            thrust_offset=self.thrust_offset,
+            gravity_offset=self.gravity_offset,
         )
 
     def _by_sign(self, case: Case, found: Sizing) -> dict[str, NDArray[np.float64]]:
@@ -361,6 +384,7 @@ class SizingAsked:
                 plane=case.planes,
                 window=self.window,
                 gust=getattr(case.wind, "gust", None),
+                pressure=getattr(case, "sign", None) != FROZEN,
             )
 
     def _pulse_name(self, pulse: ShapedWind) -> str:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +12,12 @@ from numpy.typing import NDArray
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.cards import Shown, table
+from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
-from tvclin.base.errors import imported, one_of
-from tvclin.base.files import write_rows
+from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
 from tvclin.vehicle.coefficients import IN_WORDS
-
-if TYPE_CHECKING:
-    import xarray
 
 FloatArray = NDArray[np.float64]
 
@@ -61,7 +57,7 @@ class Worst(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Sizing(Shown):
+class Sizing(Tabled):
     """Required deflections over a flight, in several winds; make it with `size`.
 
     Attributes
@@ -259,61 +255,6 @@ class Sizing(Shown):
         }
         return tuple(word for word, there in words.items() if there)
 
-    def to_csv(self, path: Path | None = None) -> str:
-        """Return a line for each flight time and wind as CSV, and write it where a path is given.
-
-        Deflections are in degrees. Every number reads back as the same one.
-
-        Raises
-        ------
-        InputError
-            When the file cannot be written.
-        """
-        columns = self._columns()
-        rows = [
-            [repr(time), wind, *(repr(values[i, j].item()) for values in columns.values())]
-            for i, time in enumerate(self.times.tolist())
-            for j, wind in enumerate(self.winds)
-        ]
-        return write_rows([["time_s", "wind", *columns], *rows], path)
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return all numbers as an `xarray.Dataset` over time and wind, dead bands apart.
-
-        Deflections are in radians; units are in the attributes of each variable.
-
-        Raises
-        ------
-        InputError
-            Where xarray is not installed.
-        """
-        of = imported("xarray", "a Dataset needs xarray", "campaign")
-        make: type[xarray.Dataset] = of.Dataset
-        data: dict[str, Any] = {}
-        signed = tuple(IN_A.values())
-        for name, values in self.required.items():
-            if not name.startswith("K = ") or name.endswith(signed):
-                data[_key(name)] = (("time", "wind"), values, {"units": "rad"})
-        for ending in ("", VARYING):
-            rows = [self.required.get(f"K = {K:g}{ending}") for K in self.dead_bands]
-            if rows and rows[0] is not None:
-                stacked = np.stack([row for row in rows if row is not None], axis=-1)
-                dimensions = ("time", "wind", "dead_band")
-                data[_key(f"boundary{ending}")] = (dimensions, stacked, {"units": "rad"})
-        for name, (values, unit) in self._others().items():
-            data[name] = (("time", "wind"), values, {"units": unit})
-        data["single_pole_edge"] = ("time", self.edge, {"units": "s"})
-        about = {k: getattr(self, k) for k in ("model", "plane", "law")}
-        return make(
-            data,
-            coords={
-                "time": ("time", self.times, {"units": "s"}),
-                "wind": list(self.winds),
-                "dead_band": self.dead_bands,
-            },
-            attrs={"vehicle": self.schedule.vehicle.name, **about},
-        )
-
     def _largest(self, winds: Sequence[int]) -> dict[str, Worst]:
         found = {}
         for name, values in self.required.items():
@@ -324,24 +265,21 @@ class Sizing(Shown):
             found[name] = Worst(float(part[i, j]), float(self.times[i]), self.winds[winds[int(j)]])
         return found
 
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        angles = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
+    def _columns(self) -> Columns:
+        needs = {_key(name): values for name, values in self.required.items()}
         for plane, found in self.alone.items():
-            own = {f"{_key(k)}_{plane}_alone_deg": np.degrees(v) for k, v in found.required.items()}
-            angles |= own
-        others = {f"{k}_s" if u == "s" else k: v for k, (v, u) in self._others().items()}
-        return angles | others
-
-    def _others(self) -> dict[str, tuple[NDArray[Any], str]]:
-        return {
-            "begins": (self.begins, "s"),
-            "ends": (self.ends, "s"),
-            "change": (self.change, "1"),
-            "known": (self.known, "1"),
-            "covered": (self.covered, "1"),
-            "slow_mode": (self.slow_mode, "1"),
-            "beyond_one_pole": (self.beyond_one_pole, "1"),
-        }
+            needs |= {f"{_key(k)}_{plane}_alone": v for k, v in found.required.items()}
+        others = "change known covered slow_mode beyond_one_pole"
+        return Columns(
+            (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),
+            (
+                *(Column(name, values, "rad") for name, values in needs.items()),
+                *(Column(name, getattr(self, name), "s") for name in ("begins", "ends")),
+                *(Column(name, getattr(self, name)) for name in others.split()),
+                Column("single_pole_edge", self.edge, "s", ("time",)),
+            ),
+            {"vehicle": self.schedule.vehicle.name, **picked(self, "model plane law")},
+        )
 
 
 def _key(name: str) -> str:

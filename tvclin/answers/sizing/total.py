@@ -28,6 +28,9 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.lines import Inline, Table, degrees, significant
+from tvclin.boundary.rates import ramp_rate, ramped_deflection
+from tvclin.linear.modes import unstable_modes
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 
 _WIDEST = 1e9
@@ -83,6 +86,10 @@ class DeflectionTotal(Shown):
     not_sized : tuple of str
         Where along the flight the total is not known, in words, such as "above 24.9 km"; nothing
         where it is known throughout.
+    rate_limit : float or None
+        Of the nozzle [rad/s].
+    needed_rate : float
+        The least deflection rate [rad/s], at the limit or else at any.
     """
 
     lines: tuple[Line, ...]
@@ -90,6 +97,8 @@ class DeflectionTotal(Shown):
     limit: float | None = None
     time: float | None = None
     not_sized: tuple[str, ...] = ()
+    rate_limit: float | None = None
+    needed_rate: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
@@ -101,10 +110,14 @@ class DeflectionTotal(Shown):
             number("limit", self.limit, small_angle("a deflection", positive), "rad")
         if self.time is not None:
             number("time", self.time, unit="s")
+        if self.rate_limit is not None:
+            number("rate_limit", self.rate_limit, positive, "rad/s")
 
     _keys = "time_s total_deg reserve limit_deg required_deg"
 
-    as_dict = keyed("time_s lines total_deg reserve required_deg")
+    as_dict = keyed(
+        "time_s lines total_deg reserve required_deg rate_limit_deg_per_s needed_rate_deg_per_s"
+    )
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
@@ -115,7 +128,7 @@ class DeflectionTotal(Shown):
         said: list[tuple[Inline, ...]] = []
         if self.limit is not None and self.left is not None:
             left = degrees("total.left", abs(self.left), unit="deg")
-            beside = " left beside the reserve" if self.reserve else " left"
+            beside = " left after the reserve" if self.reserve else " left"
             line: tuple[Inline, ...] = ("SUFFICIENT, ", *left, beside)
             if self.sufficient is None:
                 known = "NOT KNOWN to be sufficient; where the winds are known "
@@ -125,12 +138,20 @@ class DeflectionTotal(Shown):
                 short = degrees("total.short", lacks, unit="deg")
                 if lacks < _SMALL:
                     short = significant("total.short_deg", np.degrees(lacks), unit="deg")
-                of = " of the limit that keeps the reserve" if self.reserve else ""
+                of = " of a limit that keeps the reserve" if self.reserve else ""
                 line = ("NOT SUFFICIENT, short by ", *short, of)
+                if lacks <= 0.0:
+                    line = ("NOT SUFFICIENT at this rate limit",)
             limit = degrees("total.limit", self.limit, unit="deg")
             said.append(("Limit ", *limit, ": ", *line))
         if self.not_sized:
             said.append((f"NOT SIZED {', '.join(self.not_sized)}",))
+        if self.rate_limit is not None:
+            there = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
+            needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
+            word = "NOT SUFFICIENT, " if self.too_slow else ""
+            line = (*needed, " needed") if np.isfinite(self.needed_rate) else ("no rate is enough",)
+            said.append(("Rate limit ", *there, f": {word}", *line))
         return tuple(said)
 
     @property
@@ -155,14 +176,19 @@ class DeflectionTotal(Shown):
         return self.total / (1.0 - self.reserve)
 
     @property
+    def too_slow(self) -> bool:
+        """Whether the rate limit is below what is needed."""
+        return self.rate_limit is not None and self.needed_rate > self.rate_limit * (1.0 + 1e-9)
+
+    @property
     def sufficient(self) -> bool | None:
-        """Whether the limit covers the total and leaves the reserve.
+        """Whether the limit covers the total and leaves the reserve, at the rate that there is.
 
         None without a limit, and where it is enough for what is known and not all is known.
         """
         if self.limit is None:
-            return None
-        enough = bool(self.required <= self.limit * (1.0 + 1e-12))
+            return False if self.too_slow else None
+        enough = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
         return None if enough and self.not_sized else enough
 
     @property
@@ -278,6 +304,7 @@ def worst_total(
     name: str,
     *,
     dispersion: float = 0.0,
+    rate_limit: float | None = None,
     **offsets: float | None,
 ) -> DeflectionTotal:
     """Return the largest total over the flight times of a sizing.
@@ -291,6 +318,8 @@ def worst_total(
         Which of its requirements counts as the wind, such as "K = 1".
     dispersion : float
         What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
+    rate_limit : float, optional
+        Of the nozzle [rad/s]: what the wind needs is then that of a ramp at this rate.
     **offsets
         thrust_offset, gravity_offset, reserve and limit, as of `total_deflection`.
 
@@ -305,16 +334,46 @@ def worst_total(
     if np.all(np.isnan(winds)):
         why = "; ".join(sizing.said or sizing.notes)
         raise InputError(f"{name} is not defined at any flight time: {why}")
+    times = sizing.times[known := ~np.isnan(winds)]
     totals = [
-        total_deflection(
-            sizing.schedule.at(t),
+        _at_rate(
+            total_deflection(
+                sizing.schedule.at(t),
+                wind,
+                nominal=float(sizing.schedule.nominal_at(t)),
+                dispersion=part * wind,
+                **offsets,  # type: ignore[arg-type]
+            ),
             wind,
-            nominal=float(sizing.schedule.nominal_at(t)),
-            dispersion=part * wind,
-            **offsets,  # type: ignore[arg-type]
+            _fastest(sizing, t),
+            rate_limit,
         )
-        for t, wind in zip(sizing.times.tolist(), winds.tolist(), strict=True)
-        if not np.isnan(wind)
+        for t, wind in zip(times.tolist(), winds[known].tolist(), strict=True)
     ]
-    worst = max(totals, key=lambda one: one.total)
-    return replace(worst, not_sized=sizing.not_sized(name))
+    worst = max(totals, key=lambda one: (one.too_slow, one.total))
+    needed = max(one.needed_rate for one in totals)
+    return replace(worst, not_sized=sizing.not_sized(name), needed_rate=needed)
+
+
+def _at_rate(
+    total: DeflectionTotal, wind: float, pole: float, rate_limit: float | None
+) -> DeflectionTotal:
+    """A total with what a rate limit adds to the wind's part, and the rate that is needed.
+
+    What is asked for is held the later the more slowly the nozzle turns; see `ramped_deflection`.
+    """
+    if rate_limit is None or not wind or not pole:
+        return replace(total, rate_limit=rate_limit)
+    more = float(ramped_deflection(wind, pole, rate_limit)) - wind
+    beside, rate = total.total - wind, pole * wind
+    if total.limit is not None:
+        rate = float(ramp_rate(wind, pole, (1.0 - total.reserve) * total.limit - beside))
+    lines = (*total.lines, Line("rate limit", more)) if np.isfinite(more) else total.lines
+    return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=rate)
+
+
+def _fastest(sizing: Sizing, time: float) -> float:
+    """The fast unstable pole [1/s] of the plane in which it is faster; zero without one."""
+    planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
+    plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
+    return max(float(np.abs(unstable_modes(one).poles).max(initial=0.0)) for one in plants)

@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.declared import completed
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.file import COEFFICIENTS, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
@@ -135,8 +137,21 @@ def _is_study(source: str | PathLike[str]) -> bool:
 
 
 def example() -> str:
-    """Return the study file of the package, which is commented."""
-    return files("tvclin.answers.study_file").joinpath("example.toml").read_text(encoding="utf-8")
+    """Return the study file of the package, which is commented and names every declared key."""
+    from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
+    from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
+    from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
+
+    folder = files("tvclin.answers.study_file")
+    text = folder.joinpath("example.toml").read_text(encoding="utf-8")
+    each: tuple[tuple[FileTable, type], ...] = (
+        (NOZZLE_TABLE, Nozzle),
+        (AUTOPILOT_TABLE, AutopilotDesign),
+        (SIZE_TABLE, SizingAsked),
+    )
+    for table, kind in each:
+        text = completed(text, table, kind)
+    return text
 
 
 def example_plan() -> StudyPlan:

@@ -80,3 +80,26 @@ class FilteredLaw(Law):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return what the law asks for [rad], before the filters behind it."""
         return self.law.demand(measured, states, limit)
+
+
+@dataclass(frozen=True)
+class NoisyLaw(FilteredLaw):
+    """A law with filters and a gyro that is noisy.
+
+    Parameters
+    ----------
+    law, filters, attitude_filters, rate_filters
+        As of `FilteredLaw`.
+    noise : float
+        Of the measured attitude rate [rad/s], rms for each sample.
+    seed : int
+        Of the noise.
+    """
+
+    noise: float = 0.0
+    seed: int = 0
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """Its own noise."""
+        return self.noise, self.seed

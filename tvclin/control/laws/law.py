@@ -15,7 +15,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, between
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import SEEN
 from tvclin.kernels.control_laws import LawNumbers
@@ -23,6 +23,8 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
 
+RATES = between(1e-15, 1e9)
+"""Check of rate limits [rad/s] that a law knows: from as good as none to as good as any."""
 _SHOWN = 3
 """States of the plant that a law is shown."""
 
@@ -125,3 +127,9 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
             ' on "drift-exact"'
         )
     return replace(modes, rows=modes.rows[:, :_SHOWN])
+
+
+def rate_over_pole(plant: Plant, rate_limit: float) -> float:
+    """Return r/(p |B|) [rad]: a rate limit r as an angle, with the fastest unstable pole p."""
+    pole = float(seen_coordinates(plant).poles[0])
+    return rate_limit / (pole * abs(float(plant.coefficients.B)))

@@ -10,9 +10,17 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import between, instance, nonnegative, number, positive, small_angle
+from tvclin.base.errors import (
+    between,
+    instance,
+    nonnegative,
+    number,
+    positive,
+    small_angle,
+    unlimited,
+)
 from tvclin.control.laws.estimator import WindEstimator
-from tvclin.control.laws.law import Law, Measurement, seen_coordinates
+from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.linear.plant import Plant
 
@@ -49,6 +57,9 @@ class RecoverableAttitudeLaw(Law):
         what is believed wrongly, and costs where the wind turns round.
     dead_band : float
         A felt wind below this angle [rad] counts as none; it spares the nozzle from noise.
+    rate_limit : float
+        What the nozzle turns at most [rad/s], as the law knows it. The nozzle then turns into the
+        wind no further than it can turn back from at that rate, were the wind to stop.
     estimator : WindEstimator, optional
         Without one the angle of attack is measured exactly.
 
@@ -70,9 +81,13 @@ class RecoverableAttitudeLaw(Law):
     design_peak: float | None = None
     trust: float = 0.8
     dead_band: float = 0.0
+    rate_limit: float = np.inf
     estimator: WindEstimator | None = None
 
-    _keys = "model=plant.model reach gain design_peak_deg trust dead_band_deg estimator"
+    _keys = (
+        "model=plant.model reach gain design_peak_deg trust dead_band_deg"
+        " rate_limit_deg_per_s estimator"
+    )
 
     def __post_init__(self) -> None:
         modes = seen_coordinates(self.plant)
@@ -85,6 +100,8 @@ class RecoverableAttitudeLaw(Law):
             "dead_band",
             number("dead_band", self.dead_band, small_angle("a wind angle", nonnegative), "rad"),
         )
+        most = unlimited("rate_limit", self.rate_limit, RATES, "rad/s")
+        object.__setattr__(self, "rate_limit", most)
         if self.design_peak is not None:
             peak = abs(number("design_peak", self.design_peak, small_angle("a wind angle"), "rad"))
             object.__setattr__(self, "design_peak", peak)
@@ -131,6 +148,7 @@ class RecoverableAttitudeLaw(Law):
             peak=np.inf if self.design_peak is None else self.design_peak,
             trust=self.trust,
             dead_band=self.dead_band,
+            swing=self.reach * rate_over_pole(self.plant, self.rate_limit),
             estimates=self.estimator is not None,
         )
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import nonnegative, number
-from tvclin.control.laws.law import Law, Measurement, seen_coordinates
+from tvclin.base.errors import nonnegative, number, small_angle, unlimited
+from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 
@@ -46,6 +46,29 @@ class TrimLaw(Law):
     def __post_init__(self) -> None:
         seen_coordinates(self.plant)
         object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
+
+    @classmethod
+    def suited(cls, plant: Plant, peak: float, rate_limit: float) -> Self:
+        """Return trim with the gain that a rate limit r can follow, at most the usual one.
+
+        Parameters
+        ----------
+        plant : Plant
+            The plant it is designed on.
+        peak : float
+            Peak A of the wind [rad].
+        rate_limit : float
+            What the nozzle turns at most, r [rad/s].
+
+        Notes
+        -----
+        An error z fades as e^(-gain p t): with gain = r/(p B A) the feedback of one as large as the
+        wind turns the nozzle with r. With the usual gain a nozzle that is five times as quick as
+        the wind is just quick enough; with this one trim needs no more than the wind's own rate.
+        """
+        size = abs(number("peak", peak, small_angle("a wind angle"), "rad"))
+        most = rate_over_pole(plant, unlimited("rate_limit", rate_limit, RATES, "rad/s"))
+        return cls(plant, gain=min(cls.gain, most / size) if size else cls.gain)
 
     @property
     def numbers(self) -> LawNumbers:

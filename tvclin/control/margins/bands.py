@@ -6,7 +6,7 @@ terms, the rigid body the rest; at any frequency the largest of them owns the lo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import InDecibels, Margins, margins_of
-from tvclin.kernels.loop_margins import LoopFindings
+from tvclin.kernels.loop_margins import LoopFindings, classical_margins, least_of
 from tvclin.kernels.state_loop import StateLoop
 
 GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable"
@@ -186,63 +186,45 @@ def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMar
 
 
 def _rigid(terms: Terms, found: LoopFindings) -> dict[str, Any]:
-    phases, factors = _owned(terms, found, -1)
-    with np.errstate(divide="ignore"):
-        fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
-    rise = np.where(factors > 1.0, factors, np.nan)
-    at, omega = found.phase_frequencies, found.gain_frequencies
-    triples = [(fall, at), (rise, at), (np.abs(phases), omega)]
-    pairs = [number for values, where in triples for number in _least(values, where, found)]
-    return dict(zip((field.name for field in fields(RigidBand)), pairs, strict=True))
+    pairs = classical_margins(_owned(terms, found, -1))[:3]
+    pairs[..., ~found.stable] = np.nan
+    names = (field.name for field in fields(RigidBand))
+    return dict(zip(names, pairs.reshape(-1, len(found.stable)), strict=True))
 
 
 def _mode(terms: Terms, found: LoopFindings, k: int, closed: AnyArray) -> dict[str, Any]:
     pole = terms.plant[:, k]
-    phases, factors = _owned(terms, found, k)
+    owned = _owned(terms, found, k)
     highest, where = peak(terms, k)
     felt = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
-    crosses = np.any(~np.isnan(phases), axis=-1)
+    crosses = np.any(~np.isnan(owned.phases), axis=-1)
     by_phase = crosses | (felt & (highest >= 1.0))
     words = np.select([closed.real > 0.0, by_phase, ~felt], [UNSTABLE, PHASE, RIGID], GAIN)
-    at, omega = found.phase_frequencies, found.gain_frequencies
-    with np.errstate(divide="ignore", invalid="ignore"):
-        fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
-        rise = np.where(factors > 1.0, factors, np.nan)
-        lag, lead = np.where(phases > 0.0, phases, np.nan), np.where(phases <= 0.0, -phases, np.nan)
+    sides = (np.where(one > 0.0, one, np.nan) for one in (owned.phases, -owned.phases))
+    lags = [least_of(one, found.gain_frequencies)[0] for one in sides]
+    margins = np.stack([*lags, *classical_margins(owned)[:2, 0]])
+    margins[:, ~found.stable] = np.nan
+    names = ("lag_margin", "lead_margin", "gain_reduction", "gain_increase")
     return {
+        **dict(zip(names, margins, strict=True)),
         "pole": pole,
         "closed_pole": terms.loop.from_plane(closed[:, np.newaxis])[:, 0],
         "stabilised": words,
         "peak": highest,
         "peak_frequency": where,
-        "lag_margin": _least(lag, omega, found)[0],
-        "lead_margin": _least(lead, omega, found)[0],
-        "gain_reduction": _least(fall, at, found)[0],
-        "gain_increase": _least(rise, at, found)[0],
         "distance": distance(terms, k, closed),
         "alias": terms.loop.aliases(np.imag(pole)[:, np.newaxis])[:, 0],
     }
 
 
-def _owned(terms: Terms, found: LoopFindings, k: int) -> tuple[FloatArray, FloatArray]:
-    """Phases and factors at the crossings that the k-th mode owns; NaN at others."""
-    pairs = []
-    for omega, values in (
-        (found.gain_frequencies, found.phases),
-        (found.phase_frequencies, found.factors),
-    ):
-        pairs.append(np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan))
-    return pairs[0], pairs[1]
+def _owned(terms: Terms, found: LoopFindings, k: int) -> LoopFindings:
+    """The findings with the crossings that the k-th mode owns alone."""
 
+    def own(omega: FloatArray, values: FloatArray) -> FloatArray:
+        return np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan)
 
-def _least(values: FloatArray, omega: FloatArray, found: LoopFindings) -> tuple[Any, Any]:
-    """The least of each row and its frequency; infinite and NaN without one, NaN if unstable."""
-    wide = [np.pad(a, [(0, 0), (0, 1)], constant_values=np.nan) for a in (values, omega)]
-    filled = np.where(np.isnan(wide[0]), np.inf, wide[0])
-    place = np.argmin(filled, axis=-1)[:, np.newaxis]
-    least, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, wide[1]))
-    where = np.where(np.isinf(least), np.nan, where)
-    return np.where(found.stable, least, np.nan), np.where(found.stable, where, np.nan)
+    phases = own(found.gain_frequencies, found.phases)
+    return replace(found, phases=phases, factors=own(found.phase_frequencies, found.factors))
 
 
 def _shaped(values: Any, batch: tuple[int, ...]) -> Any:

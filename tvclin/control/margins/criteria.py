@@ -182,7 +182,7 @@ class Criteria:
         if not limits:
             return self
         held = {one.margin: one.limit for one in self.requirements}
-        return Criteria.own(f"{self.name} as changed", source, **(held | limits))
+        return Criteria.own(f"{self.name}, changed by {source}", source, **(held | limits))
 
     @property
     def of_modes(self) -> bool:

@@ -17,6 +17,7 @@ from tvclin.base.errors import (
     shown,
     single,
     together,
+    unlimited,
     within,
 )
 from tvclin.control.autopilot.actuator import Actuator
@@ -122,8 +123,7 @@ def check_span(start: float, stop: float) -> None:
 
 def check_rate_limit(rate_limit: float) -> float:
     """Return the rate limit [rad/s], positive or infinite."""
-    unlimited = isinstance(rate_limit, float) and rate_limit == np.inf
-    return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
+    return unlimited("rate_limit", rate_limit, unit="rad/s")
 
 
 def check_not_lost(time: float, states: FloatArray) -> None:

@@ -59,33 +59,32 @@ def edge_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray)
 
     `survives`: the status of values, ``(n,)``. `scan`: values in even steps, rising.
     """
-    values, found = scan, survives(scan)
     bottom, top = float(scan[0]), float(scan[-1])
-    step, looked = float(scan[1] - scan[0]), []
-    for _ in range(LEVELS):
-        step /= PARTS
-        base, first, last = max(_highest_lost(values, found), bottom), 1, ABOVE * PARTS
-        while True:
-            parts = np.arange(first, last + 1)
-            parts = parts[parts % PARTS != 0]  # the others have been tried a level above
-            ahead = base + step * parts
-            ahead = ahead[ahead < top]
-            new = survives(ahead)
-            values, found = np.append(values, ahead), np.append(found, new)
-            lost = np.flatnonzero(new != SURVIVED)
-            if not lost.size:
-                break
-            first, last = last + 1, int(parts[lost[-1]]) + ABOVE * PARTS
-        looked.append((step, min(base + step * last, top)))
-    low = _highest_lost(values, found)
-    order = np.argsort(values)
-    status = OPEN if np.any(found[values == low] == UNDECIDED) else OK
-    edge = min(low + step, top)
+    step = float(scan[1] - scan[0])
+    tried: list[FloatArray] = []
+    status: list[Words] = []
+
+    def lost(values: FloatArray) -> BoolArray:
+        column, found = values[:, 0], np.zeros(values.shape, np.bool_)
+        new = column < top if tried else column <= top  # the top has been tried at once
+        tried.append(column[new])
+        status.append(survives(column[new]))
+        found[new, 0] = status[-1] != SURVIVED
+        return found
+
+    steps = step / float(PARTS) ** np.arange(1, LEVELS + 1)
+    levels = [(one, ABOVE * PARTS, PARTS) for one in steps.tolist()]
+    base, ends = _climbed(lost, scan[:, np.newaxis], levels)
+    values, found = np.concatenate(tried), np.concatenate(status)
+    looked = tuple((one, min(end, top)) for one, end in zip(steps.tolist(), ends, strict=True))
+    low, order = float(base[0]), np.argsort(values)
+    words = OPEN if np.any(found[values == low] == UNDECIDED) else OK
+    edge = min(low + looked[-1][0], top)
     if low == -np.inf:
-        edge, status = bottom, ALWAYS
+        edge, words = bottom, ALWAYS
     elif low == top:
-        edge, status = np.inf, NEVER if status == OK else f"{NEVER}; {OPEN}"
-    return Edge(edge, low, values[order], found[order], tuple(looked), status)
+        edge, words = np.inf, NEVER if words == OK else f"{NEVER}; {OPEN}"
+    return Edge(edge, low, values[order], found[order], looked, words)
 
 
 def edges_above_losses(
@@ -94,40 +93,46 @@ def edges_above_losses(
     """Return the edges of many cases at once, and which of them are lost at `high` too.
 
     Values are tried every `STRIDE` from `low` to `high`; above the highest that is lost every
-    `FINE`, until a range of `AHEAD` is clean; and the step that is left in `LAST_PARTS`.
-
-    `lost`: which of the values ``(k, n)``, a column for each case, are lost. `low`, `high`:
-    positive values between which the edges are sought, ``(n,)``.
+    `FINE`, until a range of `AHEAD` is clean; and the step that is left in `LAST_PARTS`. `lost`:
+    which of the values ``(k, n)``, a column for each case, are lost. `low`, `high`: positive values
+    between which the edges are sought, ``(n,)``.
     """
-    span = np.log(np.maximum(high / low, 1.0))
+    span, fine = np.log(np.maximum(high / low, 1.0)), np.log1p(FINE)
     count = max(int(np.ceil(span.max(initial=0.0) / STRIDE)), 1)
-    parts = np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
-    values = np.minimum(low * np.exp(span * parts), np.maximum(high, low))
-    gone = lost(values)
-    never, any_lost = gone[-1], gone.any(axis=0)
-    base = _highest(values, gone, low)
-    steps = (1.0 + FINE) ** np.arange(1, int(AHEAD / FINE) + 1)[:, np.newaxis]
-    while True:
-        values = np.minimum(base * steps, high)
-        gone = lost(values) & (values < high) & ~never
-        if not np.any(gone):
-            break
-        base, any_lost = _highest(values, gone, base), any_lost | gone.any(axis=0)
-    parts = np.arange(1, LAST_PARTS)[:, np.newaxis] / LAST_PARTS
-    values = base * (1.0 + FINE * parts)
-    base = _highest(values, lost(values), base)
-    edge = np.where(any_lost, np.minimum(base * (1.0 + FINE / LAST_PARTS), high), low)
-    return np.where(never, high, np.maximum(edge, low)), never
+    scan = span * np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
+
+    def gone(parts: FloatArray) -> BoolArray:
+        return lost(low * np.exp(np.minimum(parts, span))) & (parts <= span)
+
+    levels = [(fine, int(AHEAD / FINE), 1), (fine / LAST_PARTS, LAST_PARTS - 1, 1)]
+    base, _ = _climbed(gone, scan, levels)
+    never, edge = base >= span, low * np.exp(np.minimum(base + fine / LAST_PARTS, span))
+    return np.where(never, high, np.where(base > -np.inf, edge, low)), never
 
 
-def _highest(values: FloatArray, gone: BoolArray, else_: FloatArray) -> FloatArray:
-    """The highest value of each column ``(k, n)`` that is lost, or what is told."""
-    return np.max(np.where(gone, values, else_), axis=0)
+def _climbed(
+    lost: Callable[[FloatArray], BoolArray],
+    scan: FloatArray,
+    levels: Sequence[tuple[float, int, int]],
+) -> tuple[FloatArray, list[float]]:
+    """The highest value that is lost of each column ``(k, n)``, minus infinity where none is.
 
-
-def _highest_lost(values: FloatArray, found: Words) -> float:
-    """The highest value that does not survive, or minus infinity."""
-    return float(values[found != SURVIVED].max(initial=-np.inf))
+    Of each level: the step, how many of them must be clean above it, and each how many-th has been
+    tried a level above. Returned too: how far each level looked, in the first column.
+    """
+    base, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
+    for step, most, known in levels:
+        start, first, last = np.maximum(base, scan[0]), 1, most
+        while first <= last:
+            parts = np.arange(first, last + 1)
+            parts = parts[(parts % known != 0) | (known == 1)]
+            values = start + step * parts[:, np.newaxis]
+            gone = lost(values)
+            base = np.maximum(base, np.where(gone, values, -np.inf).max(axis=0))
+            above = parts[gone.any(axis=1)]
+            first, last = last + 1, int(above.max(initial=last - most)) + most
+        ends.append(float(start[0] + step * (first - 1)))
+    return base, ends
 
 
 def in_all(

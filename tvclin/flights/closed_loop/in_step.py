@@ -71,7 +71,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> C
     """Fly both planes in step until all is decided."""
     m, own, stop = limit.size, len(law.law.states[0]), law.shape
     course = Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
-    steppers = [Stepper(f) for f in pair]
+    steppers, plain = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.finish[:] = last
@@ -80,7 +80,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> C
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-        x, s = _both(pair, _attitude)[going], _both(pair, _nozzle)[going]
+        x = _both(pair, lambda f: f.y[:, 0])[going]
+        s = _both(pair, lambda f: f.y[:, f.A.shape[1]])[going]
         course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
         course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
         if m == 1:
@@ -90,12 +91,13 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> C
             going = np.flatnonzero(course.ended < 0)
             if not going.size:
                 break
-        measured, states = _both(pair, _measured)[going], _both(pair, _states)[going, :own]
+        measured = _both(pair, lambda f: f.measured)[going]
+        states = _both(pair, lambda f: f.states)[going, :own]
         demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
         command[going], at_stop = law.limited(demand, limit[going])
         course.saturated[going] += at_stop
         for stepper, part in zip(steppers, (command.real, command.imag), strict=True):
-            stepper.advance(k, np.ascontiguousarray(part))
+            stepper.advance(k, np.ascontiguousarray(part), plain, plain)
     return course
 
 
@@ -103,23 +105,6 @@ def _both(pair: list[Flights], part: Callable[[Flights], FloatArray]) -> Vectors
     """The vectors of both planes."""
     pitch, yaw = (part(f) for f in pair)
     return np.asarray(pitch + 1j * yaw)
-
-
-def _measured(f: Flights) -> FloatArray:
-    return f.measured
-
-
-def _states(f: Flights) -> FloatArray:
-    return f.states
-
-
-def _attitude(f: Flights) -> FloatArray:
-    return f.y[:, 0]
-
-
-def _nozzle(f: Flights) -> FloatArray:
-    """The deflections [rad] of one plane."""
-    return f.y[:, f.A.shape[1]]
 
 
 def _decide(

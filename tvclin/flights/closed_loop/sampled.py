@@ -8,7 +8,6 @@ begins to where it ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -245,8 +244,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
         _in_python(f, laws)
         return
     cases = f.limit.size
-    last = np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
-    samples, first = float(last.sum()), 0
+    samples, first = float(_last(f).sum()), 0
     seconds = samples * _PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
         while first < cases and (fly := swiftest(kernel.fly, seconds)) is kernel.fly:
@@ -261,55 +259,43 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
     """Fly laws that Python must be asked for, all flights of a law at once."""
-    whole = float(np.where(f.finish < NEVER, f.finish, f.ends + f.settling).sum())
-    look, advance = (swiftest(one, whole * _PLAIN / 2.0) for one in (kernel.look, kernel.advance))
-    compact = f if look is kernel.look else f._replace(laws=_table(f.laws))
-    k = 0
-    while _advanced(compact, laws, k, look, advance):
-        k += 1
+    stepper, k = Stepper(f), 0
+    engage, release = (
+        np.array([getattr(law, name) for law in laws.laws], float)[f.law]
+        for name in ("engage", "release")
+    )
+    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+        while stepper.look(k):
+            going, demand = f.ended < 0, np.zeros(f.limit.size)
+            for place, law in enumerate(laws.laws):
+                mine = np.flatnonzero(going & (f.law == place))
+                if mine.size:
+                    demand[mine] = _asked(law, f, mine)
+            stepper.advance(k, demand, engage, release)
+            k += 1
 
 
 class Stepper:
     """Flights that are moved by what stands beside them, a sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        seconds = float(f.finish.sum()) * _PLAIN / 2.0
+        seconds = float(_last(f).sum()) * _PLAIN / 2.0
         looks, moves = (swiftest(one, seconds) for one in (kernel.look, kernel.advance))
         self._look, self._advance = looks, moves
         self._flights = f if looks is kernel.look else f._replace(laws=_table(f.laws))
-        self._plain = np.ones(f.limit.size)
 
     def look(self, k: int) -> int:
         """Look at all flights at a sample; return how many go on."""
         return self._look(self._flights, k)
 
-    def advance(self, k: int, demand: FloatArray) -> None:
-        """Move all flights that go on by a sample, with what is asked of them [rad]."""
-        self._advance(self._flights, k, demand, self._plain, self._plain)
+    def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
+        """Move all that go on by a sample, with what is asked of them [rad], each ``(m,)``."""
+        self._advance(self._flights, k, demand, engage, release)
 
 
-def _advanced(
-    f: Flights,
-    laws: LawBatch,
-    k: int,
-    look: Callable[..., int],
-    advance: Callable[..., None],
-) -> bool:
-    """Move all flights that go on by a sample, whatever their laws; return whether any did."""
-    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-        if not look(f, k):
-            return False
-        going, demand = f.ended < 0, np.zeros(f.limit.size)
-        for place, law in enumerate(laws.laws):
-            mine = np.flatnonzero(going & (f.law == place))
-            if mine.size:
-                demand[mine] = _asked(law, f, mine)
-        engage, release = (
-            np.array([getattr(law, name) for law in laws.laws], float)[f.law]
-            for name in ("engage", "release")
-        )
-        advance(f, k, demand, engage, release)
-    return True
+def _last(f: Flights) -> IntArray:
+    """The samples that flights take at the least."""
+    return np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
 
 
 def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.actuated import INPUTS, actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
@@ -13,6 +15,11 @@ from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import connect, rising
 from tvclin.winds.histories import History
+
+_DIGITS = 12
+"""Of a time in a substep [s]: times on a grid fall on few of them."""
+_FEW = 64
+"""So many of them are taken one after the other."""
 
 
 def check_track(f: Flights, order: int) -> None:
@@ -33,32 +40,113 @@ def between_samples(
     `f`: one flight, flown with its track. `plant`, `actuator`, `wind`: what flew. `times`: times
     [s] up to its end.
     """
-    bare, whole = plant.system, actuated(plant, actuator).select(INPUTS[:1], ())
-    n, N, order = len(bare.states), f.y.shape[1], len(whole.states)
+    return _rows(_substeps(f, plant, actuator, times), plant, actuator, wind, times)
+
+
+def nozzle_between(
+    f: Flights, plant: AnyPlant, actuator: Actuator, wind: History, times: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the same, and rate and acceleration of the nozzle right after times ``(n,)``.
+
+    They are those of the actuator's equation. In a substep in which its rate or its stop bounds the
+    nozzle it goes evenly; that it is stopped short there counts as no acceleration, nor does a jump
+    of the rate of an actuator of first order.
+    """
+    at, whole, n = (
+        _substeps(f, plant, actuator, times),
+        actuated(plant, actuator),
+        len(plant.states),
+    )
+    moves = whole.A @ at.free + whole.B[:, :1] * at.command
+    still = times < at.onset
+    rate = np.where(still, 0.0, np.where(at.bounded, at.slope, moves[n]))
+    acceleration = np.where(still | at.bounded, 0.0, whole.A[n] @ moves)
+    return _rows(at, plant, actuator, wind, times), rate, acceleration
+
+
+def _rows(
+    at: _Substeps, plant: AnyPlant, actuator: Actuator | None, wind: History, times: FloatArray
+) -> FloatArray:
+    bare, y, first, slope = plant.system, at.y, at.first, at.slope
+    n = len(bare.states)
+    vehicle = y[:, :n]
+    if "deflection_acceleration" in bare.inputs:  # an impulse where the even rate begins
+        before = np.where(np.abs(y[:, n]) <= at.limit, y[:, n + 1], 0.0)
+        vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
+    rows = np.zeros((n + 1, times.size))
+    rows[:n] = at.free[:n]
+    if np.any(at.bounded):
+        even = connect([bare, rising("deflection", 2)], (), ()).to_steps(at.once).A
+        straight = at.moved(even, np.column_stack([vehicle, first, slope]))[:n]
+        rows[:n] = np.where(at.bounded, straight, rows[:n])
+    rows[:n] += _blown(bare.A, bare.B[:, 1], wind, at)
+    position = at.command if actuator is None else np.clip(at.free[n], -at.limit, at.limit)
+    rows[n] = np.where(at.bounded, first + slope * at.u, position)
+    return np.where(times < at.onset, 0.0, rows)
+
+
+class _Substeps(NamedTuple):
+    """For each of m times the substep in which it lies, and how long after its begin.
+
+    `once` are these lengths of time, each once, and `which` says which of them each is.
+    """
+
+    onset: float
+    limit: float
+    begins: FloatArray
+    u: FloatArray
+    once: FloatArray
+    which: IndexArray
+    y: FloatArray
+    command: FloatArray
+    bounded: BoolArray
+    first: FloatArray
+    slope: FloatArray
+    free: FloatArray
+
+    def moved(self, steps: AnyArray, states: AnyArray) -> AnyArray:
+        """Return what matrices of `once` make of states ``(m, n)``, as columns."""
+        if self.once.size > _FEW:
+            return np.asarray(np.einsum("mij,mj->im", steps[self.which], states))
+        found = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
+        for k, one in enumerate(steps):
+            mine = self.which == k
+            found[:, mine] = one @ states[mine].T
+        return found
+
+
+def _substeps(
+    f: Flights, plant: AnyPlant, actuator: Actuator | None, times: FloatArray
+) -> _Substeps:
+    whole = actuated(plant, actuator).select(INPUTS[:1], ())
+    n, N, order = len(plant.states), f.y.shape[1], len(whole.states)
     limit, track = float(f.limit[0]), _flown(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
+    once, which = np.unique(np.round(u, _DIGITS), return_inverse=True)
     y, (command, last, met) = track[row, :N], track[row, N:-1].T
-    bounded = met > 0.0
-    moved = whole.to_steps(u)
-    free = np.einsum("mij,mj->im", moved.A, y[:, :order]) + moved.B[..., 0].T * command
     lengths = np.diff(begins, append=f.start[0] + f.lengths[0, 0] * f.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
-    slope = (last - first) / lengths
-    even = connect([bare, rising("deflection", 2)], (), ()).to_steps(u).A
-    vehicle = y[:, :n]
-    if "deflection_acceleration" in bare.inputs:  # an impulse where the even rate begins
-        before = np.where(np.abs(y[:, n]) <= limit, y[:, n + 1], 0.0)
-        vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
-    begun = np.column_stack([vehicle, first, slope])
-    straight = np.einsum("mij,mj->im", even[:, :n], begun)
-    rows = np.zeros((n + 1, times.size))
-    blown = _blown(bare.A, bare.B[:, 1], wind, begins[row], u)
-    rows[:n] = np.where(bounded, straight, free[:n]) + blown
-    position = command if actuator is None else np.clip(free[n], -limit, limit)
-    rows[n] = np.where(bounded, first + slope * u, position)
-    return np.where(times < begins[0], 0.0, rows)
+    at = _Substeps(
+        onset=float(begins[0]),
+        limit=limit,
+        begins=begins[row],
+        u=u,
+        once=np.asarray(once, dtype=np.float64),
+        which=which,
+        y=y,
+        command=command,
+        bounded=met > 0.0,
+        first=first,
+        slope=(last - first) / lengths,
+        free=y,
+    )
+    moved = whole.to_steps(at.once)
+    free = at.moved(
+        np.concatenate([moved.A, moved.B], axis=2), np.column_stack([y[:, :order], command])
+    )
+    return at._replace(free=free)
 
 
 def _flown(f: Flights) -> FloatArray:
@@ -66,16 +154,14 @@ def _flown(f: Flights) -> FloatArray:
     return f.track[~np.isnan(f.track[:, -1])]
 
 
-def _blown(
-    A: FloatArray, gust: FloatArray, wind: History, begins: FloatArray, u: FloatArray
-) -> FloatArray:
-    """What the wind adds to the states from `begins` to `u` later, ``(n, m)``."""
+def _blown(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
+    """What the wind adds to the states since the begin of a substep, ``(n, m)``."""
     n, pieces = len(A), wind.pieces
-    matrix = answering(A, gust, pieces)
-    whole = exponentials(matrix, u)[:, :n, n:]
-    added = np.real(np.einsum("mij,mj->im", whole, inputs_at(pieces, begins)))
+    matrix, begins = answering(A, gust, pieces), at.begins
+    steps = exponentials(matrix, at.once)[:, :n, n:]
+    added = np.real(at.moved(steps, inputs_at(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
-    ends = begins + u
+    ends = begins + at.u
     for k in np.flatnonzero(np.any((begins < knots) & (knots < ends), axis=0)):
         inside = pieces.knots[(begins[k] < pieces.knots) & (pieces.knots < ends[k])]
         edges = np.concatenate([begins[k : k + 1], inside, ends[k : k + 1]])

@@ -1,5 +1,5 @@
 """Planar flights of the report's nonlinear equations.
 
-The files inside: `equations` are (B1a) to (B1f) as deviations, `case` flies them, `fly_planar` is
-the public function, and `survival` says which deflection limits survive.
+The files inside: `equations` are (B1a) to (B1f) as deviations, `case` flies them, and `fly_planar`
+is the public function.
 """

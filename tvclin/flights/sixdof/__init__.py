@@ -3,6 +3,6 @@
 The files inside: `model` writes a vehicle as JSBSim's XML, `engine` is JSBSim with the
 integrators and the reset that make it exact and repeatable, `sensors` reads a flight in its plane,
 `steering` turns the nozzle, `earth` puts a flight over the rotating Earth, `departure` on its
-trajectory, `airframe` flies one vehicle, `case` is what is flown, checked, `fly_sixdof` is the
-public function, and `survival` says of flights whether they survive.
+trajectory, `airframe` flies one vehicle, `case` is what is flown, checked, and `fly_sixdof`
+is the public function.
 """

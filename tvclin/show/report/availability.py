@@ -61,6 +61,7 @@ def _how(a: Availability) -> str:
     return (
         f"The vehicle flies towards {azimuth} deg through each of the {len(a.soundings)} winds of"
         f" {station} from {first} to {last}. It varies while the wind blows, on the {a.model} model"
-        f" in {planes}, and is trimmed up to the limit (K = 1), which needs no forecast. A wind"
-        " that the balloon did not see is unknown, and counts in no part."
+        f" in {planes}, and is trimmed up to the limit (K = 1), which needs no forecast. Where"
+        " a balloon has no data the wind is unknown; such a sounding counts neither as flown nor as"
+        " lost."
     )

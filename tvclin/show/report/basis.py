@@ -7,16 +7,11 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from importlib.resources import files
 
-import numpy as np
-
 from tvclin.answers.findings import Findings
 from tvclin.answers.glossary import SYMBOLS, TERMS
-from tvclin.answers.study import outlasts_one_pole
 from tvclin.answers.study_notes import OUTLASTS
-from tvclin.base.lines import Formula, Line, Table, labelled, significant, text
-from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.base.lines import Formula, Line, Table, labelled, text
 from tvclin.show.report.blocks import (
-    Check,
     Checks,
     Figure,
     Paragraph,
@@ -48,16 +43,13 @@ def assumptions(found: Findings) -> Section:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
         odd += [f"autopilot: {note}" for note in notes]
     assumed = [
-        "the vehicle is rigid, and its numbers stay as they are while the wind blows; the motion is"
-        " planar, linear, and a deviation from the nominal flight",
-        "the engine stops sharply at its limit; a limit of its rate does not count",
+        "the motion is planar, linear, and a deviation from the nominal flight",
+        "the engine stops sharply at its limit",
         _left_out(found),
     ]
     if found.dispersed is not None:
         assumed.append("the dispersions are those given, and not checked")
-    return Section(
-        "assumptions", "Assumptions", (Checks((_one_pole(found),)), *checks(odd, assumed))
-    )
+    return Section("assumptions", "Assumptions", tuple(checks(odd, assumed)))
 
 
 def _left_out(found: Findings) -> str:
@@ -140,23 +132,3 @@ def _texts(sections: Sequence[Section]) -> Iterator[str]:
             yield from (text(one.line) for one in block.each)
         else:
             yield block.caption if isinstance(block, Figure) else text(block.line)
-
-
-def _one_pole(found: Findings) -> Check:
-    """Whether the slow mode of the flight path may be neglected."""
-    s = found.study
-    edge = float(single_pole_validity(s.coefficients))
-    if np.isnan(edge):
-        words = (
-            "Up to which duration the slow motion of the flight path may be neglected is not"
-            " defined: the vehicle has no two real unstable poles."
-        )
-        return Check("reader", (words,))
-    tau = significant("validity.duration", float(s.wind.duration), unit="s")
-    upto = significant("validity.edge", edge, 3, unit="s")
-    if outlasts_one_pole(s):
-        begin = "The slow motion of the flight path counts: the wind lasts "
-        end = " up to which it may be neglected; more may be needed than the boundary says."
-        return Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
-    begin = "The slow motion of the flight path may be neglected: the wind lasts "
-    return Check("ok", (begin, *tau, ", not longer than ", *upto, "."))

@@ -5,7 +5,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
-from tvclin.base.lines import Table, number, quantities
+from tvclin.base.lines import Line, degrees, number, quantities
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
 from tvclin.control.margins.tables import margin_table
@@ -39,12 +39,32 @@ def _laws(found: Findings) -> list[Block]:
         f"Each law is flown with a stop on {flown}, sampled at {rate:g} Hz, in winds with the peak"
         " and duration of this study. The number is the least stop above which every one that was"
         " tried survives. The laws trim and dead band hold the attitude, and are designed on a"
-        f" fixed path. {LEGEND}" + (" The gust is left out here." if s.gust is not None else "")
+        f" fixed path. {LEGEND}{_apart(found)}"
     )
     plant = Plant(s.coefficients, found.plan.law_model)
     every = standard_winds(s.wind.peak, s.wind.duration)
     beside = bounds(plant, {name: every[name] for name in asked.winds})
     return [*needed(found.trials, beside), Paragraph((words,)), *checks(doubts(found.trials))]
+
+
+def _apart(found: Findings) -> str:
+    """By what the flight of the autopilot as a law is another than that which is judged."""
+    plan, rate = found.plan, found.plan.laws.sample_rate if found.plan.laws else 0.0
+    if found.stop is None or plan.laws is None or "autopilot" not in plan.laws.names:
+        return " The gust is left out here." if found.study.gust is not None else ""
+    stop = np.degrees(abs(float(found.stop.deflection)) * found.study.of_both)
+    least = f"{stop:.3f} deg" if np.isfinite(stop) else "any limit"
+    apart = ["the gust"] if found.study.gust is not None else []
+    if plan.vehicle.structure is None:
+        apart += [f"{one} of the nozzle" for one in ("actuator", "delay")]
+    own = plan.hardware["sample_rate"]
+    rates = f" and {own:g} samples a second in place of {rate:g}" if own != rate else ""
+    added = f" with {', '.join(apart)}" if apart else ""
+    both = ", and counts both planes" if found.study.in_both else ""
+    return (
+        f" The autopilot has the gains of Autopilot and margins here too. There it needs {least},"
+        f" flown{added}{rates}{both}."
+    )
 
 
 def autopilot(found: Findings) -> Section | None:
@@ -142,10 +162,26 @@ def _margins(found: Findings, whole: Margins) -> Block:
     return margin_table(whole, found.criteria.judge(found.margins or whole))
 
 
-def _in_the_wind(found: Findings, c: TrimComparison) -> list[Table]:
+def _in_the_wind(found: Findings, c: TrimComparison) -> list[Block]:
     title = "The autopilot in this wind, without a stop"
     title += "" if found.flexible is None else ", flexible vehicle"
-    stop = None
-    if found.stop is not None:
-        stop = abs(float(found.stop.deflection)) * found.study.of_both
-    return [c.deflections(title, stop), quantities("Largest motions", c.motions())]
+    title += f", {found.study.plane} plane alone" if found.study.in_both else ""
+    stop = None if found.stop is None else abs(float(found.stop.deflection))
+    tables = [c.deflections(title, stop), quantities("Largest motions", c.motions())]
+    return [*tables, *_of_both(found, stop)]
+
+
+def _of_both(found: Findings, stop: float | None) -> list[Block]:
+    """What both planes take of the stop over this one, where the verdict is on both."""
+    s = found.study
+    if not s.in_both:
+        return []
+    line: Line = (
+        "Both planes together take ",
+        *number("both.factor", s.of_both, 3),
+        f" times what the {s.plane} plane takes of the stop",
+    )
+    if stop is not None and np.isfinite(stop):
+        needs = degrees("both.stop", stop * s.of_both, unit="deg")
+        line += (": with that this autopilot needs ", *needs, " as a stop, flown")
+    return [Paragraph((*line, "."))]

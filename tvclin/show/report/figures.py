@@ -73,7 +73,9 @@ def narrow(plot: "ControlPlot") -> None:
     figure.suptitle("")
     if not panels:  # a drawing without axes
         plot.axes.flat[0].set_title("")
-        figure.set_size_inches(_WIDTH, _WIDTH * figure.get_figheight() / figure.get_figwidth())
+        ends = plot.axes.flat[0].get_ylim(), plot.axes.flat[0].get_xlim()
+        high, wide = (float(np.ptp(each)) for each in ends)
+        figure.set_size_inches(_WIDTH, _WIDTH * high / wide)
         return
     height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
     options = {"handles": list(entries.values()), "labels": list(entries), "frameon": False}

@@ -40,9 +40,19 @@ def _blocks(found: Findings) -> list[Block]:
         blocks.append(Figure(label, caption, drawn))
     for j in range(len(sizing.winds)):
         blocks += tables.over_time(sizing, counted, j)
-    notes = checks((*asked.warnings, *sizing.notes), asked.notes)
+    ratio = asked.ratio(found.plan, sizing)
+    notes = checks(
+        (*asked.warnings, *sizing.notes), (*asked.notes, *(ratio.notes if ratio else ()))
+    )
     verdict = [Paragraph(line) for line in total.verdict]
-    return [*blocks, total_table(total, counted), *verdict, *notes]
+    beside: list[Block] = [ratio.table, Paragraph(ratio.verdict)] if ratio else []
+    blocks += [total_table(total, counted), *verdict, *beside]
+    if (card := found.card) is not None:
+        said = Paragraph((f"The card of the nozzle, {card.law} flown: {card.verdict.words}.",))
+        blocks += [said, *card.tables(), *checks((), card.notes)]
+    elif "card" in found.reasons:
+        blocks.append(Paragraph((f"No card of the nozzle: {found.reasons['card']}.",)))
+    return [*blocks, *notes]
 
 
 def _words(s: Sizing, of: str) -> str:

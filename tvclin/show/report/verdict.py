@@ -10,7 +10,7 @@ from tvclin.answers.questions import (
     sufficient,
     without_stop,
 )
-from tvclin.answers.study import Study, outlasts_one_pole
+from tvclin.answers.study import Study
 from tvclin.answers.study_notes import TRUSTS
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
@@ -98,10 +98,8 @@ def basis(found: Findings) -> Line:
         f"{s.blows.gust_words}.",
         *_meets_the_stop(found),
     )
-    if s.required_deflection and s.governs != BOUNDARY:
+    if s.required_deflection and s.governs != BOUNDARY and asked(found) is None:
         line += (f" What this wind needs is set by {s.governs}.",)
-    if outlasts_one_pole(s):
-        line += (" Beware: in so long a wind the slow motion of the path counts, see Assumptions.",)
     if any(TRUSTS in note for note in s.notes):
         line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
@@ -146,15 +144,11 @@ def _peak(s: Study) -> float:
 def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers beside the verdict, each with what it is."""
     s = found.study
-    rows: list[tuple[str, Line]] = [
-        ("this wind needs", least(degrees("facts.required", s.required_deflection, unit="deg")))
-    ]
+    rows: list[tuple[str, Line]] = []
+    if asked(found) is None:  # else it is one of its rows
+        need = least(degrees("facts.required", s.required_deflection, unit="deg"))
+        rows.append(("this wind needs", need))
     stop = 0.0 if found.stop is None else abs(float(found.stop.deflection)) * s.of_both
-    if found.stop is not None:
-        rows.append(("this autopilot needs", least(degrees("facts.stop", stop, unit="deg"))))
-    if found.flight is not None:
-        needed = degrees("facts.flight", found.flight[1].required, unit="deg")
-        rows.append(("the whole flight needs", needed))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.survivable_peak is not None:
@@ -170,8 +164,4 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
         rows.append(
             ("minimum, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg"))
         )
-    if found.dispersed is not None:
-        required = found.dispersed.required
-        covers = f"covers {100 * required.probability:g} % of cases"
-        rows.append((covers, degrees("facts.covers", required.upper, unit="deg")))
     return tuple(rows)

@@ -1,0 +1,231 @@
+"""The card of a whole flight, against single flights, closed forms, and sums by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.questions import questions
+from tvclin.control.laws.filtered import NoisyLaw
+from tvclin.flights.closed_loop.nozzle import fly_nozzle
+
+DEG = float(np.radians(1.0))
+HINGE = tv.answers.NozzleData(
+    engine=tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0),
+    stiffness=8e5,
+    damping=1e4,
+    friction=2000.0,
+    offset=0.01,
+)
+NOZZLE = tv.Nozzle(limit=DEG, rate_limit=10.0 * DEG, data=HINGE)
+SCHEDULE = tv.load_schedule("configuration-i")
+BOOSTER = SCHEDULE.vehicle
+
+
+def asked(**given):
+    return tv.answers.SizingAsked(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
+
+
+def plan(**given):
+    from tvclin.answers.study_file.plan import StudyPlan
+
+    return StudyPlan(vehicle=BOOSTER, **{"nozzle": NOZZLE, "sign": "frozen"} | given)
+
+
+def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
+    card = tv.answers.flight_card(plan(), asked())
+    assert [one.time for one in card.points] == [60.0, 65.0, 70.0]
+    for one in card.points:
+        case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
+        law = tv.control.design_law("trim", case.plant, float(case.history.peak))
+        alone = FlownCard.of(case, "trim", law).card
+        least = tv.optimum_deflection(case.plant, case.history, 0.0).peak
+        pole = float(np.real(tv.unstable_modes(case.plant).poles[0]))
+        assert one.least == pytest.approx(least, rel=1e-9)
+        assert one.least_rate == pytest.approx(pole * least, rel=1e-9)
+        assert one.least_acceleration == pytest.approx(pole**2 * least, rel=1e-9)
+        # the same flight but for its time, and the time of rest before it
+        assert one.card.travel == pytest.approx(alone.travel, rel=1e-6)
+        assert one.card.work.energy == pytest.approx(alone.work.energy, rel=1e-4)
+        assert abs(one.card.rate.value) == pytest.approx(abs(alone.rate.value), rel=1e-6)
+    assert card.duties[0].travel == max(one.card.travel for one in card.points)
+
+
+def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
+    card = tv.answers.flight_card(plan(sign=None), asked(stop=60.0))
+    calm = tv.answers.flight_card(plan(), asked(stop=60.0)).points[0]
+    head, tail = card.points
+    assert tail.least == calm.least
+    assert abs(tail.card.angle.value) == pytest.approx(abs(calm.card.angle.value), rel=1e-9)
+    vehicle = SCHEDULE.at(60.0)
+    angle = np.radians(-5.0)  # tan of the angle of the air: the law of sines, backwards
+    w = vehicle.velocity * np.sin(angle) / np.sin(vehicle.attitude + angle)
+    air = np.hypot(
+        vehicle.velocity * np.cos(vehicle.attitude) - w, vehicle.velocity * np.sin(vehicle.attitude)
+    )
+    ratio = float((air / vehicle.velocity) ** 2)
+    met = vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * ratio,
+        axial_force=vehicle.axial_force * ratio,
+    )
+    plant = tv.Plant.from_vehicle(met)
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    assert head.least == pytest.approx(tv.optimum_deflection(plant, wind, 0.0).peak, rel=1e-9)
+
+
+def test_a_measured_wind_is_counted_once_over_the_flight():
+    """On a flight that does not change, the parts are those of one flight from end to end."""
+    held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
+    jet = tv.WindProfile(
+        height=[7e3, 10e3, 13e3, 15e3], east=[0.0, 25.0, 5.0, 0.0], north=[0.0] * 4
+    )
+    sounding = tv.answers.SoundingAsked(jet, azimuth=np.radians(90.0))
+    told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "stop": 90.0}
+    case = tv.answers.Case(vehicle=held.vehicle, nozzle=NOZZLE)
+    found = [
+        tv.answers.flight_card(
+            case, tv.answers.SizingAsked(schedule=held, every=every, **told)
+        ).duties[0]
+        for every in (5.0, 10.0, 20.0)
+    ]
+    whole = tv.fly_through(jet, held, azimuth=np.radians(90.0)).wind
+    one = tv.Case(vehicle=SCHEDULE.at(66.0), nozzle=NOZZLE, wind=whole)
+    law = tv.control.design_law("trim", one.plant, float(whole.peak))
+    flown = fly_nozzle(one.plant, law, whole, deflection_limit=DEG, **one.hardware)
+    inside = (flown.times >= 50.0) & (flown.times <= 90.0)
+    travel = np.abs(np.diff(flown.deflection[inside])).sum()
+    for duty in found:  # at each end of a part up to a step of 2.5 ms is left out
+        assert duty.travel == pytest.approx(travel, rel=2e-3)
+
+
+def test_noise_makes_travel_as_its_rms_rate_says():
+    """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
+    noise = np.radians(0.05)
+    quiet = tv.answers.flight_card(plan(), asked(stop=60.0)).points[0].card
+    card = tv.answers.flight_card(plan(), asked(stop=60.0), noise=noise, seed=3)
+    loud = card.points[0].card
+    span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
+    assert loud.travel > 5.0 * quiet.travel
+    assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
+    # the whole flight of one time is that wind alone; of ten seconds, noise goes on between
+    longer = tv.answers.flight_card(plan(), asked(), noise=noise, seed=3)
+    case = tv.Case(vehicle=SCHEDULE.at(65.0), nozzle=NOZZLE)
+    law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=noise, seed=3)
+    flown = fly_nozzle(case.plant, law, case.history, deflection_limit=DEG, **case.hardware)
+    still = flown.rate[flown.times > 7.5 * (1.0 + 1.0 / float(case.plant.coefficients.pole))]
+    rate = np.sqrt(2.0 / np.pi * np.mean(still**2))
+    wind = loud.travel - span * rate
+    within = 2.0 * 0.04 * span * rate  # of the noise that is taken off one flight, twice
+    assert longer.duties[0].travel == pytest.approx(wind + 10.0 * rate, abs=within)
+
+
+def test_where_a_wind_is_not_known_the_verdict_is_not_known():
+    """The sounding begins at 7 km, where the flight is at 46 s."""
+    held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
+    jet = tv.WindProfile(height=[7e3, 10e3, 15e3], east=[0.0, 25.0, 0.0], north=[0.0] * 3)
+    sounding = tv.answers.SoundingAsked(jet, azimuth=np.radians(90.0))
+    told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
+    case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
+    found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
+    assert found.enough is None
+    assert found.unknown == ("jet at 45 s",)
+    assert "NOT KNOWN" in found.words
+
+
+def test_noise_is_that_of_the_gyro_for_each_sample():
+    case = tv.Case(vehicle=SCHEDULE.at(60.0))
+    law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=1e-3, seed=2)
+    assert law.rate_noise == (1e-3, 2)
+
+
+def test_both_planes_have_their_part_of_the_stop():
+    wind = tv.ShapedWind("triangular", 5.0 * DEG, 7.5, heading=np.radians(200.0))
+    nozzle = replace(NOZZLE, stop="round")
+    card = tv.answers.flight_card(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
+    pitch, yaw = card.points
+    assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
+    assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
+    turned = np.hypot(abs(pitch.card.angle.value), abs(yaw.card.angle.value))
+    limit = next(one for one in card.verdict.needs if one.name == "limit")
+    assert np.degrees(turned) == pytest.approx(limit.needed, rel=0.05)  # both peak together
+
+
+@pytest.mark.parametrize(
+    ("sheet", "worst", "enough"),
+    [
+        ({}, "limit", True),
+        ({"rate_limit": 0.25 * DEG}, "rate limit", True),
+        ({"acceleration_limit": 1.0 * DEG}, "acceleration", False),
+        ({"torque_limit": 1e3}, "torque", False),
+        ({"power_limit": 1e5}, "limit", True),
+        ({"travel_limit": 1.2 * DEG}, "travel of a flight", False),
+    ],
+)
+def test_the_worst_line_heads_the_verdict(sheet, worst, enough):
+    found = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
+    assert found.needs[0].name == worst
+    assert found.enough is enough
+    assert worst in found.words
+    for one in found.needs:
+        assert one.left is None or one.left == pytest.approx(one.there - one.needed)
+
+
+def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
+    card = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
+    assert card.verdict.enough is False
+    assert "trim is lost at 60 s" in card.verdict.words
+    (rate,) = (one for one in card.verdict.needs if one.name == "rate limit")
+    assert rate.needed > max(one.least_rate for one in card.points) / DEG
+
+
+def test_what_is_missing_is_named():
+    with pytest.raises(tv.InputError, match="deflection limit"):
+        tv.answers.flight_card(plan(nozzle=tv.Nozzle()), asked())
+    with pytest.raises(tv.InputError, match="mass_kg and arm_m"):
+        tv.Nozzle(limit=DEG, torque_limit=1e4)
+    card = tv.answers.flight_card(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
+    assert any("torque, power and energy need" in note for note in card.notes)
+
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[nozzle]
+limit_deg = {limit}
+rate_limit_deg_per_s = {rate}
+torque_limit_N_m = {torque}
+mass_kg = 1200
+arm_m = 1.35
+stiffness_N_m_per_deg = 15200
+[schedule]
+[size]
+start_s = 66
+stop_s = 66
+varying = false
+card = "trim"
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "rate", "torque", "answers"),
+    [
+        (1.0, 5.0, 3e4, {"whole flight": True, "nozzle card": True}),
+        (1.0, 5.0, 1e3, {"whole flight": True, "nozzle card": False}),
+        (1.0, 0.12, 3e4, {"whole flight": False, "nozzle card": False}),
+    ],
+)
+def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rate, torque, answers):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.format(limit=limit, rate=rate, torque=torque))
+    found = {one.name: one for one in questions(find(tv.load_study(file)))}
+    assert {name: found[name].yes for name in answers} == answers
+    if rate < 1.0:
+        measure = found["whole flight"].measure
+        assert measure.unit == "deg/s"
+        assert measure.needed > measure.there == pytest.approx(rate)

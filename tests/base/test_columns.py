@@ -1,0 +1,53 @@
+"""Columns over axes: a CSV and a Dataset hold the same numbers."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from tvclin.base.columns import Column, Columns
+
+NEEDS = np.radians([[1.0, 2.0, np.nan], [4.0, 5.0, 6.0]])
+TABLE = Columns(
+    (
+        Column("time", np.array([0.5, 1.0]), "s"),
+        Column("wind", np.array(["a", "b", "c"]), ""),
+    ),
+    (
+        Column("need", NEEDS, "rad"),
+        Column("thrust", np.array([7.0, 8.0]), "N/rad", ("time",)),
+        Column("known", np.array([True, False, True]), "1", ("wind",)),
+    ),
+    {"plane": "pitch"},
+)
+
+
+def test_a_csv_has_a_line_for_each_place_with_units_in_its_headings() -> None:
+    head, *rows = csv.reader(io.StringIO(TABLE.csv()))
+    assert head == ["time_s", "wind", "need_deg", "thrust_N_per_rad", "known"]
+    assert [row[:2] for row in rows[:4]] == [["0.5", "a"], ["0.5", "b"], ["0.5", "c"], ["1.0", "a"]]
+    assert [row[3:] for row in rows[2:4]] == [["7.0", "True"], ["8.0", "True"]]
+    assert rows[2][2] == ""
+    assert float(rows[5][2]) == np.degrees(NEEDS[1, 2])
+
+
+def test_a_dataset_has_the_same_numbers_in_si_units() -> None:
+    pytest.importorskip("xarray")
+    data = TABLE.dataset()
+    np.testing.assert_array_equal(data["need"], NEEDS)
+    assert data["need"].dims == ("time", "wind")
+    assert data["thrust"].attrs == {"units": "N/rad"}
+    assert float(data["thrust"].sel(time=1.0)) == 8.0
+    assert data.attrs == {"plane": "pitch"}
+
+
+def test_dates_and_directions_are_written_as_they_are_read() -> None:
+    dates = np.array(["2024-02-01T00", "2024-02-01T12"], dtype="datetime64[ns]")
+    table = Columns(
+        (Column("azimuth", np.radians([60.0]), "rad"), Column("time", dates, "UTC")),
+        (Column("flies", np.array([[1.0, np.nan]])),),
+    )
+    assert table.csv() == (
+        "azimuth_deg,time_utc,flies\n60.0,2024-02-01T00:00,1.0\n60.0,2024-02-01T12:00,\n"
+    )

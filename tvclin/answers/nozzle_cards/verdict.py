@@ -1,0 +1,166 @@
+"""What is asked of a nozzle, what it can do, and what is left of that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.answers.nozzle import Nozzle
+from tvclin.answers.nozzle_cards.card import NozzleCard
+from tvclin.base.cards import Shown, table
+from tvclin.base.documents import keyed
+from tvclin.base.lines import Line, Table, significant
+
+SHEET = {
+    "limit": ("limit", "deg"),
+    "rate_limit": ("rate limit", "deg/s"),
+    "acceleration_limit": ("acceleration", "deg/s2"),
+    "travel_limit": ("travel of a flight", "deg"),
+    "torque_limit": ("torque", "N m"),
+    "power_limit": ("power", "W"),
+}
+"""What a nozzle can do, by the field that says it: in words, and the unit in which it is told."""
+_ROUNDING = 1e-12
+
+
+def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
+    """Return what motions take of a nozzle [SI], by the fields of `SHEET`; all but its travel."""
+    needed = {
+        "limit": max((abs(one.angle.value) for one in cards), default=0.0),
+        "rate_limit": max((abs(one.rate.value) for one in cards), default=0.0),
+        "acceleration_limit": max((abs(one.acceleration.value) for one in cards), default=0.0),
+        "travel_limit": travel,
+    }
+    work = [one.work for one in cards if one.work is not None]
+    if nozzle.data is not None:
+        held = (one.holding + nozzle.data.friction for one in work)
+        needed["torque_limit"] = max([0.0, *held, *(abs(one.torque.value) for one in work)])
+        needed["power_limit"] = max((one.power.value for one in work), default=0.0)
+    return needed
+
+
+@dataclass(frozen=True)
+class Need(Shown):
+    """A line of a data sheet; numbers in its unit.
+
+    Attributes
+    ----------
+    name, unit : str
+        What, and in which unit.
+    needed : float
+        What is needed; infinite where nothing is enough, and not a number where it is not known.
+    there : float or None
+        What there is, where that is given.
+    """
+
+    name: str
+    unit: str
+    needed: float
+    there: float | None
+
+    as_dict = keyed("name unit needed there left enough")
+
+    @property
+    def left(self) -> float | None:
+        """What is left; negative where it is too little."""
+        return None if self.there is None else self.there - self.needed
+
+    @property
+    def enough(self) -> bool | None:
+        """Whether there is enough; None where nothing is given, or the need is not known."""
+        if self.there is None or np.isnan(self.needed):
+            return None
+        return bool(self.needed <= self.there * (1.0 + _ROUNDING))
+
+    @property
+    def part(self) -> float:
+        """Which part of what there is is needed; -1 where none is given."""
+        return -1.0 if self.there is None else float(np.nan_to_num(self.needed / self.there))
+
+
+@dataclass(frozen=True)
+class NozzleVerdict(Shown):
+    """Whether a nozzle is enough, line by line.
+
+    Attributes
+    ----------
+    needs : tuple of Need
+        That of which the largest part is needed comes first.
+    lost, unknown : tuple of str
+        Flights that are not survived, and winds that are not known, in words.
+    """
+
+    needs: tuple[Need, ...]
+    lost: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+
+    as_dict = keyed("enough words needs lost unknown")
+    _keys = "verdict=words lost unknown"
+
+    @classmethod
+    def of(
+        cls,
+        nozzle: Nozzle,
+        needed: dict[str, float],
+        lost: Iterable[str] = (),
+        unknown: Iterable[str] = (),
+    ) -> Self:
+        """Return the verdict on a nozzle of what is needed [SI], by the fields of `SHEET`."""
+        needs = []
+        for name, (words, unit) in SHEET.items():
+            if name in needed:
+                scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
+                there: Any = getattr(nozzle, name)
+                there = None if there is None else scale * there
+                needs.append(Need(words, unit, scale * needed[name], there))
+        return cls(tuple(sorted(needs, key=lambda one: -one.part)), tuple(lost), tuple(unknown))
+
+    @property
+    def enough(self) -> bool | None:
+        """Whether all flights are survived and no line is short; None where nothing is given."""
+        answers = [one.enough for one in self.needs if one.there is not None]
+        if self.lost or False in answers:
+            return False
+        return None if not answers or None in answers or self.unknown else True
+
+    @property
+    def words(self) -> str:
+        """The verdict in a sentence, of the line that is worst."""
+        if self.lost:
+            others = len(self.lost) - 1
+            more = f", and {others} more" if others else ""
+            return f"NOT ENOUGH: {self.lost[0]}{more}"
+        worst = next((one for one in self.needs if one.there is not None), None)
+        if worst is None:
+            return "nothing is asked; give a limit and a rate limit"
+        needed, there = (f"{x:.4g}" for x in (worst.needed, worst.there or 0.0))
+        if self.enough is None:
+            where = f", {self.unknown[0]}" if self.unknown else ""
+            return f"NOT KNOWN to be enough{where}"
+        word = "ENOUGH" if self.enough else "NOT ENOUGH"
+        if np.isinf(worst.needed):
+            return f"{word}: no {worst.name} is enough"
+        return f"{word}: of the {worst.name} of {there} {worst.unit}, {needed} are needed"
+
+    def _repr_html_(self) -> str:
+        return "".join(table(one, ((self.words,),)) for one in self.tables())
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return what is needed, what is there and what is left."""
+
+        def cell(key: str, value: float | None) -> Line:
+            return significant(key, np.nan if value is None or value == -np.inf else value)
+
+        rows = tuple(
+            (
+                (f"{one.name} [{one.unit}]",),
+                cell(f"sheet.{one.name}.needed", one.needed),
+                cell(f"sheet.{one.name}.there", one.there),
+                cell(f"sheet.{one.name}.left", one.left),
+            )
+            for one in self.needs
+        )
+        return (Table("What is asked of the nozzle", ("", "needed", "there", "left"), rows),)

@@ -1,0 +1,544 @@
+"""The card of a whole flight: the nozzle at each flight time in each wind, and all of it together.
+
+The vehicle is frozen at each flight time, as in a sizing. A pulse blows once, at the worst of them;
+a measured wind blows all along, and of each flight time counts what is nearer to it than to any
+other. So nothing is counted twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.case import Case
+from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
+from tvclin.answers.nozzle_cards.flown import actuator_notes
+from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
+from tvclin.answers.planes import rectangle
+from tvclin.answers.sizing.asked import SizingAsked
+from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+from tvclin.answers.sizing.placing import PlacedWind, WindOf, known_times, place_in
+from tvclin.answers.sizing.record import IN_A
+from tvclin.answers.sizing.wind_sign import SIGNS, pressure_ratio
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown, named, table
+from tvclin.base.documents import keyed, picked
+from tvclin.base.errors import InputError, callable_for, instance, nonnegative, number, one_of
+from tvclin.base.files import write_rows
+from tvclin.base.lines import Line, Table, significant
+from tvclin.base.lines import number as figure
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.rates import ramp_rate, ramped_deflection
+from tvclin.boundary.stops import stop_of
+from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes
+from tvclin.flights.closed_loop.many import SURVIVED
+from tvclin.flights.closed_loop.nozzle import fly_nozzle
+from tvclin.flights.flexible import FATES
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+
+_LEAST = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
+_CARD = (
+    "angle_deg=|angle.value| rate_deg_per_s=|rate.value| steady_rate_deg_per_s"
+    " acceleration_deg_per_s2=|acceleration.value| travel_deg reversals time_at_stop_s"
+)
+_WORK = (
+    "torque_N_m=|torque.value| holding_torque_N_m=holding rms_torque_N_m=rms_torque"
+    " power_W=power.value energy_J=energy"
+)
+_SETTLED, _AFTER = 7.5, 15.0
+"""Times of the fast mode after a wind between which only noise is left."""
+
+
+@dataclass(frozen=True, eq=False)
+class CardPoint(Shown):
+    """The nozzle at one flight time in one wind, in one plane.
+
+    Attributes
+    ----------
+    time : float
+        Flight time [s].
+    wind, plane : str
+        The wind, with its sign along the path where that matters, and the plane.
+    least : float
+        Least angle [rad] at any rate, the wind being known.
+    pole : float
+        The fast unstable pole [1/s]; zero where nothing grows.
+    limit : float
+        The part of the stop [rad] that this plane has.
+    status : str
+        What became of the flight, as of `fly_many`; empty where nothing is flown.
+    card : NozzleCard or None
+        Of the flight; None where it is lost, or nothing is flown.
+    said : tuple of str
+        Of the design of the law.
+    alone, quiet : ndarray
+        Travel [rad] and energy [J] of the flight beside what noise alone takes, and that
+        [rad/s, W].
+    """
+
+    time: float
+    wind: str
+    plane: str
+    least: float
+    pole: float
+    limit: float
+    status: str
+    card: NozzleCard | None
+    said: tuple[str, ...] = ()
+    alone: FloatArray = field(default_factory=lambda: np.zeros(2))
+    quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
+
+    @property
+    def least_rate(self) -> float:
+        """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
+        return self.pole * self.least
+
+    @property
+    def least_acceleration(self) -> float:
+        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
+        return self.pole**2 * self.least
+
+    @property
+    def lost(self) -> bool:
+        """Whether a flight is not survived."""
+        return self.status not in ("", SURVIVED)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """All numbers by keys with their units."""
+        found = picked(self, _LEAST)
+        if self.card is not None:
+            found |= picked(self.card, _CARD)
+            found |= {} if self.card.work is None else picked(self.card.work, _WORK)
+        return {key: float(value) for key, value in found.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the point as the command line prints it as JSON, angles in degrees."""
+        return picked(self, "time_s wind plane status") | self.numbers
+
+
+@dataclass(frozen=True)
+class Duty(Shown):
+    """What a whole flight in one wind asks of a nozzle, one moment after the other.
+
+    Attributes
+    ----------
+    wind, plane : str
+        The wind and the plane.
+    travel : float
+        Integral of ``|delta'|`` [rad]; not a number where a flight is lost.
+    energy : float
+        Energy [J] that the actuators give; not a number without nozzle data.
+    """
+
+    wind: str
+    plane: str
+    travel: float
+    energy: float
+
+    as_dict = keyed("wind plane travel_deg energy_J")
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCard(Shown):
+    """What a whole flight asks of its nozzle; make it with `flight_card`.
+
+    Attributes
+    ----------
+    vehicle, law : str
+        Their names.
+    points : tuple of CardPoint
+        By flight time and wind.
+    duties : tuple of Duty
+        Of the whole flight in each wind; the flight has one of them.
+    verdict : NozzleVerdict
+        What is needed, what is there and what is left.
+    notes : tuple of str
+        What is left out, and how the whole is counted.
+    """
+
+    vehicle: str
+    law: str
+    points: tuple[CardPoint, ...]
+    duties: tuple[Duty, ...]
+    verdict: NozzleVerdict
+    notes: tuple[str, ...]
+
+    as_dict = keyed("vehicle law verdict largest duties points notes")
+    _keys = "vehicle law verdict=verdict.words largest"
+
+    def _repr_html_(self) -> str:
+        first, *rest = self.tables()
+        return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """The largest of each quantity over the flight, by keys with their units."""
+        return {key: one.numbers[key] for key, one in self._worst().items()}
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the verdict, the largest of each quantity, and the largest at each time."""
+        return (*self.verdict.tables(), self._whole(), *self._over_time())
+
+    def to_csv(self, path: Path | None = None) -> str:
+        """Return a line for each flight as CSV, and write it where a path is given.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        keys = list(dict.fromkeys(chain.from_iterable(one.numbers for one in self.points)))
+        rows = [
+            [repr(one.time), one.wind, one.plane, one.status]
+            + [repr(float(one.numbers.get(key, np.nan))) for key in keys]
+            for one in self.points
+        ]
+        return write_rows([["time_s", "wind", "plane", "status", *keys], *rows], path)
+
+    def _worst(self) -> dict[str, CardPoint]:
+        numbers = [one.numbers for one in self.points]
+        found = {}
+        for key in dict.fromkeys(chain.from_iterable(numbers)):
+            found[key] = self.points[int(np.argmax([one.get(key, -1.0) for one in numbers]))]
+        return found
+
+    def _whole(self) -> Table:
+        planes = len({one.plane for one in self.points}) > 1
+        rows: list[tuple[Line, ...]] = []
+        for key, one in self._worst().items():
+            name, unit = named(key)
+            where = f"{one.wind}, {one.plane}" if planes else one.wind
+            value = _cell(f"card.{key}", key, one.numbers[key])
+            label = f"{name} [{unit}]" if unit else name
+            rows.append(((label,), value, (f"{one.time:.6g}",), (where,)))
+        for key in ("travel_deg", "energy_J"):
+            sums = [one.as_dict()[key] for one in self.duties]
+            if np.isfinite(sums).any():
+                worst = self.duties[k := int(np.nanargmax(sums))]
+                name, unit = named(key)
+                where = f"{worst.wind}, {worst.plane}" if planes else worst.wind
+                value = _cell(f"card.whole.{key}", key, sums[k])
+                rows.append(((f"{name} of the whole flight [{unit}]",), value, ("",), (where,)))
+        head = ("", "largest", "at [s]", "in the wind")
+        return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
+
+    def _over_time(self) -> Iterator[Table]:
+        times = sorted({one.time for one in self.points})
+        for caption, keys in (
+            ("By flight time, the largest of all winds", (*_SHOWN, "travel_deg")),
+            ("Torque, power and energy by flight time", ("torque_N_m", "power_W", "energy_J")),
+        ):
+            there = [key for key in keys if key in self.largest]
+            if not there:
+                continue
+            rows = []
+            for time in times:
+                now = [one.numbers for one in self.points if one.time == time]
+                most = {key: max(one.get(key, np.nan) for one in now) for key in there}
+                cells = (_cell(f"card.{time:g}.{key}", key, most[key]) for key in there)
+                rows.append(((f"{time:.6g}",), *cells))
+            heads = [" [".join(filter(None, named(key))) + "]" for key in there]
+            yield Table(caption, ("time [s]", *heads), tuple(rows))
+
+
+_SHOWN = (
+    *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
+    "acceleration_deg_per_s2",
+)
+
+
+def flight_card(
+    case: Case,
+    asked: SizingAsked,
+    law: str = "trim",
+    *,
+    noise: float = 0.0,
+    seed: int = 0,
+    window: float = WINDOW,
+    progress: Callable[[int, int], None] | None = None,
+) -> FlightCard:
+    """Return what a whole flight asks of the nozzle of a case, with a law flown in each wind.
+
+    Parameters
+    ----------
+    case : Case
+        Its nozzle, which has a limit, its model and planes, its first pulse, and the gains of the
+        law "autopilot".
+    asked : SizingAsked
+        The flight, its times and its winds.
+    law : str
+        One of `tvclin.control.LAWS`, designed anew at each flight time.
+    noise : float
+        Of the measured attitude rate [rad/s], rms for each sample: most of a nozzle's travel.
+    seed : int
+        Of the noise.
+    window : float
+        Length [s] over which the steady rate is a mean.
+    progress : callable, optional
+        Is told how many flight times and winds are done, and how many there are.
+
+    Returns
+    -------
+    FlightCard
+        Least angle d0, rate p d0 and acceleration p^2 d0 are those of a wind that is known. All
+        else is of the flights, until 15 times the fast mode's time after a pulse, and of a measured
+        wind from the middle between two flight times to the next.
+
+    Raises
+    ------
+    InputError
+        For a case without a limit, an unknown law, numbers out of range, and as
+        `SizingAsked.winds`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plan = tv.answers.load_sizing("configuration-i")
+    >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
+    >>> asked = tv.answers.SizingAsked(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
+    >>> card = tv.answers.flight_card(case, asked)
+    >>> card.verdict.enough, round(card.largest["rate_deg_per_s"], 1)
+    (True, 0.5)
+    """
+    instance("asked", asked, SizingAsked, "see load_sizing")
+    one_of("law", law, LAWS)
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    winds, times = asked.winds(case), asked.times(case)
+    if case.nozzle.limit is None:
+        raise InputError("the card of a flight needs a deflection limit, the stop of the nozzle")
+    flying = _Flying(
+        case,
+        asked,
+        law,
+        number("noise", noise, nonnegative, "rad/s"),
+        seed,
+        number("window", window, nonnegative, "s"),
+        np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
+    )
+    points: list[CardPoint] = []
+    unknown = []
+    for i, time in enumerate(times.tolist()):
+        for j, (name, wind) in enumerate(winds.items()):
+            first, last = known_times(wind)
+            if not first <= time <= last:
+                unknown.append(f"{name} at {time:.6g} s")
+            points += flying.points(i, time, name, wind)
+            if progress is not None:
+                progress(i * len(winds) + j + 1, len(times) * len(winds))
+    duties = tuple(_duties(points, winds, np.diff(flying.edges)))
+    return FlightCard(
+        vehicle=asked.schedule.vehicle.name,
+        law=law,
+        points=tuple(points),
+        duties=duties,
+        verdict=_verdict(flying, points, duties, unknown),
+        notes=tuple(_notes(flying, points, winds)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Flying:
+    """What all flights of a card share."""
+
+    case: Case
+    asked: SizingAsked
+    law: str
+    noise: float
+    seed: int
+    window: float
+    edges: FloatArray
+
+    def points(self, i: int, time: float, name: str, wind: WindOf) -> Iterator[CardPoint]:
+        """Yield the nozzle at a flight time in a wind, by plane and sign."""
+        case, schedule = self.case, self.asked.schedule
+        planes = PLANES if case.planes == BOTH else (case.plane,)
+        vehicle = schedule.at(time)
+        placed = place_in(planes, wind, vehicle, time, "peak", 1.0)
+        limits = self._limits(vehicle, placed)
+        measured = isinstance(wind, MeasuredWind | MeasuredPlanes)
+        for plane, one in placed.items():
+            if one.calm:
+                continue
+            poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
+            if not poles.size:
+                yield CardPoint(time, name, plane, 0.0, 0.0, limits[plane], "", None)
+                continue
+            share = self.edges[i : i + 2] if measured else None
+            if measured or case.planes == BOTH:
+                blows = [(name, vehicle, (one.whole or one.history).shift(one.zero))]
+            else:
+                blows = list(self._signed(name, vehicle, one))
+            for called, met, history in blows:
+                point = CardPoint(time, called, plane, 0.0, 0.0, limits[plane], "", None)
+                yield self._flown(point, met, history, share)
+
+    def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
+        """The part of the stop of each plane, in proportion to what trim takes."""
+        limit, case = self.case.nozzle.limit, self.case
+        assert limit is not None
+        if len(placed) == 1:
+            return dict.fromkeys(placed, limit)
+        sizes = dict.fromkeys(placed, 0.0)
+        for plane, one in placed.items():
+            if not one.calm:
+                plant = Plant.from_vehicle(vehicle, case.law_model, plane)
+                sizes[plane] = abs(float(plant.coefficients.B) * float(one.history.peak))
+        whole = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
+        return {plane: limit * size / whole for plane, size in sizes.items()} if whole else sizes
+
+    def _signed(
+        self, name: str, vehicle: Vehicle, placed: PlacedWind
+    ) -> Iterator[tuple[str, Vehicle, History]]:
+        """A pulse by its sign: a head wind with the dynamic pressure at its peak throughout."""
+        wind, asked = placed.in_flight, getattr(self.case, "sign", None)
+        if self.case.plane != "pitch" or self.case.heading is not None or asked == "frozen":
+            yield name, vehicle, wind
+            return
+        peak = abs(float(wind.peak))
+        try:
+            ratio = float(pressure_ratio(vehicle, np.array([-peak]))[0])
+        except InputError:
+            yield name, vehicle, wind
+            return
+        for sign in SIGNS if asked is None else (asked,):
+            factor = ratio if sign == "head" else 1.0
+            forces = (np.asarray(vehicle.normal_force_slope), np.asarray(vehicle.axial_force))
+            met = vehicle.replace(
+                normal_force_slope=forces[0] * factor, axial_force=forces[1] * factor
+            )
+            yield f"{name}{IN_A[sign]}", met, wind * (SIGNS[sign] * np.sign(float(wind.peak)))
+
+    def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:
+        """A point with its flight."""
+        own = Case(
+            vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,
+            model=self.case.law_model,
+            plane=point.plane,
+            wind=wind,
+            nozzle=self.case.nozzle,
+            design=self.case.design,
+        )
+        plant, nozzle = own.plant.rigid, own.nozzle
+        pole = float(np.real(unstable_modes(plant).poles[0]))
+        point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
+        mine = {AUTOPILOT: own.autopilot} if self.law == AUTOPILOT else {}
+        most = np.inf if nozzle.rate_limit is None else nozzle.rate_limit
+        law: Any = design_law(self.law, plant, float(wind.peak), rate_limit=most, **mine)
+        said = tuple(design_notes(law))
+        chains = own.asked.chains
+        if self.noise:
+            law = NoisyLaw(law, noise=self.noise, seed=self.seed, **chains)
+        elif any(chains.values()):
+            law = FilteredLaw(law, **chains)
+        flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **own.hardware)
+        if not flight.times.size:
+            return replace(point, status=flight.status)
+        whole = Motion.of_flight(flight)
+        motion = whole if share is None else whole.between(*share)
+        if motion is None:
+            return replace(point, status=flight.status)
+        told = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
+        card, quiet, end = card_of(motion, *told), np.zeros(2), float(wind.end)
+        still = whole.between(end + _SETTLED / pole, end + _AFTER / pole) if self.noise else None
+        if still is not None:
+            quiet = _spent(card_of(still, *told)) / float(still.times[-1] - still.times[0])
+        span = float(motion.times[-1] - motion.times[0]) if share is None else 0.0
+        alone = _spent(card) - quiet * span
+        return replace(point, status=flight.status, card=card, said=said, alone=alone, quiet=quiet)
+
+
+def _spent(card: NozzleCard) -> FloatArray:
+    """Travel [rad] and energy [J], which is not a number without nozzle data."""
+    return np.array([card.travel, np.nan if card.work is None else card.work.energy])
+
+
+def _duties(
+    points: list[CardPoint], winds: dict[str, WindOf], shares: FloatArray
+) -> Iterator[Duty]:
+    """The whole flight in each wind: a pulse once, measured winds and noise all along."""
+    for wind, plane in dict.fromkeys((one.wind, one.plane) for one in points):
+        mine = [one for one in points if (one.wind, one.plane) == (wind, plane)]
+        spent = np.array([one.alone for one in mine if one.card is not None]).reshape(-1, 2)
+        if any(one.lost for one in mine):
+            spent = np.full((1, 2), np.nan)
+        elif not _measured(winds.get(wind)):
+            noise = np.mean([one.quiet for one in mine], axis=0) * shares.sum()
+            spent = (spent.max(axis=0, initial=0.0) + noise)[np.newaxis]
+        yield Duty(wind, plane, *spent.sum(axis=0).tolist())
+
+
+def _measured(wind: Any) -> bool:
+    return isinstance(wind, MeasuredWind | MeasuredPlanes)
+
+
+def _verdict(
+    flying: _Flying, points: list[CardPoint], duties: tuple[Duty, ...], unknown: list[str]
+) -> NozzleVerdict:
+    """What all flights and the theory of a known wind need, each in the measure of the stop."""
+    nozzle = flying.case.nozzle
+    assert nozzle.limit is not None
+    most = np.inf if nozzle.rate_limit is None else nozzle.rate_limit
+    least, pole, limit = (
+        np.array([getattr(one, name) for one in points]) for name in ("least", "pole", "limit")
+    )
+    flown = [one.card for one in points if one.card is not None]
+    with np.errstate(invalid="ignore"):
+        known = np.where(least > 0.0, ramped_deflection(least, np.maximum(pole, 1e-9), most), 0.0)
+    turned = np.array([abs(one.card.angle.value) if one.card else 0.0 for one in points])
+    rates = ramp_rate(least, pole, limit)
+    needed = needed_of(nozzle, flown, float(np.max([one.travel for one in duties], initial=0.0)))
+    needed["limit"] = nozzle.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
+    needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
+    lost = [
+        f"{flying.law} {FATES[one.status]} at {one.time:.6g} s in {one.wind}"
+        for one in points
+        if one.lost
+    ]
+    return NozzleVerdict.of(nozzle, needed, lost, unknown)
+
+
+def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -> Iterator[str]:
+    """Yield what is left out, and how the whole flight is counted."""
+    still = [one for one in points if not one.pole]
+    if still:
+        yield f"without an unstable pole nothing is needed, as at {still[0].time:.6g} s"
+    if any(map(_measured, winds.values())):
+        yield (
+            "a measured wind is counted from the middle between two flight times to the next, so"
+            " that nothing counts twice"
+        )
+    if any(IN_A["head"] in one.wind for one in points):
+        yield (
+            "a head wind meets the vehicle with the dynamic pressure of its peak throughout, a tail"
+            " wind with that of calm air"
+        )
+    if not all(map(_measured, winds.values())):
+        noise = ", noise all along" if flying.noise else ""
+        yield f"in the whole flight a pulse blows once, at the worst flight time{noise}"
+    if flying.case.planes == BOTH:
+        yield "each plane is flown by itself, with the part of the stop that trim would give it"
+    yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
+    told = [one for one in points if one.said]
+    if told:
+        others = f", and alike at {len(told) - 1} others" if len(told) > 1 else ""
+        yield f"at {told[0].time:.6g} s{others}: {'; '.join(told[0].said)}"
+    if flying.asked.schedule.vehicle.structure is not None:
+        yield "the vehicle is rigid, without the structure in its file"
+    yield from actuator_notes(flying.case.nozzle.actuator)
+
+
+def _cell(name: str, key: str, value: float) -> Line:
+    return figure(name, value) if "_deg" in key else significant(name, value)

@@ -1,0 +1,195 @@
+"""Logs of simulations in wind: the flight becomes a schedule, and what it met a wind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from tvclin.answers.schedules.build import MOST_ROWS, rows_kept, schedule_of_flight
+from tvclin.answers.schedules.flight import Flight, powered
+from tvclin.answers.schedules.mapped import (
+    QUANTITIES,
+    map_of,
+    mapped_columns,
+    vehicle_columns,
+)
+from tvclin.answers.schedules.matlab import matlab_sheet
+from tvclin.answers.schedules.sheet import Heading, Sheet, read_sheet
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.errors import InputError
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import write_rows
+from tvclin.base.tables import FileTable
+from tvclin.winds.sampled import SampledWind
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.speed import angle_in_plane
+
+_WIND = {"wind_angle": "angle", "wind_speed": "speed", "flight_path_angle": "angle"}
+"""What a log holds beside a flight; the angle of attack is one of its quantities already."""
+_KNOWN = QUANTITIES | _WIND
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedFlight(Shown):
+    """A simulated flight and the wind that it met.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The vehicle over its flight.
+    wind : SampledWind
+        Wind angle of attack [rad] in flight time: `size` takes it with ``placing="flight"``.
+    """
+
+    schedule: FlightSchedule
+    wind: SampledWind
+
+    _keys = "vehicle=schedule.vehicle.name times_s=schedule.times wind_deg=wind.angle"
+
+    @property
+    def profile(self) -> WindProfile:
+        """The same wind over height, as it blows along a flight to the north (azimuth zero).
+
+        Raises
+        ------
+        InputError
+            For a log without altitude, and one that does not rise.
+        """
+        heights = self.schedule.height
+        if np.any(np.diff(heights) <= 0.0):
+            raise InputError("the altitude of the log must rise, or its wind has no height")
+        v = self.schedule.held(self.wind.time)
+        speed = v.velocity * np.sin(self.wind.angle) / np.sin(v.attitude)  # eq (B1e), turned
+        height = np.interp(self.wind.time, self.schedule.times, heights)
+        return WindProfile(height=height, east=np.zeros(height.size), north=speed, source="the log")
+
+    def write_wind(self, path: str | PathLike[str]) -> None:
+        """Write the wind over height as `read_sounding` reads it.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, a CSV.
+
+        Raises
+        ------
+        InputError
+            As `profile`, and for a file that cannot be written.
+        """
+        target, wind = a_path("path", path), self.profile
+        rows = np.column_stack([wind.height, wind.east, wind.north]).tolist()
+        write_rows([["height_m", "east_m_per_s", "north_m_per_s"], *rows], target)
+
+
+def read_log(
+    path: str | PathLike[str],
+    columns: Mapping[str, str | float] | None = None,
+    *,
+    start: float | None = None,
+    stop: float | None = None,
+    most_rows: int = MOST_ROWS,
+) -> SimulatedFlight:
+    """Return the schedule and the wind of a simulation's log.
+
+    Parameters
+    ----------
+    path : str or path
+        A text with a line of column names, or a .mat file of version 5 (to MATLAB's -v7) with a
+        vector for each, in one structure or by themselves.
+    columns : dict of str to str or float, optional
+        As of `read_table`, and wind_angle, wind_speed (along the flight, from behind positive) and
+        flight_path_angle. Without it columns are known by our names, with the unit behind them
+        (``thrust_kN``) or in parentheses (``thrust (kN)``); others are left out, with a note.
+    start, stop, most_rows
+        As of `read_table`.
+
+    Returns
+    -------
+    SimulatedFlight
+        The wind is the wind angle, or that of the wind's speed, or else made of the angle of
+        attack: attitude less flight path less that. Without a flight path the angle of attack is
+        taken for the wind's, with the motion of the vehicle in it; a note says so.
+
+    Raises
+    ------
+    InputError
+        As `read_table`; for a log without wind and angle of attack, and a .mat file that cannot be
+        read or is of version 7.3.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> found = tv.answers.read_log("tests/schedules/log.csv")
+    >>> found.schedule.span, found.wind.time.size
+    ((2.0, 8.0), 7)
+    """
+    sheet = _sheet(path, columns)
+    named = columns if columns is not None else _by_our_names(sheet)
+    wanted = map_of(named, _KNOWN)
+    found = mapped_columns(sheet, wanted, _KNOWN)
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
+    flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
+    angle, how = _wind(flight)
+    source = {str(one[2]) for one in wanted.values()}
+    rest = [one.text for one in sheet.headings if one.text not in source]
+    left_out = [f"left out: {', '.join(rest)}"] if rest else []
+    still = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
+    flight = replace(flight, columns=still).noted(f"wind: {how}", *left_out)
+    name = Path(a_path("path", path)).stem
+    schedule = schedule_of_flight(flight, vehicle_columns(flight), name, most_rows)
+    kept, _ = rows_kept(flight["time"], {"wind": angle}, most_rows)
+    return SimulatedFlight(schedule, SampledWind(time=flight["time"][kept], angle=angle[kept]))
+
+
+def _sheet(path: str | PathLike[str], columns: Mapping[str, str | float] | None) -> Sheet:
+    if a_path("path", path).suffix.lower() == ".mat":
+        return matlab_sheet(path)
+    time = None if columns is None else columns.get("time", columns.get("time_s"))
+
+    def is_header(found: tuple[Heading, ...]) -> bool:
+        if time is not None:
+            return any(time in (one.text, one.name) for one in found)
+        return "time" in _names(found).values()
+
+    missing = "column names with the time among them, as time_s"
+    return read_sheet(path, "the log of a simulation", is_header, missing)
+
+
+def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
+    """Our key or name in each heading's text, and of which quantity it is, by the text."""
+    keys = FileTable("columns", _KNOWN).keys
+    found = {one.text: keys[one.text][0] for one in headings if one.text in keys}
+    plain = {one.text: one.name for one in headings if one.name in _KNOWN and one.unit is not None}
+    return plain | found
+
+
+def _by_our_names(sheet: Sheet) -> dict[str, str | float]:
+    keys, named = FileTable("columns", _KNOWN).keys, _names(sheet.headings)
+    return {(text if text in keys else name): text for text, name in named.items()}
+
+
+def _wind(flight: Flight) -> tuple[FloatArray, str]:
+    """The wind angle [rad], and what it is made of."""
+    have = flight.columns
+    if "wind_angle" in have:
+        return flight["wind_angle"], flight.origin("wind_angle")
+    if "wind_speed" in have:
+        at = (flight["velocity"], flight["attitude"])
+        angle = angle_in_plane(flight["wind_speed"], *at, "pitch")
+        return np.asarray(angle), f"{flight.origin('wind_speed')}, by eq (B1e)"
+    if "angle_of_attack" not in have:
+        raise InputError(
+            f"{flight.source} has no wind: give wind_angle, wind_speed or angle_of_attack, each"
+            " with its unit"
+        )
+    alpha, origin = flight["angle_of_attack"], flight.origin("angle_of_attack")
+    if "flight_path_angle" in have:
+        turned = flight["attitude"] - flight["flight_path_angle"]
+        return turned - alpha, f"attitude less flight path less {origin}"
+    return -alpha, f"{origin} with its sign turned, and the motion of the vehicle in it"

@@ -1,0 +1,162 @@
+"""The controllability ratio, as teams write it: what the nozzle has over what trim takes.
+
+    ratio = limit/(nominal + trim + sqrt(gust^2 + thrust offset^2 + offset of centre of gravity^2))
+
+It is kept above 2 where that can be had, and above 1 at the least.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.sizing.record import TRIM, Sizing
+from tvclin.answers.sizing.total import DeflectionTotal, total_deflection
+from tvclin.answers.sizing.total import Line as Part
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, finite, instance, number, positive, small_angle
+from tvclin.base.lines import Inline, Line, Table, degrees, significant
+from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
+
+GOAL, LEAST = 2.0, 1.0
+"""What the ratio should exceed, and what it must."""
+
+
+@dataclass(frozen=True)
+class ControllabilityRatio(Shown):
+    """The least controllability ratio over a flight.
+
+    Attributes
+    ----------
+    takes : DeflectionTotal
+        What takes deflection at the flight time that is worst: trim of the wind in place of what
+        the wind needs.
+    limit : float
+        Available deflection [rad].
+    """
+
+    takes: DeflectionTotal
+    limit: float
+
+    as_dict = keyed("ratio words time_s=takes.time takes_deg=takes.total limit_deg")
+
+    @property
+    def ratio(self) -> float:
+        """Available deflection over what is taken; infinite where nothing is."""
+        return self.limit / self.takes.total if self.takes.total else np.inf
+
+    @property
+    def words(self) -> str:
+        """Where the ratio stands."""
+        if self.ratio > GOAL:
+            return f"above the goal of {GOAL:g}"
+        if self.ratio > LEAST:
+            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}"
+        return f"below the limit of {LEAST:g}"
+
+    @property
+    def table(self) -> Table:
+        """The ratio and what it is made of."""
+        rows: list[tuple[tuple[Inline, ...], ...]] = [
+            (
+                ("trim of the wind" if one.name == "wind" else one.name,),
+                (one.kind,),
+                degrees(f"ratio.{one.name.replace(' ', '_')}", one.deflection),
+            )
+            for one in self.takes.lines
+            if one.deflection
+        ]
+        sums = "sum and root of sum of squares"
+        rows.append(
+            (("trim and all that adds up",), (sums,), degrees("ratio.takes", self.takes.total))
+        )
+        rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
+        at = "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:g} s"
+        head = ("what", "how it adds up", "[deg]")
+        return Table(f"Controllability ratio{at}", head, tuple(rows))
+
+    @property
+    def verdict(self) -> Line:
+        """The ratio, and where it stands."""
+        return (
+            "Controllability ratio ",
+            *significant("ratio.ratio", self.ratio),
+            f": {self.words}",
+        )
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Why ratio and verdict differ."""
+        yield (
+            "the controllability ratio takes the whole of trim at the wind's peak for needed, as if"
+            " the wind lasted, and adds a gust by squares; the boundary takes the time that the"
+            " vehicle needs to fall, and adds a gust in full: a ratio below 1 may survive a short"
+            " wind, and one above 1 is no proof, for it knows neither law nor rate"
+        )
+
+
+def controllability_ratio(
+    sizing: Sizing,
+    limit: float,
+    *,
+    gust: ArrayLike = 0.0,
+    thrust_offset: float = 0.0,
+    gravity_offset: float = 0.0,
+) -> ControllabilityRatio:
+    """Return the least controllability ratio over the flight times of a sizing.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        Its trim is that of winds with their gusts.
+    limit : float
+        Available deflection [rad].
+    gust : array_like
+        Peak of the gust [rad] in them, one or of each flight time, ``(n,)``: its trim counts as
+        random, and not with theirs.
+    thrust_offset, gravity_offset : float
+        As of `total_deflection`.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, and a trim that is known nowhere.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> found = tv.size(tv.load_schedule("configuration-i"), wind, times=[60.0, 70.0])
+    >>> ratio = tv.answers.controllability_ratio(found, np.radians(1.0))
+    >>> round(ratio.ratio, 2), ratio.words
+    (1.67, 'above the limit of 1, below the goal of 2')
+    """
+    instance("sizing", sizing, Sizing, "see size")
+    most = number("limit", limit, small_angle("a deflection", positive), "rad")
+    trims = sizing.at_times(TRIM)
+    gusts = np.abs(finite("gust", gust, "rad"))
+    if gusts.shape not in ((), trims.shape):
+        raise InputError(f"gust must be one number or {trims.size}, as times; got {gusts.shape}")
+    if np.all(np.isnan(trims)):
+        raise InputError("trim is not known at any flight time, and the ratio needs it")
+    planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
+    found = []
+    peaks = np.broadcast_to(gusts, trims.shape).tolist()
+    for time, trim, peak in zip(sizing.times.tolist(), trims.tolist(), peaks, strict=True):
+        if np.isnan(trim):
+            continue
+        vehicle = sizing.schedule.at(time)
+        each = (abs(float(Coefficients.from_vehicle(vehicle, one).B)) for one in planes)
+        blown = min(max(each) * peak, trim)
+        total = total_deflection(
+            vehicle,
+            trim - blown,
+            nominal=float(sizing.schedule.nominal_at(time)),
+            thrust_offset=thrust_offset,
+            gravity_offset=gravity_offset,
+            others=(Part("gust", blown, "random"),),
+        )
+        found.append(ControllabilityRatio(total, most))
+    return min(found, key=lambda one: one.ratio)

@@ -1,0 +1,96 @@
+"""`tvclin card`: what a whole flight asks of the nozzle, as the lines of its data sheet."""
+
+from math import radians
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tvclin.answers.nozzle_cards.whole import flight_card
+from tvclin.base.errors import nonnegative, number, one_of
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import note_left_out
+from tvclin.cli.options import (
+    GROUP,
+    MODEL,
+    NOZZLE,
+    SAMPLE_RATE,
+    STOPS_HELP,
+    STUDY,
+    AsJson,
+    Given,
+    asked,
+)
+from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.progress import bar
+from tvclin.cli.size import SOURCE, FlightOptions, flight_asked
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+
+_FLIGHT = "start stop every window dead_bands"
+"""What a card asks of a flight as a sizing does."""
+
+
+def card(
+    source: Annotated[
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
+    ] = "configuration-i",
+    blows: FlightOptions = GROUP,
+    law: str | None = asked(
+        "The law that is flown: autopilot (the gains below), trim, dead-band, half-relief or"
+        " recoverable-attitude.",
+        shown="that of the study file, or trim",
+    ),
+    sheet: Given = Given(NOZZLE, at="nozzle"),
+    noise_deg: float = asked(
+        "Noise of the rate gyro, rms for each sample: it makes travel.", 0.0, metavar="DEG/S"
+    ),
+    seed: int = asked("Seed of the noise.", 0),
+    steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
+    question: Given = Given("answers.sizing.asked.SizingAsked", _FLIGHT, "sizing"),
+    model: Given = MODEL,
+    plane: str | None = asked(
+        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
+    ),
+    stop: str | None = asked(
+        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+        shown="round",
+        metavar="SHAPE",
+    ),
+    sign: Given = Given(STUDY, "sign"),
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
+    as_json: AsJson = False,
+    csv: Path | None = asked("Also write every flight into this CSV file."),
+) -> None:
+    """Say what a whole flight asks of the nozzle: angle, rate, acceleration, travel, and torque.
+
+    A law is flown at each flight time in each wind. Torque, power and energy need what turns and
+    what resists, in a table named nozzle of a study file. Limits of the nozzle are judged.
+
+    Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
+    flight; 2: bad input.
+    """
+    changes = [one.over for one in (sheet, samples, model, sign, question, gains, loop)]
+    case = flight_asked("card", source, blows, *changes, plane=plane, stop=stop)
+    assert case.sizing is not None
+    flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
+    if flies != AUTOPILOT:
+        gains.only_with(f"--law {AUTOPILOT}")
+        note_left_out(case, f"card without the law {AUTOPILOT}")
+    noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
+    with bar("flight times and winds") as progress:
+        found = flight_card(
+            case, case.sizing, flies, noise=noise, seed=seed, window=steady, progress=progress
+        )
+    notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]
+    if csv is not None:
+        found.to_csv(csv)
+    if as_json:
+        print_json(found.as_dict() | {"notes": notes})
+    else:
+        print_tables(*found.tables())
+        say_notes(notes)
+        say(f"Verdict: {found.verdict.words}.")
+    if not found.verdict.enough:
+        raise typer.Exit(1)

@@ -1,0 +1,140 @@
+"""On what the verdict rests: each assumption, and where it stops holding."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tvclin.answers.findings import Findings
+from tvclin.answers.sizing.record import STEADY, VARYING
+from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.study import outlasts_one_pole
+from tvclin.base.lines import Line, degrees, number, significant
+from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.show.report.blocks import Check
+
+_LINEAR = float(np.radians(10.0))
+"""Angles of attack [rad] up to which a slender body's forces are about linear."""
+
+
+def rests(found: Findings) -> tuple[Check, ...]:
+    """Return what the verdict assumes, and whether that holds here."""
+    makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _nozzle)
+    return tuple(check for make in makers for check in make(found))
+
+
+def _wind(found: Findings) -> Iterator[Check]:
+    days = "; on how many days of an archive it flies is a question of its own, see below"
+    if found.availability is None:
+        days = "; tvclin availability counts the days of an archive of soundings"
+    words = (
+        "This wind is given, and not derived from the winds of a site: whether it is the one to"
+        f" survive is for the reader to say{days}."
+    )
+    yield Check("reader", (words,))
+
+
+def _sign(found: Findings) -> Iterator[Check]:
+    s = found.study
+    name, factor = s.counts
+    if s.plane != "pitch" and not s.in_both:
+        return
+    if name != FROZEN:
+        words = f"A {name} wind changes the dynamic pressure. That is counted: it needs "
+        more = number("rests.sign_factor", factor, 3)
+        yield Check("ok", (words, *more, " times what calm air's dynamic pressure needs."))
+    elif s.sign_factors:
+        yield Check("ok", ("Neither a head nor a tail wind needs more than calm air does.",))
+    else:
+        words = "The dynamic pressure is that of calm air: a head wind raises it, and needs more."
+        yield Check("doubt", (words,))
+
+
+def _linear(found: Findings) -> Iterator[Check]:
+    s, c = found.study, found.comparison
+    met = abs(float(s.slanting.peak if s.in_both and s.slanting is not None else s.history.peak))
+    if c is not None and np.isfinite(c.peak_angle_of_attack):
+        met = max(met, c.peak_angle_of_attack * s.of_both)
+    at = degrees("rests.angle_of_attack", met, 1, "deg")
+    line: Line = ("Forces are linear in the angle of attack, which reaches ", *at, " here")
+    state, survived = "ok", abs(s.survivable_peak or 0.0)
+    edge = f"{np.degrees(_LINEAR):g} deg"
+    if met > _LINEAR:
+        state, line = "doubt", (*line, f"; beyond about {edge} they are not")
+    elif _LINEAR < survived < np.inf:
+        state = "doubt"
+        line += (f'. Beyond about {edge} they are not: read "enough in winds up to" as {edge}',)
+    yield Check(state, (*line, "."))
+
+
+def _slow(found: Findings) -> Iterator[Check]:
+    """Whether the slow mode of the flight path may be neglected."""
+    s = found.study
+    edge = float(single_pole_validity(s.coefficients))
+    if np.isnan(edge):
+        words = (
+            "Up to which duration the slow motion of the flight path may be neglected is not"
+            " defined: the vehicle has no two real unstable poles."
+        )
+        yield Check("reader", (words,))
+        return
+    tau = significant("validity.duration", float(s.wind.duration), unit="s")
+    upto = significant("validity.edge", edge, 3, unit="s")
+    if outlasts_one_pole(s):
+        begin = "The slow motion of the flight path counts: the wind lasts "
+        end = " up to which it may be neglected; more may be needed than the boundary says."
+        yield Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
+        return
+    begin = "The slow motion of the flight path may be neglected: the wind lasts "
+    yield Check("ok", (begin, *tau, ", not longer than ", *upto, "."))
+
+
+def _frozen(found: Findings) -> Iterator[Check]:
+    still = "Mass, thrust, air and speed stay as they are while the wind blows"
+    if found.flight is None:
+        yield Check("reader", (f"{still}; a flight ([schedule]) would say how much they change.",))
+        return
+    s, total = found.flight
+    if total.time is None:
+        return
+    i = int(np.argmin(np.abs(s.times - total.time)))
+    percent = number("rests.change_percent", 100.0 * float(np.nanmax(s.change[i])), 1, "%")
+    by: Line = (" at the worst flight time beta or B changes by up to ", *percent)
+    kept = f"K = {s.dead_bands.max():g}"
+    if kept not in s.freezing_error:
+        state = "doubt" if np.nanmax(s.change[i]) > STEADY else "ok"
+        yield Check(state, (f"{still};", *by, ", which is not counted."))
+        return
+    varying, frozen = (float(np.nanmax(s.required[one][i])) for one in (f"{kept}{VARYING}", kept))
+    needs = degrees("rests.varying", varying, unit="deg")
+    would = degrees("rests.frozen", frozen, unit="deg")
+    counted = ". The whole flight counts their change:"
+    line: Line = (still, counted, *by, ", and the wind needs ", *needs, " there, and frozen ")
+    yield Check("ok", (*line, *would, "."))
+
+
+def _rigid(found: Findings) -> Iterator[Check]:
+    if found.plan.vehicle.structure is None:
+        words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
+        yield Check("reader", (words,))
+
+
+def _nozzle(found: Findings) -> Iterator[Check]:
+    """What the nozzle's rate counts for."""
+    has = found.plan.nozzle.rate_limit
+    asks: Line = ()
+    c = found.comparison
+    if c is not None and np.isfinite(c.peak_deflection_rate):
+        rate = degrees("rests.rate", c.peak_deflection_rate * found.study.of_both, unit="deg/s")
+        asks = (
+            " This autopilot turns the nozzle by up to ",
+            *rate,
+            " in this wind, without a stop.",
+        )
+    if has is None:
+        words = "The rate of the nozzle has no limit (rate_limit_deg_per_s in [nozzle])."
+        yield Check("reader", (words, *asks))
+    else:
+        there = significant("rests.rate_limit", np.degrees(has), unit="deg/s")
+        words = "The boundary does not count the rate limit of the nozzle, "
+        counts = ". The questions of the rate and of flights do."
+        yield Check("ok", (words, *there, counts, *asks))
