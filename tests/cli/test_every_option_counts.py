@@ -66,6 +66,8 @@ VALUES = {
     "winds": [SOUNDING],
     "winds_time": ["2024-02-15 12"],
     "window": ["15"],
+    "bias": [SOUNDING.replace("wyoming.txt", "table.csv")],
+    "bias_month": ["2"],
     "wind_direction_deg": ["200"],
     "azimuth_deg": ["77"],
     "dead_band": ["0.4"],
