@@ -1,7 +1,5 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-import typer
-
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
@@ -21,7 +19,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -73,12 +71,13 @@ def nozzle(
         lambda: plots.rate_curves(front),
         lambda _: plots.rate_chart(front, title.replace(": ", "\n")),
     )
-    if shown.as_json:
-        print_json(blows.document(case) | {"front": front, "flown": flown})
-    else:
-        _print(title, front, flown)
-    if front.enough is False or (flown is not None and flown.verdict.enough is False):
-        raise typer.Exit(1)
+    lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
+    answer(
+        shown.as_json,
+        lambda: blows.document(case) | {"front": front, "flown": flown},
+        lambda: _print(title, front, flown),
+        not lost,
+    )
 
 
 def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
