@@ -75,7 +75,7 @@ VALUES = {
     "start": ["-1"],
     "horizon": ["30"],
     "rate_limit_deg": ["0.3"],
-    "acceleration_limit": ["0.2"],
+    "acceleration_limit_deg": ["2"],
     "travel_limit_deg": ["2"],
     "torque_limit": ["100"],
     "power_limit": ["50"],

@@ -38,6 +38,8 @@ class ArchiveOptions:
     )
     utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
 
+    panel = "Archive"
+
     def read(self, archive: list[Path]) -> Soundings:
         """Return these soundings."""
         with bar("read") as progress:

@@ -56,6 +56,8 @@ class PulseOptions:
     )
     azimuth_deg: float | None = asked("Direction of flight, in deg from north, clockwise.")
 
+    panel = "Wind"
+
     def __post_init__(self) -> None:
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
