@@ -1139,6 +1139,16 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "flown_fronts": Door(
+            tv.answers.flown_fronts,
+            {
+                "cases": {"one": tv.Case(vehicle=booster)},
+                "rates": [0.02],
+                "laws": ("half-relief",),
+                "cuts": 0,
+                "progress": lambda done, total: None,
+            },
+        ),
         "FlightCard.to_csv": Door(
             tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
         ),

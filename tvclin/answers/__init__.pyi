@@ -16,6 +16,7 @@ from .campaign.quick import disperse_study as disperse_study
 from .campaign.results import CampaignResults as CampaignResults
 from .case import Case as Case
 from .document import Document as Document
+from .flown_front import flown_fronts as flown_fronts
 from .least_gains.front import GainsFront as GainsFront
 from .least_gains.front import least_gains_front as least_gains_front
 from .least_gains.least import least_deflection_gains as least_deflection_gains

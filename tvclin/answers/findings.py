@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.base.warned import warned
+from tvclin.base.warned import COMPILED, warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -197,7 +197,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             availability=part("availability", _availability),
             rates=part("rates", _rates),
             reasons=reasons,
-            warnings=tuple(said),
+            warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
 
 

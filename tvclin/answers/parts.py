@@ -56,7 +56,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle": _SEVERAL,
     "card": ("dispersion",),
     "size": tuple(one for one in _LOOP if one != "rate limit"),
-    "availability": (*_LOOP, "head wind", "dispersion"),
+    "availability": (*_LOOP, "dispersion"),
     "campaign": ("shape of the stop",),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {

@@ -14,7 +14,18 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import GROUP, GUST, MODEL, TIME_HELP, AsJson, Given, Plot, asked, switch
+from tvclin.cli.options import (
+    GROUP,
+    GUST,
+    MODEL,
+    SIGN,
+    TIME_HELP,
+    AsJson,
+    Given,
+    Plot,
+    asked,
+    switch,
+)
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
@@ -131,6 +142,7 @@ def availability(
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
     model: Given = MODEL,
+    sign: Given = SIGN,
     question: Given = Given(
         "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
     ),
@@ -161,7 +173,8 @@ def availability(
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **question.values}
+    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
+    told |= question.values
     found = judged.availability(flight, only.read(archive), **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:

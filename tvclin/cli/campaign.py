@@ -19,7 +19,7 @@ from tvclin.answers.campaign.summary import CampaignSummary
 from tvclin.base.errors import InputError, number, positive
 from tvclin.base.files import called, write_new
 from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import GROUP, AsJson, asked, grouped
+from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
 from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.progress import bar
 
@@ -82,6 +82,7 @@ def run(
     until_converged: float | None = asked(
         "Stop when both bounds lie within this percentage of the answer."
     ),
+    sign: Given = SIGN,
 ) -> None:
     """Run a campaign; in a folder where it has begun already, continue it.
 
@@ -91,6 +92,7 @@ def run(
     note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
+    plan = sign.over(plan)
     with work.told(folder) as told:
         found = run_campaign(plan, folder, **told)
     _print_done(found)

@@ -173,7 +173,7 @@ NOZZLE = "answers.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """The panels of the help in which options stand together."""
 MOTION = Given(STUDY, "model plane")
-MODEL, PLANE = Given(STUDY, "model"), Given(STUDY, "plane")
+MODEL, PLANE, SIGN = (Given(STUDY, one) for one in ("model", "plane", "sign"))
 LIMIT = Given(NOZZLE, "limit", "nozzle")
 RATE_LIMIT = Given(NOZZLE, "rate_limit", "nozzle")
 BOTH_LIMITS = Given(NOZZLE, "limit rate_limit", "nozzle")

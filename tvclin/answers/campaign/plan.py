@@ -11,6 +11,7 @@ from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.answers.case import Case
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, own_sign
 from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
@@ -82,6 +83,10 @@ class Campaign(Case):
         Confidence with which it does.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+    sign : str, optional
+        Which sign of a wind along the path "required" counts, with the dynamic pressure met in it:
+        head, tail, or frozen, that of calm air. The worst of these without it; winds of a file have
+        their own.
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -104,6 +109,7 @@ class Campaign(Case):
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
     law: str = word(LAWS, AUTOPILOT)
+    sign: str | None = word((*SIGNS, FROZEN), None)
     until: float | None = quantity("part", None, positive)
 
     def __post_init__(self) -> None:
@@ -127,6 +133,8 @@ class Campaign(Case):
             )
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+        if isinstance(self.wind, WindEnsemble):
+            own_sign(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
 
@@ -182,7 +190,7 @@ def checkpoints(chunks: int) -> Iterator[int]:
 
 
 CAMPAIGN_TABLE = file_table(
-    "[campaign]", Campaign, "until model plane cases seed method chunk", words=("vehicle",)
+    "[campaign]", Campaign, "until model plane sign cases seed method chunk", words=("vehicle",)
 )
 OUTPUTS_TABLE = file_table("[outputs]", Campaign, "law dead_bands", lists=("names",))
 QUESTION_TABLE = file_table("[question]", Campaign, "probability confidence")

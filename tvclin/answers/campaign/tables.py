@@ -50,7 +50,7 @@ _SINGLE = (
 )
 TABLES = (*_SINGLE, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
 """Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
-_SUBJECT = ("vehicle", "model", "plane")
+_SUBJECT = ("vehicle", "model", "plane", "sign")
 """What is studied: keys of [study], or of [campaign] where there is no [study]."""
 
 

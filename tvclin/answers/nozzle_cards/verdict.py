@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.nozzle_cards.card import NozzleCard
-from tvclin.base.cards import Shown
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, Table, significant
 
@@ -144,6 +144,9 @@ class NozzleVerdict(Shown):
         if np.isinf(worst.needed):
             return f"{word}: no {worst.name} is enough"
         return f"{word}: of the {worst.name} of {there} {worst.unit}, {needed} are needed"
+
+    def _repr_html_(self) -> str:
+        return "".join(table(one, ((self.words,),)) for one in self.tables())
 
     def tables(self) -> tuple[Table, ...]:
         """Return what is needed, what is there and what is left."""

@@ -27,7 +27,7 @@ from tvclin.answers.sizing.placing import PlacedWind, WindOf, known_times, place
 from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.sizing.wind_sign import SIGNS, pressure_ratio
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown, named
+from tvclin.base.cards import Shown, named, table
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import InputError, callable_for, instance, nonnegative, number, one_of
 from tvclin.base.files import write_rows
@@ -177,6 +177,10 @@ class FlightCard(Shown):
 
     as_dict = keyed("vehicle law verdict largest duties points notes")
     _keys = "vehicle law verdict=verdict.words largest"
+
+    def _repr_html_(self) -> str:
+        first, *rest = self.tables()
+        return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
 
     @property
     def largest(self) -> dict[str, float]:

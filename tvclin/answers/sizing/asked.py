@@ -19,7 +19,7 @@ from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.sizing.wind_sign import SIGNS, sign_factors
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
@@ -380,6 +380,7 @@ class SizingAsked:
                 plane=case.planes,
                 window=self.window,
                 gust=getattr(case.wind, "gust", None),
+                pressure=getattr(case, "sign", None) != FROZEN,
             )
 
     def _pulse_name(self, pulse: ShapedWind) -> str:
