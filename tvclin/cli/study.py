@@ -5,8 +5,6 @@ from functools import partial
 from typing import Any
 
 from tvclin.answers import study_tables as tables
-from tvclin.answers.asked_table import asked_table
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import all_yes, questioned, questions, sufficient
 from tvclin.answers.study_file.plan import StudyPlan
@@ -46,6 +44,8 @@ def _beside(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
     plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
     if not disperse or plan.dispersions is not None:
         return plan
+    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
     return replace(plan, dispersions=DEFAULT_DISPERSIONS)
 
 
@@ -121,6 +121,8 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         say(d.spreads)
     if len(each) < 2:
         return
+    from tvclin.answers.asked_table import asked_table
+
     say("")
     print_tables(asked_table(found))
     others = ", ".join(one.name for one in each if one.yes is not True)
