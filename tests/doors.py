@@ -39,6 +39,7 @@ ANSWERS = {
     "FlownMargins",
     "FlownPlaneLimit",
     "FlownPlanes",
+    "FlownLoad",
     "ForecastFreeLimit",
     "GainsFront",
     "LawTrial",
@@ -1200,6 +1201,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "angle_of_attack": 0.01 * np.ones(5),
                 "attitude": 0.01 * np.ones(5),
             },
+        ),
+        "LoadBound": Door(
+            tv.answers.LoadBound,
+            {"moment": 1e6, "alpha_moment": 2e7, "deflection_moment": 1e7},
         ),
         "NozzleData": Door(
             tv.answers.NozzleData,

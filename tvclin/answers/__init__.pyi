@@ -23,6 +23,8 @@ from .least_gains.least import least_deflection_gains as least_deflection_gains
 from .least_gains.record import LeastGains as LeastGains
 from .least_gains.schedule import LeastSchedule as LeastSchedule
 from .least_gains.schedule import least_gain_schedule as least_gain_schedule
+from .load import FlownLoad as FlownLoad
+from .load import LoadBound as LoadBound
 from .nozzle import Nozzle as Nozzle
 from .nozzle import NozzleData as NozzleData
 from .nozzle_cards.card import NozzleCard as NozzleCard

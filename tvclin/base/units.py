@@ -52,6 +52,7 @@ UNITS: dict[str, dict[str, float]] = {
     "per time squared": {"per_s2": 1.0},
     "per time cubed": {"per_s3": 1.0},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
+    "pressure angle": {"Pa_rad": 1.0, "Pa_deg": DEGREE, "kPa_rad": 1e3, "kPa_deg": 1e3 * DEGREE},
     "area": {"m2": 1.0, "ft2": FOOT**2},
     "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},
     "percent": {"percent": 0.01},

@@ -87,10 +87,14 @@ class Given:
     @cached_property
     def fields(self) -> dict[str, Declared]:
         """The fields by the names of parameters."""
-        module, _, name = self.kind.rpartition(".")
-        every = declared(getattr(import_module(f"tvclin.{module}"), name))
+        every = declared(self._kind)
         chosen = [every[one] for one in self.names.split()]
         return {_parameter(one): one for one in chosen or every.values() if one.option is not None}
+
+    @property
+    def _kind(self) -> Any:
+        module, _, name = self.kind.rpartition(".")
+        return getattr(import_module(f"tvclin.{module}"), name)
 
     def parameters(self) -> list[Parameter]:
         """Return the parameters of a command."""
@@ -114,6 +118,8 @@ class Given:
         if not self.at:
             return replace(plan, **self.values)
         part = plan.asked if self.at == "design" else getattr(plan, self.at)
+        if part is None:
+            return replace(plan, **{self.at: self._kind(**self.values)})
         return replace(plan, **{self.at: replace(part, **self.values)})
 
     def only_with(self, needed: str, *names: str) -> None:

@@ -202,6 +202,7 @@ def _print(
     say_lines(total.verdict)
     if ratio is not None:
         print_tables(ratio.table)
+        say_lines([ratio.verdict])
     say_notes((*found.notes, *said))
 
 

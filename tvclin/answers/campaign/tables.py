@@ -19,6 +19,7 @@ from tvclin.answers.campaign.dispersions import (
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
 from tvclin.answers.campaign.structures import of_record
 from tvclin.answers.document import DOCUMENT_TABLE
+from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
@@ -36,7 +37,7 @@ from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
-    *(CRITERIA_TABLE, DOCUMENT_TABLE),
+    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE),
 )
 """Tables that no campaign reads; what stands in them is checked nevertheless."""
 _SINGLE = (
