@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
+    from tvclin.answers.nozzle_cards.whole import FlightCard
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
@@ -42,7 +43,7 @@ Told = Callable[[float, float], None]
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
 _LATER = (
-    *("availability", "gust_at", "sign", "gust_speed", "data"),
+    *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
     *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
 )
 MOST_CASES = 20_000
@@ -75,6 +76,8 @@ class Findings:
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
         The whole flight, and the worst of all that its nozzle has to do.
+    card : FlightCard or None
+        What the flight asks of the nozzle; None unless a law is named for it.
     availability : Availability or None
         On how many days of an archive it flies.
     rates : RateFront or None
@@ -96,6 +99,7 @@ class Findings:
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
+    card: FlightCard | None
     availability: Availability | None
     rates: RateFront | None
     loads: LoadFront | None
@@ -162,6 +166,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "flown": plan.nozzle.limit and (plan.design or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
+            "card": plan.sizing and plan.sizing.card,
             "availability": plan.availability,
             "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
             "loads": plan.load,
@@ -199,6 +204,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flown=None if flying is None else part("flown", partial(_flown, flying)),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
+            card=part("card", _card),
             availability=part("availability", _availability),
             rates=part("rates", _rates),
             loads=part("loads", _loads),
@@ -287,6 +293,15 @@ def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, Deflecti
     assert plan.sizing is not None
     found = plan.sizing.sizing(plan, told)
     return found, plan.sizing.total(plan, found)
+
+
+def _card(plan: StudyPlan, study: Study, told: Told) -> FlightCard:
+    from tvclin.answers.nozzle_cards.whole import flight_card
+
+    del study
+    assert plan.sizing is not None
+    assert plan.sizing.card is not None
+    return flight_card(plan, plan.sizing, plan.sizing.card, progress=told)
 
 
 def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:

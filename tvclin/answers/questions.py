@@ -57,8 +57,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "nozzle rate", "load", "whole flight", "availability", "probability", "autopilot",
-        "margins" or "flexible flight".
+        "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
+        "probability", "autopilot", "margins" or "flexible flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -134,6 +134,7 @@ def _asked(found: Findings) -> Iterator[Question]:
             yield _load(found)
         if found.plan.sizing is not None:
             yield _flight(found)
+            yield from _card(found)
         asked = found.plan.availability
         if asked is not None and asked.least_part is not None:
             yield _availability(found, asked.least_part)
@@ -195,7 +196,28 @@ def _flight(found: Findings) -> Question:
     line: Line = (whole, reserve)
     if total.sufficient is None:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
+    if total.too_slow:
+        needed, there = np.degrees([total.needed_rate, total.rate_limit or np.nan])
+        line = (f"the least rate with which the limit is enough for {whole}", reserve)
+        measure = Measure(float(needed), float(there), "deg/s")
+        return Question(name, False, line, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
+
+
+def _card(found: Findings) -> Iterator[Question]:
+    """Whether the nozzle can do what a law asks of it along the flight, by its worst line."""
+    name = "nozzle card"
+    if found.card is None:
+        if "card" in found.reasons:
+            yield Question(name, None, (_reason(found, "card"),))
+        return
+    verdict = found.card.verdict
+    worst = verdict.needs[0]
+    measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
+    line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
+    if verdict.lost or verdict.unknown:
+        line = (verdict.words,)
+    yield Question(name, verdict.enough, line, measure=measure)
 
 
 def _availability(found: Findings, least: float) -> Question:

@@ -204,6 +204,7 @@ def _print(
     say_lines(total.verdict)
     if ratio is not None:
         print_tables(ratio.table)
+        say_lines([ratio.verdict])
     say_notes((*found.notes, *said))
 
 
@@ -243,7 +244,7 @@ def flight_asked(
     return blows.over(case)
 
 
-def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
+def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
     """The stop of both planes, round where they are asked for without one; None of one plane."""
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)
