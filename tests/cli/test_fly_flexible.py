@@ -158,7 +158,7 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     every = tv.answers.standard_laws
     monkeypatch.setattr(
         "tvclin.answers.trials.standard_laws",
-        lambda plant, peak, _: {"trim": every(plant, peak)["trim"]},
+        lambda plant, peak, *_: {"trim": every(plant, peak)["trim"]},
     )
     asked = ("laws", mine, "--wind", "triangle", *NOTCH, "--delay-ms", "10", "--json")
     document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
