@@ -17,7 +17,8 @@ from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.varying import varying_need
 
 EAST = np.radians(90.0)
-PITCH = {"azimuth": EAST, "plane": "pitch"}
+PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}
+"""In the dynamic pressure of calm air, in which the equations are the same as those of `size`."""
 CLOSE = 1e-6
 """The tables are straight lines between times so close that they are off by a part of 3e-8; of
 the sums and quotients of a need some come together."""
@@ -57,9 +58,9 @@ def one(wind):
     return tv.winds.Soundings.from_profiles([wind], ["2024-02-01"])
 
 
-def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST):
+def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=False):
     """Return what `size` says with varying parameters, frozen parts at the peak of the wind."""
-    met = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane, gust=gust)
+    met = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane, gust=gust, pressure=pressure)
     peak = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
     found = tv.size(flight, met, times=[peak], dead_bands=1.0, varying=True, plane=plane)
     return float(found.required["K = 1, varying"][0, 0])
@@ -97,6 +98,21 @@ def test_each_sounding_needs_what_size_says(flight, archive) -> None:
     found = tv.availability(flight, archive, limit=0.01, **PITCH)
     for i in (2, 14):
         assert found.need[i] == pytest.approx(size_says(flight, archive[i]), rel=CLOSE)
+
+
+@pytest.mark.parametrize("azimuth", [EAST, -EAST], ids=["tail", "head"])
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, plane) -> None:
+    """Within what different steps leave of the ratio of two bounds, less than a thousandth."""
+    where = {"azimuth": azimuth + (plane == "yaw"), "plane": plane}
+    found = tv.availability(flight, archive, limit=0.01, **where)
+    calm = tv.availability(flight, archive, limit=0.01, sign="frozen", **where)
+    for i in (2, 14):
+        said = size_says(flight, archive[i], pressure=True, **where)
+        assert found.need[i] == pytest.approx(said, rel=1e-3)
+    assert np.all((found.need > calm.need) == (azimuth < 0.0))
+    with pytest.raises(tv.InputError, match="have their own sign"):
+        tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
 
 def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
@@ -287,11 +303,11 @@ def test_ground_above_the_start_of_the_flight_changes_little(flight, archive, gr
 def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive) -> None:
     wind = one(archive[8])
     pitch, yaw = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane).need[0]
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane, sign="frozen").need[0]
         for plane in ("pitch", "yaw")
     )
     round_, square = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop).need[0]
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop, sign="frozen").need[0]
         for stop in ("round", "square")
     )
 

@@ -82,7 +82,11 @@ def ensemble(tmp_path):
 def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     folder, time, angle = ensemble
     every = {"names": ["required", "forecast-free", "minimum"], "dead_bands": [0.5]}
-    tables = {"campaign": HEAD | {"cases": 400}, "wind": {"file": "winds.csv"}, "outputs": every}
+    tables = {
+        "campaign": HEAD | {"cases": 400, "sign": "frozen"},
+        "wind": {"file": "winds.csv"},
+        "outputs": every,
+    }
     plan = parse_campaign(tables, folder)
     kept = parse_campaign(json.loads(json.dumps(document_of(plan))))
     np.testing.assert_array_equal(kept.wind.angle, plan.wind.angle)
@@ -147,6 +151,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         model=model,
         cases=3,
         outputs=("required", "forecast-free", "minimum"),
+        sign="frozen",
         dead_bands=(0.5,),
     )
     found = evaluate(plan, 0, 3)
@@ -323,7 +328,8 @@ def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
     wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=GUST, gust_at=3.0)
     spread = tv.Dispersions((tv.Dispersion("wind_duration", "uniform", 0.2),))
     vehicle = tv.load_vehicle("configuration-i")
-    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, model="drift")
+    calm = {"model": "drift", "sign": "frozen"}
+    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, **calm)
     found = evaluate(asked, 0, 5)
     plant = tv.Plant.from_vehicle(vehicle, "drift")
     for duration, required in zip(found["wind_duration"], found["required_K1"], strict=True):

@@ -14,7 +14,13 @@ from tvclin.answers.campaign.file import document_of, parse_campaign
 from tvclin.cli.app import app
 
 LIMIT = np.radians(0.36)
-HEAD = {"vehicle": "configuration-i", "cases": 12, "seed": 3, "model": "fixed-path"}
+HEAD = {
+    "vehicle": "configuration-i",
+    "cases": 12,
+    "seed": 3,
+    "model": "fixed-path",
+    "sign": "frozen",
+}
 TABLES = {
     "campaign": HEAD,
     "wind": {"peak_deg": 5.0, "duration_s": 7.5},

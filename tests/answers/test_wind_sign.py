@@ -7,7 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.answers.sizing.wind_sign import pressure_ratio, signed_need
+from tvclin.answers.sizing.air_met import in_air
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.varying import varying_need
+from tvclin.answers.sizing.wind_sign import batch_factors, pressure_ratio, signed_need
 from tvclin.flights.condition import load_flight_condition
 
 PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -67,6 +70,27 @@ def test_head_and_tail_winds_need_what_flights_need(name) -> None:
     small = flown(0.05)
     for deg in (-5.0, 5.0):
         assert said(deg) == pytest.approx(flown(deg) / small, rel=0.02)
+
+
+@pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
+@pytest.mark.parametrize("shape", PULSES)
+def test_many_at_once_need_what_each_needs(configuration_i, shape, dead_band) -> None:
+    """Trim and demand meet on one of 64 straight lines: within (beta T/64)^2/8 = 5e-4."""
+    weights = configuration_i.weight * np.array([0.9, 1.0, 1.1])
+    peaks, durations = np.radians([4.0, 5.0, 6.0]), np.array([7.5, 5.0, 6.0])
+    vehicles = configuration_i.rigid.replace(weight=weights)
+    winds = PULSES[shape](peak=peaks, duration=durations)
+    for sign, turn in (("head", -1.0), ("tail", 1.0)):
+        found = batch_factors(vehicles, "drift-exact", "pitch", winds, dead_band, sign)
+        for i, weight in enumerate(weights):
+            vehicle, wind = configuration_i.rigid.replace(weight=weight), winds.one(i, (3,))
+            plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+            calm = abs(float(tv.boundary_limit(plant, wind, dead_band, "literal").deflection))
+            alone = signed_need(vehicle, turn * wind, "drift-exact", dead_band) / calm
+            assert found[i] == pytest.approx(alone, rel=5e-4)
+    worst = batch_factors(vehicles, "drift-exact", "pitch", winds, dead_band, None)
+    head = batch_factors(vehicles, "drift-exact", "pitch", winds, dead_band, "head")
+    np.testing.assert_array_equal(worst, head)
 
 
 def test_the_dynamic_pressure_is_that_of_the_air_met(configuration_i) -> None:
@@ -191,3 +215,28 @@ def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
     assert asked.counted(found) == f"K = 1, varying, {own} wind"
     with pytest.raises(tv.InputError, match="leave sign"):
         asked.sizing(replace(plan, sign=own))
+
+
+@pytest.mark.parametrize("east", [60.0, -60.0], ids=["tail", "head"])
+def test_a_sounding_needs_what_a_flight_in_its_air_needs(east: float) -> None:
+    """Of a schedule that has the forces of the air met, in angles of the speed that is met there.
+
+    Both integrate other steps: the ratio is met within a thousandth.
+    """
+    flight = tv.load_schedule("configuration-i")
+    wind = tv.WindProfile(height=[4e3, 12e3, 25e3], east=[0.0, east, 0.0], north=[0.0] * 3)
+    met = tv.fly_through(wind, flight, azimuth=np.radians(90.0))
+    calm = tv.fly_through(wind, flight, azimuth=np.radians(90.0), pressure=False)
+    times = {"times": [66.0], "dead_bands": [1.0, 0.5]}
+    found, bare = (tv.size(flight, one, **times).required for one in (met, calm))
+    rows = np.unique(np.concatenate([flight.times, met.wind.time]))
+    ratio = np.interp(rows, met.wind.time, met.pressure, 1.0, 1.0)
+    blows = met.wind.angle / np.sqrt(met.pressure)
+    there = tv.FlightSchedule(in_air(flight.held(rows), ratio))
+    mode = GrowingMode(there, "drift-exact", "pitch", there.span)
+    needed = varying_need(
+        mode, tv.winds.SampledWind(time=met.wind.time, angle=blows), np.array([1.0, 0.5])
+    )
+    for need, name in zip(needed.required, ("K = 1, varying", "K = 0.5, varying"), strict=True):
+        assert found[name][0, 0] == pytest.approx(need, rel=1e-3)
+        assert (found[name] > bare[name]) == (east < 0.0)

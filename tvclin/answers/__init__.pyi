@@ -16,12 +16,15 @@ from .campaign.quick import disperse_study as disperse_study
 from .campaign.results import CampaignResults as CampaignResults
 from .case import Case as Case
 from .document import Document as Document
+from .flown_front import flown_fronts as flown_fronts
 from .least_gains.front import GainsFront as GainsFront
 from .least_gains.front import least_gains_front as least_gains_front
 from .least_gains.least import least_deflection_gains as least_deflection_gains
 from .least_gains.record import LeastGains as LeastGains
 from .least_gains.schedule import LeastSchedule as LeastSchedule
 from .least_gains.schedule import least_gain_schedule as least_gain_schedule
+from .load import FlownLoad as FlownLoad
+from .load import LoadBound as LoadBound
 from .nozzle import Nozzle as Nozzle
 from .nozzle import NozzleData as NozzleData
 from .nozzle_cards.card import NozzleCard as NozzleCard

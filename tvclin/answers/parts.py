@@ -13,6 +13,7 @@ from dataclasses import replace
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.base.errors import one_of
+from tvclin.base.lines import listed
 from tvclin.winds.histories import History
 
 COMPUTED, TOLD, REFUSED = "computed", "told", "refused"
@@ -53,9 +54,10 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "laws": (*_SEVERAL, "limit"),
     "fly": _SEVERAL,
     "nozzle": _SEVERAL,
+    "loads": _SEVERAL,
     "card": ("dispersion",),
     "size": tuple(one for one in _LOOP if one != "rate limit"),
-    "availability": (*_LOOP, "head wind", "dispersion"),
+    "availability": (*_LOOP, "dispersion"),
     "campaign": ("shape of the stop",),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
@@ -66,7 +68,9 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
     "card without the law autopilot": ("gains",),
-    "nozzle without --law": (*_LAW, "sample rate", "gains"),
+    **dict.fromkeys(
+        ("nozzle without --law", "loads without --law"), (*_LAW, "sample rate", "gains")
+    ),
 }
 """What a question that computes a part leaves out of a file, as it is asked here."""
 _HERE = "these numbers"
@@ -76,6 +80,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
     "nozzle": "angles over rates",
+    "loads": "angles over loads",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
         _HERE,
@@ -117,9 +122,9 @@ def refusal(question: str, option: str) -> str | None:
                     f"tvclin {question} takes no {option}: the {part} is given in its file, or as"
                     f" tvclin {question} --help says"
                 )
-            *others, last = (f"tvclin {one}" for one in who_computes(part))
-            named = f"{', '.join(others)} and {last} do" if others else f"{last} does"
-            return f"tvclin {question} does not take {option}: {named}"
+            every = [f"tvclin {one}" for one in who_computes(part)]
+            do = "do" if len(every) > 1 else "does"
+            return f"tvclin {question} does not take {option}: {listed(every)} {do}"
     return None
 
 
@@ -146,9 +151,7 @@ def told(case: Case, *questions: str) -> Iterator[str]:
     }
     named = [part for part in _given(case) if part in left] if left else []
     if named:
-        *others, last = named
-        listed = f"{', '.join(others)} and {last}" if others else last
-        yield f"what the file says of {listed} is left out here; tvclin study has it"
+        yield f"what the file says of {listed(named)} is left out here; tvclin study has it"
 
 
 def wholly_rigid(question: str) -> bool:

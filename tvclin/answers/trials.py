@@ -15,17 +15,15 @@ from numpy.typing import NDArray
 
 from tvclin.base import lines
 from tvclin.base.cards import Shown, table
+from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import (
     callable_for,
-    different,
     each,
     flag,
     instance,
     number,
-    one_of,
     positive,
 )
-from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
@@ -40,7 +38,11 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-LAWS_TABLE = FileTable("[laws]", {"sample_rate": "sample rate"}, lists=("names", "winds"))
+WINDS = (
+    *("triangle", "sawtooth, stops dead", "sawtooth, jumps first", "1 - cosine", "trapezoid"),
+    *("two gusts", "opposite gusts", "flip to 0.3", "full reversal"),
+)
+"""The winds of trials, see `standard_winds`."""
 _SPARE = 1.2
 """Loads are those at so many times the boundary, where every law is at its ease."""
 _POINTS = 801
@@ -54,25 +56,23 @@ class LawsAsked:
 
     Attributes
     ----------
-    names, winds : tuple of str
-        Of `standard_laws` and `standard_winds`.
+    names : tuple of str
+        Laws, of `standard_laws`.
+    winds : tuple of str
+        Winds, of `standard_winds`.
     sample_rate : float
-        Samples of the laws in a second [Hz].
+        Sample rate of the laws [Hz].
     """
 
-    names: tuple[str, ...] = tuple(LAWS)
-    winds: tuple[str, ...] = ("triangle",)
-    sample_rate: float = 50.0
+    names: tuple[str, ...] = word(LAWS, tuple(LAWS), many=True)
+    winds: tuple[str, ...] = word(WINDS, ("triangle",), many=True)
+    sample_rate: float = quantity("sample rate", 50.0, positive)
 
     def __post_init__(self) -> None:
-        for what, given, known in (
-            ("names", self.names, tuple(LAWS)),
-            ("winds", self.winds, tuple(standard_winds(1.0, 1.0))),
-        ):
-            for name in different(f"{what} of the laws", given):
-                one_of(f"{what} of the laws", name, known)
-        rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
-        object.__setattr__(self, "sample_rate", rate)
+        checked(self)
+
+
+LAWS_TABLE = file_table("[laws]", LawsAsked)
 
 
 @dataclass(frozen=True)
@@ -156,17 +156,18 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     triangle = TriangularWind(peak=peak, duration=tau)
     back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
     rise = triangle.before(tau / 2)
-    return {
-        "triangle": triangle,
-        "sawtooth, stops dead": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
-        "sawtooth, jumps first": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
-        "1 - cosine": OneMinusCosineGust(peak=peak, duration=tau),
-        "trapezoid": TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
-        "two gusts": triangle + triangle.shift(tau),
-        "opposite gusts": triangle - triangle.shift(tau),
-        "flip to 0.3": rise - 0.3 * back.shift(tau / 2),
-        "full reversal": rise - back.shift(tau / 2),
-    }
+    winds: tuple[History, ...] = (
+        triangle,
+        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
+        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
+        OneMinusCosineGust(peak=peak, duration=tau),
+        TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
+        triangle + triangle.shift(tau),
+        triangle - triangle.shift(tau),
+        rise - 0.3 * back.shift(tau / 2),
+        rise - back.shift(tau / 2),
+    )
+    return dict(zip(WINDS, winds, strict=True))
 
 
 def standard_laws(

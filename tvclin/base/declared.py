@@ -19,6 +19,7 @@ from tvclin.base.errors import InputError, different, finite, one_of, whole_numb
 from tvclin.base.errors import flag as true_or_false
 from tvclin.base.errors import number as one_number
 from tvclin.base.errors import text as printable
+from tvclin.base.lines import listed
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, optional_unit, si_unit
 
@@ -213,7 +214,6 @@ def help_line(one: Declared) -> str:
         said = _UNIT.sub("", said, count=1)
         said = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", said, count=1)
     if not all(choice in said for choice in one.choices):
-        *others, last = one.choices
-        listed = f": {', '.join(others)} or {last}"
-        said = _CLAUSE.sub(lambda end: listed + end[0], said, count=1)
+        every = listed(one.choices, "or")
+        said = _CLAUSE.sub(lambda end: f": {every}{end[0]}", said, count=1)
     return said

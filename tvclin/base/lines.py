@@ -64,6 +64,12 @@ _SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """Return names with commas between, and a word before the last."""
+    *others, last = names
+    return f"{', '.join(others)} {word} {last}" if others else last
+
+
 def text(line: Line) -> str:
     """Return a line as it is shown."""
     return "".join(part if isinstance(part, str) else part.text for part in line)

@@ -14,8 +14,19 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with, radians_of
-from tvclin.cli.options import GROUP, GUST, MODEL, TIME_HELP, AsJson, Given, Plot, asked, switch
-from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
+from tvclin.cli.options import (
+    GROUP,
+    GUST,
+    MODEL,
+    SIGN,
+    TIME_HELP,
+    AsJson,
+    Given,
+    Plot,
+    asked,
+    switch,
+)
+from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
 from tvclin.vehicle.coefficients import IN_WORDS
@@ -37,6 +48,8 @@ class ArchiveOptions:
         " on; of what month they are is then not known.",
     )
     utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
+
+    panel = "Archive"
 
     def read(self, archive: list[Path]) -> Soundings:
         """Return these soundings."""
@@ -129,6 +142,7 @@ def availability(
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
     model: Given = MODEL,
+    sign: Given = SIGN,
     question: Given = Given(
         "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
     ),
@@ -159,18 +173,19 @@ def availability(
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **question.values}
+    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
+    told |= question.values
     found = judged.availability(flight, only.read(archive), **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(found, source))
-    if as_json:
-        print_json(_document(found, today))
-    else:
-        _print(found, today, source)
-    if not (all(one.go for one in today) if today else any(part.judged for part in found.part())):
-        raise typer.Exit(1)
+    answer(
+        as_json,
+        lambda: _document(found, today),
+        lambda: _print(found, today, source),
+        (all(one.go for one in today) if today else any(part.judged for part in found.part())),
+    )
 
 
 def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:

@@ -19,8 +19,8 @@ from tvclin.answers.campaign.summary import CampaignSummary
 from tvclin.base.errors import InputError, number, positive
 from tvclin.base.files import called, write_new
 from tvclin.cli.inputs import note_left_out
-from tvclin.cli.options import GROUP, AsJson, asked, grouped
-from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
+from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.progress import bar
 
 campaign = typer.Typer(
@@ -82,6 +82,7 @@ def run(
     until_converged: float | None = asked(
         "Stop when both bounds lie within this percentage of the answer."
     ),
+    sign: Given = SIGN,
 ) -> None:
     """Run a campaign; in a folder where it has begun already, continue it.
 
@@ -91,6 +92,7 @@ def run(
     note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
+    plan = sign.over(plan)
     with work.told(folder) as told:
         found = run_campaign(plan, folder, **told)
     _print_done(found)
@@ -130,10 +132,7 @@ def show(
     )
     found = open_campaign(folder)
     summary = CampaignSummary.of(found, output, limit, probability, confidence)
-    if as_json:
-        print_json(summary)
-    else:
-        print_tables(*summary.tables())
+    answer(as_json, lambda: summary, lambda: print_tables(*summary.tables()))
 
 
 @campaign.command()
@@ -149,10 +148,7 @@ def replay(
     Exit code 0: answered; 2: bad input.
     """
     one = open_campaign(folder).replay(case)
-    if as_json:
-        print_json(one)
-    else:
-        print_tables(*one.tables())
+    answer(as_json, lambda: one, lambda: print_tables(*one.tables()))
 
 
 def _print_done(found: CampaignResults) -> None:

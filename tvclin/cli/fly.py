@@ -9,6 +9,7 @@ import typer
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.errors import one_of, within
+from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -48,8 +49,7 @@ class WhatFlies:
         shown="linear for a flexible vehicle, else planar",
     )
     law: str | None = asked(
-        "Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
-        " recoverable-attitude.",
+        f"Control law: {listed((REPORT, *LAWS), 'or')}; gains below are of {AUTOPILOT}.",
         shown="autopilot for --engine linear, else report",
     )
     dead_band: float | None = asked(

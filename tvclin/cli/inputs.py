@@ -11,6 +11,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import tables_of
+from tvclin.base.lines import listed
 from tvclin.cli.output import say
 from tvclin.vehicle.doubts import doubts
 from tvclin.vehicle.file import vehicle_text
@@ -35,9 +36,7 @@ def only_with(needed: str, **options: Any) -> None:
         if value is not None and value is not False
     ]
     if given:
-        *others, last = given
-        named = f"{', '.join(others)} and {last} need" if others else f"{last} needs"
-        raise InputError(f"{named} {needed}")
+        raise InputError(f"{listed(given)} {'need' if len(given) > 1 else 'needs'} {needed}")
 
 
 def case_of(

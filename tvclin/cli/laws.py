@@ -9,9 +9,10 @@ from tvclin.answers.flexible import with_filters
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.trial_tables import LEGEND, Bounds, bounds, doubts, loads, needed, tried
-from tvclin.answers.trials import LawTrials, law_trials, standard_laws, standard_winds
+from tvclin.answers.trials import WINDS, LawTrials, law_trials, standard_laws, standard_winds
 from tvclin.base.documents import picked
 from tvclin.base.errors import one_of, within
+from tvclin.base.lines import listed
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
@@ -26,7 +27,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
 from tvclin.control.laws.law import Law
@@ -37,13 +38,15 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 
 
+def _quoted(name: str) -> str:
+    return f"'{name}'" if " " in name else name
+
+
 def laws(
     vehicle: Source = "configuration-i",
     blows: BlowingOptions = GROUP,
     wind: list[str] | None = asked(
-        "Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
-        " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
-        " 'flip to 0.3', 'full reversal'.",
+        f"Only this wind; may be given several times: {listed(map(_quoted, WINDS), 'or')}.",
         shown="all",
     ),
     cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
@@ -85,10 +88,7 @@ def laws(
     draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
     beside = bounds(plant.rigid, winds)
     found = _Found(case, plant, peak, duration, hardware["sample_rate"], trials, beside)
-    if shown.as_json:
-        print_json(found.document(cuts))
-    else:
-        found.print(vehicle)
+    answer(shown.as_json, lambda: found.document(cuts), lambda: found.print(vehicle))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total import DeflectionTotal, total_table
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_sizing
@@ -25,8 +26,8 @@ from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MODEL,
+    SIGN,
     STOPS_HELP,
-    STUDY,
     TIME_HELP,
     AsJson,
     Given,
@@ -123,7 +124,7 @@ def size(
         shown="round",
         metavar="SHAPE",
     ),
-    sign: Given = Given(STUDY, "sign"),
+    sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
     disperse: bool = switch(
@@ -151,8 +152,8 @@ def size(
     assert asked is not None
     if not asked.soundings:
         question.only_with("a sounding, --winds or [[wind]] with one", "window")
-    if not (asked.pulse or asked.others):
-        sign.only_with("a pulse: a sounding has its own sign")
+    if not (asked.pulse or asked.others or case.sign == FROZEN):
+        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
@@ -201,6 +202,7 @@ def _print(
     say_lines(total.verdict)
     if ratio is not None:
         print_tables(ratio.table)
+        say_lines([ratio.verdict])
     say_notes((*found.notes, *said))
 
 
@@ -240,7 +242,7 @@ def flight_asked(
     return blows.over(case)
 
 
-def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
+def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
     """The stop of both planes, round where they are asked for without one; None of one plane."""
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)

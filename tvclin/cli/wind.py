@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind, fly_through
-from tvclin.answers.sizing.placing import place
-from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.answers.study import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
@@ -24,10 +21,11 @@ from tvclin.winds import file
 from tvclin.winds.file import heading_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
-from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.read import read_sounding
 
 if TYPE_CHECKING:
+    from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+    from tvclin.winds.soundings.profile import WindProfile
+
     Met = MeasuredWind | MeasuredPlanes
 
 _WINDOW = 20.0
@@ -55,6 +53,8 @@ class PulseOptions:
         " the wind's vector in both planes. Needs --azimuth-deg."
     )
     azimuth_deg: float | None = asked("Direction of flight, in deg from north, clockwise.")
+
+    panel = "Wind"
 
     def __post_init__(self) -> None:
         if self.peak_deg is not None and self.peak_speed is not None:
@@ -170,6 +170,8 @@ class BlowingOptions(PulseOptions):
 
         As in `tvclin size`, what blows to the side on which the wind is largest counts.
         """
+        from tvclin.answers.sizing.placing import place
+
         assert self.winds is not None
         own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
@@ -197,6 +199,9 @@ class BlowingOptions(PulseOptions):
     def _met(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
         """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
         assert self.winds is not None
+        from tvclin.answers.sizing.measured import fly_through
+        from tvclin.answers.sizing.schedule_file import load_schedule
+
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
             noted_sounding(self.winds, self.winds_time),
@@ -220,8 +225,10 @@ def azimuth_of(degrees: float | None) -> float:
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
 
 
-def noted_sounding(file: Path, time: str | None) -> WindProfile:
+def noted_sounding(file: Path, time: str | None) -> "WindProfile":
     """Return the sounding of a file, and say on stderr what is odd in it."""
+    from tvclin.winds.soundings.read import read_sounding
+
     profile = read_sounding(file, time=time)
     for note in profile.notes:
         say(f"Note: {file.name}: {note}.", err=True)

@@ -10,6 +10,7 @@ from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import InputError, between, directions, fraction, instance, one_of
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -91,6 +92,7 @@ class AvailabilityAsked:
             gust=getattr(case.wind, "gust", None),
             known_to=self.known_to,
             confidence=self.confidence,
+            sign=FROZEN if getattr(case, "sign", None) == FROZEN else None,
             progress=progress,
         )
 

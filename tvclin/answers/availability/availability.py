@@ -11,6 +11,7 @@ from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth,
 from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.wind_sign import own_sign
 from tvclin.base.errors import (
     InputError,
     between,
@@ -51,6 +52,7 @@ def availability(
     known_to: float | None = None,
     utc_offset: float | None = None,
     confidence: float = 0.95,
+    sign: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Availability:
     """Return on how many days of an archive a limit is enough.
@@ -87,6 +89,8 @@ def availability(
         Local time less UTC [h], by which months are counted; that of the archive if not given.
     confidence : float
         Of intervals, in (0, 1).
+    sign : {"frozen"}, optional
+        That the dynamic pressure of calm air counts, not that which each wind makes.
     progress : callable, optional
         Is told how many soundings are done, and how many there are.
 
@@ -139,6 +143,7 @@ def availability(
         growth=growth if isinstance(growth, WindGrowth) else None,
         gust=gust,
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
+        pressure=own_sign(sign),
     ).used_to(soundings)
     needs = judge.needs(soundings, progress)
     added, told = _added(growth, needs.least, needs.most, soundings)

@@ -20,6 +20,7 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines, with_gust
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
+from tvclin.answers.sizing.air_met import AirMet, even_steps, met_pressure, need_ratio
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
@@ -82,10 +83,13 @@ class FlightPart:
         The part over height.
     tables : dict of str to FlightTables
         By planes, those in which something grows.
+    met : dict of str to tuple
+        By the same planes even steps [s], and what dynamic pressure adds there.
     """
 
     path: FlownPath
     tables: dict[str, FlightTables]
+    met: dict[str, tuple[FloatArray, AirMet]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +118,8 @@ class Judge:
         On top of each wind.
     known_to : float or None
         A height [m] to which each sounding must go.
+    pressure : bool
+        Whether the dynamic pressure that a wind makes counts, or that of calm air.
     heights : ndarray
         At which the strength of winds is known [m].
     strength : dict
@@ -130,6 +136,7 @@ class Judge:
     growth: WindGrowth | None
     gust: History | None
     known_to: float | None
+    pressure: bool = True
     heights: FloatArray = field(default_factory=lambda: np.empty(0))
     strength: dict[tuple[str, float], FloatArray] = field(default_factory=dict)
 
@@ -270,13 +277,15 @@ class Judge:
         Between heights [m], ``(n, 2)``.
         """
         found = np.zeros((len(self.planes), 2, self.azimuths.size, within.shape[0]))
+        in_calm = np.zeros_like(found[:, 0])
         met: list[list[PlaneFlights]] = [[] for _ in self.azimuths]
         paired = np.zeros(within.shape[0], dtype=bool)
         for part in self.parts:
-            for p, a, need, winds, pairs in self._met(part, known, within, held, flown):
+            for p, a, need, calm, winds, pairs in self._met(part, known, within, held, flown):
                 np.maximum(found[p, :, a], need, out=found[p, :, a])
+                np.maximum(in_calm[p, a], calm, out=in_calm[p, a])
                 mode = part.tables[self.planes[p]].mode
-                met[a].append(PlaneFlights(mode, winds, found[p, 0, a]))
+                met[a].append(PlaneFlights(mode, winds, in_calm[p, a]))
                 paired |= pairs
         both = np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
         if limits is not None:
@@ -288,10 +297,11 @@ class Judge:
 
     def _met(
         self, part: FlightPart, known: KnownWinds, within: FloatArray, held: bool, flown: bool
-    ) -> Iterator[tuple[int, int, FloatArray, list[Winds], BoolArray]]:
+    ) -> Iterator[tuple[int, int, FloatArray, FloatArray, list[Winds], BoolArray]]:
         """By plane and azimuth what a part of the flight asks for, ``(2, n)``, and in which winds.
 
-        And in which of them two modes grow as a pair, ``(n,)``.
+        Before these what it asks for at the least in calm air's dynamic pressure; behind them in
+        which two modes grow as a pair, each ``(n,)``.
         """
         low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
         there = low < high
@@ -302,7 +312,10 @@ class Judge:
         for plane, tables in part.tables.items():
             rows = tables.at(fine)
             for a, azimuth in enumerate(self.azimuths.tolist()):
-                wind = there * known.at(known.wind(azimuth, plane, held), height)
+                blow = {
+                    one: there * known.at(known.wind(azimuth, one, held), height) for one in PLANES
+                }
+                wind = blow[plane]
                 strong = np.abs(wind)
                 if held and self.strength:
                     most = np.interp(height, self.heights, self.strength[plane, azimuth])
@@ -315,8 +328,45 @@ class Judge:
                 ]
                 alike = not held and self.gust is None and self.growth is None
                 winds = sides[0][1] + ([] if alike else sides[1][1])
-                need = np.maximum(*(one for one, _ in sides))
-                yield self.planes.index(plane), a, need, winds, np.asarray(rows.paired.any(axis=1))
+                calm = [need for need, _ in sides]
+                need = np.maximum(*calm)
+                if self.pressure:
+                    other = blow["pitch" if plane == "yaw" else "yaw"]
+                    factors = [
+                        self._in_air(part, plane, side, winds, on_lines(times, other, fine), fine)
+                        for side, (_, winds) in zip((1.0, -1.0), sides[: 2 - alike], strict=False)
+                    ]
+                    need = np.maximum(calm[0] * factors[0], calm[1] * factors[-1])
+                pairs = np.asarray(rows.paired.any(axis=1))
+                yield self.planes.index(plane), a, need, np.maximum(*calm)[0], winds, pairs
+
+    def _in_air(
+        self,
+        part: FlightPart,
+        plane: str,
+        side: float,
+        winds: list[Winds],
+        other: FloatArray,
+        fine: FloatArray,
+    ) -> FloatArray:
+        """What winds to a side need in the dynamic pressure met, over calm air's, ``(n,)``.
+
+        The other plane's wind [m/s] is that at the `fine` times.
+        """
+        steps, met = part.met[plane]
+        at = np.broadcast_to(steps, (fine.shape[0], steps.size))
+        path, every = part.path, []
+        speed, climb = (np.interp(steps, path.time, one) for one in (path.speed, path.climb))
+        beside = on_lines(fine, other, at) / speed
+        for times, angle in winds:
+            turned = on_lines(times, angle, at)
+            own = side * np.sin(turned)
+            along, across = (own / np.sin(climb), beside) if plane == "pitch" else (beside, own)
+            ratio = met_pressure(climb, along, across)
+            blows = turned / np.sqrt(ratio)
+            every.append(need_ratio(met, steps[np.newaxis], ratio, turned, 1.0, blows))
+        found = np.fmax.reduce(every)
+        return np.where(np.isnan(found), 1.0, found)
 
     def _side(
         self,
@@ -371,14 +421,16 @@ class Judge:
 @lru_cache(maxsize=8)
 def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
     """Return the parts of a flight, kept for the next question about it."""
-    return tuple(
-        FlightPart(
-            FlownPath.of(part),
-            {
-                plane: flight_tables(mode)
-                for plane in planes
-                if (mode := GrowingMode(part, model, plane, part.span)).grows
-            },
+    found = []
+    for part in flight.parts:
+        every = {plane: GrowingMode(part, model, plane, part.span) for plane in planes}
+        grow = {plane: mode for plane, mode in every.items() if mode.grows}
+        steps = {plane: even_steps(mode, part.span) for plane, mode in grow.items()}
+        found.append(
+            FlightPart(
+                FlownPath.of(part),
+                {plane: flight_tables(mode) for plane, mode in grow.items()},
+                {k: (steps[k], AirMet.along(mode, steps[k])) for k, mode in grow.items()},
+            )
         )
-        for part in flight.parts
-    )
+    return tuple(found)

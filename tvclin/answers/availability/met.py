@@ -225,9 +225,11 @@ class KnownWinds:
 
 
 def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
-    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
-    apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
-    return np.asarray(np.interp(at + apart, (times + apart).ravel(), values.ravel()))
+    """Return values ``(n, k)`` at other times ``(n, j)``, on straight lines; zero beyond theirs."""
+    low, high = min(times.min(), at.min()), max(times.max(), at.max())
+    apart = (1.0 + high - low) * np.arange(times.shape[0])[:, np.newaxis]
+    found = np.interp(at + apart, (times + apart).ravel(), values.ravel())
+    return np.where((times[:, :1] <= at) & (at <= times[:, -1:]), found, 0.0)
 
 
 def with_gust(

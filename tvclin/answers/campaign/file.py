@@ -98,6 +98,7 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     }
     wind = campaign.wind
     design = {} if campaign.design is None else {"autopilot": record_of(campaign.design)}
+    head |= {} if campaign.sign is None else {"sign": campaign.sign}
     return design | {
         "nozzle": record_of(campaign.nozzle),
         "campaign": head | ({} if until is None else {"until_part": until}),

@@ -10,6 +10,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import first_plant
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
+from tvclin.answers.sizing.wind_sign import OWN, batch_factors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
@@ -118,8 +119,11 @@ def required_name(dead_band: float, kind: str = "required") -> str:
 
 
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
+    given = (batch.vehicle.rigid, campaign.model, campaign.plane, batch.wind)
     return {
         required_name(K): np.abs(required_deflection(batch.plant, batch.wind, K).deflection)
+        * batch_factors(*given, K, sign)
         for K in campaign.dead_bands
     }
 

@@ -11,20 +11,19 @@ from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.answers.case import Case
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, own_sign
+from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
     between,
     different,
     fraction,
     instance,
-    number,
-    one_of,
     positive,
     shown,
     single,
     whole_number,
 )
-from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -34,15 +33,15 @@ from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
-CAMPAIGN_TABLE = FileTable(
-    "[campaign]",
-    {"until": "part"},
-    words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
-)
-OUTPUTS_TABLE = FileTable("[outputs]", words=("law",), lists=("names", "dead_bands"))
-QUESTION_TABLE = FileTable("[question]", words=("probability", "confidence"))
 _MOST_CASES = 10**10
 _MOST_LATIN_CASES = 10**7
+
+
+def _some(name: str, value: object) -> int:
+    """Return a number of cases; `InputError` for none, and for more than anyone draws."""
+    if 0 < (number := whole_number(name, value)) <= _MOST_CASES:
+        return number
+    raise InputError(f"{name} must be from 1 to 1e10; got {shown(value)}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,10 +77,16 @@ class Campaign(Case):
         How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
     chunk : int
         Cases in one file.
-    probability, confidence : float
-        Of the deflection asked for, as of `quantile_bound`.
+    probability : float
+        Fraction of all flights that the deflection asked for is to cover.
+    confidence : float
+        Confidence with which it does.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+    sign : str, optional
+        Which sign of a wind along the path "required" counts, with the dynamic pressure met in it:
+        head, tail, or frozen, that of calm air. The worst of these without it; winds of a file have
+        their own.
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -95,16 +100,17 @@ class Campaign(Case):
     vehicle: Vehicle
     wind: ShapedWind | WindEnsemble
     dispersions: Dispersions = DEFAULT_DISPERSIONS
-    cases: int
-    seed: int = 0
-    outputs: tuple[str, ...] = ("required",)
-    dead_bands: tuple[float, ...] = (1.0,)
-    method: str = "plain"
-    chunk: int = 1024
-    probability: float = 0.99865
-    confidence: float = 0.9
-    law: str = AUTOPILOT
-    until: float | None = None
+    cases: int = count(check=_some)
+    seed: int = count(0)
+    outputs: tuple[str, ...] = word(OUTPUTS, ("required",), many=True)
+    dead_bands: tuple[float, ...] = quantity("number", (1.0,), between(0.0, 1.0), many=True)
+    method: str = word(METHODS, "plain")
+    chunk: int = count(1024, _some)
+    probability: float = quantity("number", 0.99865, fraction)
+    confidence: float = quantity("number", 0.9, fraction)
+    law: str = word(LAWS, AUTOPILOT)
+    sign: str | None = word((*SIGNS, FROZEN), None)
+    until: float | None = quantity("part", None, positive)
 
     def __post_init__(self) -> None:
         instance("vehicle", whole_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle")
@@ -116,36 +122,21 @@ class Campaign(Case):
             raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         self._check_outputs()
-        self._check_numbers()
+        if self.method == "latin" and self.cases > _MOST_LATIN_CASES:
+            raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
 
     def _check_outputs(self) -> None:
-        different("outputs", self.outputs)
-        for name in self.outputs:
-            one_of("outputs", name, OUTPUTS)
-        if one_of("law", self.law, LAWS) != AUTOPILOT and "flight" not in self.outputs:
+        if self.law != AUTOPILOT and "flight" not in self.outputs:
             raise InputError(
                 'a law is flown by the output "flight"; add that, or leave out the law'
             )
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+        if isinstance(self.wind, WindEnsemble):
+            own_sign(self.sign)
         _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
-        bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
-        object.__setattr__(self, "dead_bands", bands)
-
-    def _check_numbers(self) -> None:
-        one_of("method", self.method, METHODS)
-        whole_number("seed", self.seed)
-        for name in ("cases", "chunk"):
-            if not 0 < whole_number(name, getattr(self, name)) <= _MOST_CASES:
-                raise InputError(f"{name} must be from 1 to 1e10; got {shown(getattr(self, name))}")
-        if self.method == "latin" and self.cases > _MOST_LATIN_CASES:
-            raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
-        for name in ("probability", "confidence"):
-            fraction(name, getattr(self, name))
-        if self.until is not None:
-            object.__setattr__(self, "until", number("until", self.until, positive))
 
     @property
     def nominal(self) -> dict[str, Any]:
@@ -196,3 +187,10 @@ def checkpoints(chunks: int) -> Iterator[int]:
     while end < chunks:
         end = min(max(end + 1, end + end // 10), chunks)
         yield end
+
+
+CAMPAIGN_TABLE = file_table(
+    "[campaign]", Campaign, "until model plane sign cases seed method chunk", words=("vehicle",)
+)
+OUTPUTS_TABLE = file_table("[outputs]", Campaign, "law dead_bands", lists=("names",))
+QUESTION_TABLE = file_table("[question]", Campaign, "probability confidence")

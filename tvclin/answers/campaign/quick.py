@@ -17,6 +17,7 @@ from tvclin.answers.campaign.statistics import (
     success_probability,
 )
 from tvclin.answers.requirement import covers
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown, table
@@ -219,6 +220,7 @@ def _campaign(
         plane=study.plane,
         dead_bands=(study.dead_band,),
         method=method,
+        sign=FROZEN,
     )
 
 

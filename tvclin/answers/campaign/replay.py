@@ -9,7 +9,7 @@ import numpy as np
 
 from tvclin.answers.campaign.cases import batch, draw_case, evaluate
 from tvclin.answers.campaign.dispersions import UNITS_OF
-from tvclin.answers.campaign.outputs import columns, law_of
+from tvclin.answers.campaign.outputs import columns, law_of, required_name
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, shown, whole_number
@@ -59,7 +59,10 @@ class Replay:
 
     @cached_property
     def required(self) -> float:
-        """The deflection [rad] that is required at `dead_band`, its sign opposing the wind."""
+        """The deflection [rad] that is required at `dead_band` in the dynamic pressure of calm air.
+
+        Its sign opposes the wind.
+        """
         from tvclin.answers.requirement import required_deflection
 
         plant, wind = self._flown()
@@ -94,7 +97,8 @@ class Replay:
             known = {1.0: "survives", 0.0: "lost"}
             word = known.get(self.outputs["flight_survived"], "neither survives nor is lost")
         else:
-            word = "survives" if abs(self.required) <= limit else "lost"
+            needs = self.outputs.get(required_name(self.dead_band), abs(self.required))
+            word = "survives" if needs <= limit else "lost"
         return f"{word} with a limit of {np.degrees(limit):.4g} deg"
 
     @property

@@ -10,6 +10,7 @@ import numpy as np
 from tvclin.answers.campaign.outputs import required_name
 from tvclin.answers.campaign.results import CampaignResults
 from tvclin.answers.campaign.statistics import Quantile, Success, shares
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
@@ -66,6 +67,16 @@ class CampaignSummary(Shown):
         """Whether the output is a boundary with a dead band below one."""
         bands = {required_name(K): K for K in self.found.campaign.dead_bands}
         return bands.get(self.output, 1.0) < 1.0
+
+    @property
+    def pressure(self) -> str:
+        """Which dynamic pressure the output has, in words."""
+        plan, required = self.found.campaign, self.output.startswith("required_")
+        if plan.plane != "pitch" or plan.sign == FROZEN or not required:
+            return "of calm air"
+        if plan.sign is not None:
+            return f"met in a {plan.sign} wind"
+        return "met in each wind" if plan.wind.count else "met in a head or tail wind, the worse"
 
     @property
     def median(self) -> float:
@@ -139,6 +150,7 @@ class CampaignSummary(Shown):
         if flights is not None:
             rows.append(("flights", (f"{flights[0]} survived, {flights[1]} lost",)))
             rows.append(("loss is driven by", (self._driven(*flights),)))
+        rows.append(("dynamic pressure", (self.pressure,)))
         if self.trusts_a_forecast:
             said = "trusts a forecast of the wind; K = 1 needs none"
             rows.append(("this dead band", (said,)))

@@ -19,6 +19,7 @@ from tvclin.answers.campaign.dispersions import (
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
 from tvclin.answers.campaign.structures import of_record
 from tvclin.answers.document import DOCUMENT_TABLE
+from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
@@ -36,7 +37,7 @@ from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
-    *(CRITERIA_TABLE, DOCUMENT_TABLE),
+    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE),
 )
 """Tables that no campaign reads; what stands in them is checked nevertheless."""
 _SINGLE = (
@@ -50,7 +51,7 @@ _SINGLE = (
 )
 TABLES = (*_SINGLE, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
 """Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
-_SUBJECT = ("vehicle", "model", "plane")
+_SUBJECT = ("vehicle", "model", "plane", "sign")
 """What is studied: keys of [study], or of [campaign] where there is no [study]."""
 
 

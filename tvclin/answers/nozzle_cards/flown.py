@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
 
+import numpy as np
+
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table
@@ -33,14 +36,17 @@ class FlownCard(Shown):
         Until 15 times the fast mode's time after the wind; None of a flight that is lost.
     notes : tuple of str
         Of the design of the law, and of what is left out of the card.
+    verdict : NozzleVerdict
+        What the flight takes of what the nozzle can do.
     """
 
     law: str
     status: str
     card: NozzleCard | None
     notes: tuple[str, ...]
+    verdict: NozzleVerdict
 
-    as_dict = keyed("law status card")
+    as_dict = keyed("law status card verdict")
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law) -> Self:
@@ -50,12 +56,15 @@ class FlownCard(Shown):
         if data is not None:
             vehicle = whole_vehicle(case.vehicle, "the torque of a nozzle").rigid
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        said = tuple(design_notes(law))
-        if not flight.times.size:
-            return cls(name, flight.status, None, said)
-        found = card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)
-        notes = (*said, *found.notes, *actuator_notes(case.nozzle.actuator))
-        return cls(name, flight.status, found, notes)
+        said, cards, lost = tuple(design_notes(law)), [], []
+        if flight.times.size:
+            cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
+            said = (*said, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
+        if flight.status != SURVIVED:
+            lost = [f"{name} {FATES[flight.status]}"]
+        travel = cards[0].travel if cards else np.nan
+        verdict = NozzleVerdict.of(case.nozzle, needed_of(case.nozzle, cards, travel), lost)
+        return cls(name, flight.status, cards[0] if cards else None, said, verdict)
 
     @property
     def survived(self) -> bool:
@@ -68,8 +77,8 @@ class FlownCard(Shown):
         return f"{self.law} {FATES[self.status]} with this limit and rate"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the card; nothing of a flight that is lost."""
-        return () if self.card is None else self.card.tables()
+        """Return the card and what is left of the nozzle; nothing of a flight that is lost."""
+        return () if self.card is None else (*self.card.tables(), *self.verdict.tables())
 
 
 def actuator_notes(actuator: Actuator | None) -> Iterator[str]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
-from tvclin.base.cards import Shown
+from tvclin.answers.nozzle_cards.card import NozzleCard
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, Table, significant
 
@@ -23,6 +24,22 @@ SHEET = {
 }
 """What a nozzle can do, by the field that says it: in words, and the unit in which it is told."""
 _ROUNDING = 1e-12
+
+
+def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
+    """Return what motions take of a nozzle [SI], by the fields of `SHEET`; all but its travel."""
+    needed = {
+        "limit": max((abs(one.angle.value) for one in cards), default=0.0),
+        "rate_limit": max((abs(one.rate.value) for one in cards), default=0.0),
+        "acceleration_limit": max((abs(one.acceleration.value) for one in cards), default=0.0),
+        "travel_limit": travel,
+    }
+    work = [one.work for one in cards if one.work is not None]
+    if nozzle.data is not None:
+        held = (one.holding + nozzle.data.friction for one in work)
+        needed["torque_limit"] = max([0.0, *held, *(abs(one.torque.value) for one in work)])
+        needed["power_limit"] = max((one.power.value for one in work), default=0.0)
+    return needed
 
 
 @dataclass(frozen=True)
@@ -127,6 +144,9 @@ class NozzleVerdict(Shown):
         if np.isinf(worst.needed):
             return f"{word}: no {worst.name} is enough"
         return f"{word}: of the {worst.name} of {there} {worst.unit}, {needed} are needed"
+
+    def _repr_html_(self) -> str:
+        return "".join(table(one, ((self.words,),)) for one in self.tables())
 
     def tables(self) -> tuple[Table, ...]:
         """Return what is needed, what is there and what is left."""

@@ -19,7 +19,7 @@ from tvclin.answers.case import Case
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.flown import actuator_notes
 from tvclin.answers.nozzle_cards.motion import Motion
-from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
+from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
@@ -27,7 +27,7 @@ from tvclin.answers.sizing.placing import PlacedWind, WindOf, known_times, place
 from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.sizing.wind_sign import SIGNS, pressure_ratio
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown, named
+from tvclin.base.cards import Shown, named, table
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import InputError, callable_for, instance, nonnegative, number, one_of
 from tvclin.base.files import write_rows
@@ -80,6 +80,8 @@ class CardPoint(Shown):
         What became of the flight, as of `fly_many`; empty where nothing is flown.
     card : NozzleCard or None
         Of the flight; None where it is lost, or nothing is flown.
+    said : tuple of str
+        Of the design of the law.
     alone, quiet : ndarray
         Travel [rad] and energy [J] of the flight beside what noise alone takes, and that
         [rad/s, W].
@@ -93,6 +95,7 @@ class CardPoint(Shown):
     limit: float
     status: str
     card: NozzleCard | None
+    said: tuple[str, ...] = ()
     alone: FloatArray = field(default_factory=lambda: np.zeros(2))
     quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
 
@@ -118,7 +121,7 @@ class CardPoint(Shown):
         if self.card is not None:
             found |= picked(self.card, _CARD)
             found |= {} if self.card.work is None else picked(self.card.work, _WORK)
-        return found
+        return {key: float(value) for key, value in found.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the point as the command line prints it as JSON, angles in degrees."""
@@ -174,6 +177,10 @@ class FlightCard(Shown):
 
     as_dict = keyed("vehicle law verdict largest duties points notes")
     _keys = "vehicle law verdict=verdict.words largest"
+
+    def _repr_html_(self) -> str:
+        first, *rest = self.tables()
+        return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
 
     @property
     def largest(self) -> dict[str, float]:
@@ -445,13 +452,12 @@ class _Flying:
             return replace(point, status=flight.status)
         told = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
         card, quiet, end = card_of(motion, *told), np.zeros(2), float(wind.end)
-        card = replace(card, notes=(*said, *card.notes))
         still = whole.between(end + _SETTLED / pole, end + _AFTER / pole) if self.noise else None
         if still is not None:
             quiet = _spent(card_of(still, *told)) / float(still.times[-1] - still.times[0])
         span = float(motion.times[-1] - motion.times[0]) if share is None else 0.0
         alone = _spent(card) - quiet * span
-        return replace(point, status=flight.status, card=card, alone=alone, quiet=quiet)
+        return replace(point, status=flight.status, card=card, said=said, alone=alone, quiet=quiet)
 
 
 def _spent(card: NozzleCard) -> FloatArray:
@@ -493,17 +499,9 @@ def _verdict(
         known = np.where(least > 0.0, ramped_deflection(least, np.maximum(pole, 1e-9), most), 0.0)
     turned = np.array([abs(one.card.angle.value) if one.card else 0.0 for one in points])
     rates = ramp_rate(least, pole, limit)
-    needed = {
-        "limit": nozzle.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0)),
-        "rate_limit": max([float(rates.max(initial=0.0)), *(abs(x.rate.value) for x in flown)]),
-        "acceleration_limit": max((abs(x.acceleration.value) for x in flown), default=0.0),
-        "travel_limit": float(np.max([one.travel for one in duties], initial=0.0)),
-    }
-    work = [one.work for one in flown if one.work is not None]
-    if nozzle.data is not None:
-        held = (one.holding + nozzle.data.friction for one in work)
-        needed["torque_limit"] = max([0.0, *held, *(abs(one.torque.value) for one in work)])
-        needed["power_limit"] = max((one.power.value for one in work), default=0.0)
+    needed = needed_of(nozzle, flown, float(np.max([one.travel for one in duties], initial=0.0)))
+    needed["limit"] = nozzle.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
+    needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
     lost = [
         f"{flying.law} {FATES[one.status]} at {one.time:.6g} s in {one.wind}"
         for one in points
@@ -533,6 +531,10 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
     if flying.case.planes == BOTH:
         yield "each plane is flown by itself, with the part of the stop that trim would give it"
     yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
+    told = [one for one in points if one.said]
+    if told:
+        others = f", and alike at {len(told) - 1} others" if len(told) > 1 else ""
+        yield f"at {told[0].time:.6g} s{others}: {'; '.join(told[0].said)}"
     if flying.asked.schedule.vehicle.structure is not None:
         yield "the vehicle is rigid, without the structure in its file"
     yield from actuator_notes(flying.case.nozzle.actuator)

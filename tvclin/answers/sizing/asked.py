@@ -19,7 +19,7 @@ from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.sizing.wind_sign import SIGNS, sign_factors
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
@@ -34,6 +34,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
+from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -116,6 +117,8 @@ class SizingAsked:
         Distance of the centre of gravity from the axis [m].
     reserve : float
         Fraction of the limit to keep unused, from 0 to 1.
+    card : str, optional
+        The law that is flown for the card of the nozzle, see `flight_card`; on the page too.
 
     Raises
     ------
@@ -149,6 +152,7 @@ class SizingAsked:
     thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
     gravity_offset: float = quantity("length", 0.0)
     reserve: float = quantity("percent", 0.0, nonnegative)
+    card: str | None = word(LAWS, None, option=None)
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
@@ -380,6 +384,7 @@ class SizingAsked:
                 plane=case.planes,
                 window=self.window,
                 gust=getattr(case.wind, "gust", None),
+                pressure=getattr(case, "sign", None) != FROZEN,
             )
 
     def _pulse_name(self, pulse: ShapedWind) -> str:

@@ -5,11 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tvclin.answers.sizing.air_met import met_pressure
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
     each,
+    flag,
     instance,
     number,
     one_of,
@@ -23,6 +26,8 @@ from tvclin.winds.histories import History
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along
 from tvclin.winds.soundings.profile import WindProfile
+
+FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-12
 """What is smaller in one plane than this part of the other is no wind."""
@@ -50,12 +55,16 @@ class MeasuredWind:
         Nothing is added to a calm.
     notes : tuple of str
         Where the wind is not known for another reason than that the sounding ends.
+    pressure : ndarray, optional
+        Dynamic pressure at the samples over that of calm air, ``(n,)``, which varying parameters
+        count; without it that of calm air.
     """
 
     wind: SampledWind
     window: float | None = None
     gust: History | None = None
     notes: tuple[str, ...] = ()
+    pressure: FloatArray | None = None
 
     def __post_init__(self) -> None:
         instance("wind", self.wind, SampledWind, "see fly_through")
@@ -64,6 +73,11 @@ class MeasuredWind:
             number("window", self.window, positive, "s")
         checked_gust(self.gust)
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
+        if self.pressure is not None:
+            pressure = positive("pressure", self.pressure)
+            if pressure.shape != self.wind.time.shape:
+                raise InputError("pressure must be one number for each sample of the wind")
+            object.__setattr__(self, "pressure", pressure)
 
     @property
     def known(self) -> tuple[float, float]:
@@ -160,6 +174,7 @@ def fly_through(
     plane: str = "pitch",
     window: float | None = None,
     gust: History | None = None,
+    pressure: bool = True,
 ) -> MeasuredWind | MeasuredPlanes:
     """Return the wind that a flight through a sounding meets, as `size` takes it.
 
@@ -175,6 +190,8 @@ def fly_through(
         As of `WindProfile.to_wind`; both as of `WindProfile.to_winds`.
     window, gust
         As of `MeasuredWind`, or of `MeasuredPlanes`.
+    pressure : bool
+        Whether the dynamic pressure that is met counts, or that of calm air.
 
     Raises
     ------
@@ -212,9 +229,30 @@ def fly_through(
     if not blows:
         raise InputError("the wind must blow along the flight; it is zero throughout there")
     notes = _steep(profile, schedule, float(first), float(last))
+    flag("pressure", pressure)
+    met_air = {
+        k: _pressure(profile, schedule, azimuth, one.time) if pressure else None
+        for k, one in blows.items()
+    }
     if plane != BOTH:
-        return MeasuredWind(blows[plane], window, gust, notes)
-    return MeasuredPlanes({k: MeasuredWind(one, window) for k, one in blows.items()}, gust, notes)
+        return MeasuredWind(blows[plane], window, gust, notes, met_air[plane])
+    parts = {k: MeasuredWind(one, window, pressure=met_air[k]) for k, one in blows.items()}
+    return MeasuredPlanes(parts, gust, notes)
+
+
+def _pressure(
+    profile: WindProfile, schedule: FlightSchedule, azimuth: float, time: FloatArray
+) -> FloatArray:
+    """The dynamic pressure that a flight through a sounding meets, over that in calm air."""
+    height = np.interp(time, schedule.time, schedule.height)
+    speed, climb = (
+        np.interp(time, schedule.time, one) for one in (schedule.speed, schedule.flight_path_angle)
+    )
+    along, across = (
+        np.interp(height, profile.height, wind) / speed
+        for wind in (profile.in_plane(azimuth), profile.cross_plane(azimuth))
+    )
+    return met_pressure(climb, along, across)
 
 
 def _steep(

@@ -45,12 +45,15 @@ class PlacedWind:
         Whether it is known at all; what stands for an unknown wind is calm.
     whole : History or None
         The same with what blows to the other side, where the wind blows to both.
+    pressure : tuple of ndarray, or None
+        Flight times [s], and the dynamic pressure there over that in calm air, where it is known.
     """
 
     history: History
     zero: float
     known: bool = True
     whole: History | None = None
+    pressure: tuple[FloatArray, FloatArray] | None = None
 
     @property
     def calm(self) -> bool:
@@ -123,7 +126,8 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         both = wind.to_both_sides(vehicle)
         values = both(both.probe_times())
         two_sided = values.min() < 0.0 < values.max()
-        return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None)
+        met = None if wind.pressure is None else (wind.wind.time, wind.pressure)
+        return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None, pressure=met)
     given = isinstance(wind, History | PlaneWind) or not callable(wind)
     history: Any = wind if given else wind(vehicle)  # type: ignore[operator, arg-type]
     if not isinstance(history, History) or history.batch:

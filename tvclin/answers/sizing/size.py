@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
@@ -302,6 +303,9 @@ def _varying_columns(
             if np.any(np.isnan(found.required)) and len(mode.schedule.parts) > 1:
                 parts = need_in_parts(mode, wind.in_flight, bands, wind.whole)
                 found = replace(found, required=parts)
+            if wind.pressure is not None:
+                factor = flight_ratio(mode, wind.in_flight, wind.pressure, bands)
+                found = replace(found, required=found.required * factor)
             along[key] = found
         return along[key]
 

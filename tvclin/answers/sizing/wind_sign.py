@@ -16,11 +16,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.case import Case
-from tvclin.base.errors import InputError
+from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
+from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.limit import boundary_limit
+from tvclin.kernels import pieces
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
@@ -34,12 +36,23 @@ SIGNS = {"head": -1.0, "tail": 1.0}
 """Of the wind angle in the pitch plane."""
 FROZEN = "frozen"
 """The dynamic pressure of calm air, for either sign."""
+OWN = "own"
+"""That of a wind whose angles have their sign already, as measured ones."""
+_PARTS = np.linspace(0.0, 1.0 - 1e-6, 129)
+"""Ends and middles of the steps through the winds of a batch, over their durations."""
 _CLOSE = 1e-5
 """Of the logarithm of a factor on the wind."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
 _JUMP = 1e-6
 """A jump of the wind is a slope over this part of its duration."""
+
+
+def own_sign(sign: str | None) -> bool:
+    """Return whether measured winds count with their own sign; `InputError` for another one."""
+    if sign in SIGNS:
+        raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
+    return sign is None or one_of("sign", sign, (FROZEN,)) != FROZEN
 
 
 def pressure_ratio(vehicle: Vehicle, angle: FloatArray) -> FloatArray:
@@ -51,13 +64,66 @@ def pressure_ratio(vehicle: Vehicle, angle: FloatArray) -> FloatArray:
         Where no horizontal wind turns the path so far: it would be level.
     """
     path = float(np.asarray(vehicle.attitude))
-    if np.any(np.sin(path + angle) <= 0.0) or np.sin(path) <= 0.0:
+    found = pressure_ratios(path, angle)
+    if np.any(np.isnan(found)):
         raise InputError(
             f"a wind of {np.degrees(np.abs(angle).max()):.4g} deg along the path has no sign for a"
             f" flight at {np.degrees(path):.4g} deg: no horizontal wind turns it so far"
         )
-    wind = np.sin(angle) / np.sin(path + angle)  # over V
-    return np.asarray((np.cos(path) - wind) ** 2 + np.sin(path) ** 2)
+    return found
+
+
+def pressure_ratios(path: ArrayLike, angle: FloatArray) -> FloatArray:
+    """Return the same of flight path angles [rad]; NaN where no wind turns one so far."""
+    path, level = np.asarray(path), np.sin(path) <= 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wind = np.sin(angle) / np.sin(path + angle)  # over V
+        found = (np.cos(path) - wind) ** 2 + np.sin(path) ** 2
+    return np.where(level | (np.sin(path + angle) <= 0.0), np.nan, found)
+
+
+def batch_factors(
+    vehicle: Vehicle, model: str, plane: str, winds: History, dead_band: float, sign: str | None
+) -> FloatArray:
+    """Return what vehicles need in winds by their sign, over what they need in calm air's.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Vehicles ``(...)`` or one, each frozen.
+    model, plane : str
+        As of `Plant`.
+    winds : History
+        One for each, or one for all.
+    dead_band : float
+        K.
+    sign : {"head", "tail", "frozen"}, optional
+        The one that counts; without it the worst of them. `OWN` is that of the winds themselves.
+
+    Returns
+    -------
+    ndarray
+        ``(...)``; one for a wind across the path, and where what its sign changes is not known.
+    """
+    if plane != "pitch" or sign == FROZEN:
+        return np.ones(())
+    begin, end = np.ravel(winds.onset), np.ravel(winds.end)
+    times = begin[:, np.newaxis] + (end - begin)[:, np.newaxis] * _PARTS
+    angle = np.real(pieces.value(winds.pieces, times if winds.batch else times[0]))
+    angle = angle.reshape(-1, _PARTS.size)
+    path = np.ravel(vehicle.attitude)[:, np.newaxis]
+    met = AirMet.held(
+        *(Plant.from_vehicle(v, model, plane) for v in (vehicle, denser_air(vehicle)))
+    )
+    given = np.sign(np.ravel(winds.peak))[:, np.newaxis]
+    turn = (
+        1.0
+        if sign == OWN
+        else given * (SIGNS[sign] if sign in SIGNS else np.where(np.cos(path) < 0.0, 1.0, -1.0))
+    )
+    found = need_ratio(met, times, pressure_ratios(path, turn * angle), angle, dead_band)
+    found = np.where(np.isnan(found), 1.0, found)
+    return np.maximum(found, 1.0) if sign is None else found
 
 
 def sign_factors(
@@ -192,10 +258,6 @@ def signed_need(
     jumps = np.abs(wind(knots) - wind(before)) > np.sqrt(_JUMP) * abs(float(wind.peak))
     times = np.unique(np.concatenate([np.linspace(begin, end, _ROWS), knots, before[jumps]]))
     ratio = pressure_ratio(vehicle, (wind if along is None else along)(times))
-    met = vehicle.replace(
-        normal_force_slope=vehicle.normal_force_slope * ratio,
-        axial_force=vehicle.axial_force * ratio,
-        time=times,
-    )
+    met = in_air(vehicle, ratio).replace(time=times)
     mode = GrowingMode(FlightSchedule(met), model, plane, (begin, end))
     return float(varying_need(mode, wind, np.array([dead_band])).required[0])

@@ -55,7 +55,8 @@ def flexible(found: Findings) -> Section | None:
     label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
     caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
     blocks.append(Figure(label, caption, inline_svg(bode_chart(f.autopilot, plant), "bode", label)))
-    blocks += [_flown(f), *_notes(f)]
+    alone = found.study.plane if found.study.in_both else ""
+    blocks += [_flown(f, alone), *_notes(f)]
     return Section(_NAME, _TITLE, tuple(blocks))
 
 
@@ -127,9 +128,10 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
     return [d.table(), *(Paragraph(line) for line in d.said)]
 
 
-def _flown(f: FlexibleAnswer) -> Table:
-    """What the autopilot needs with limits, and what becomes of the limit in question."""
+def _flown(f: FlexibleAnswer, plane: str) -> Table:
+    """What the autopilot needs with limits, of a plane where both share the stop."""
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
+    caption += f", {plane} plane alone" if plane else ""
     bends, rigid = (abs(one.deflection) for one in f.boundaries)
     if f.flight is not None:
         return f.flight.table(caption, ("flexible", "rigid"), (bends, rigid))
