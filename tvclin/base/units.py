@@ -76,9 +76,20 @@ def si_unit(kind: str) -> str:
     return "" if kind in _PARTS else written(first)
 
 
-_OF_OPTIONS = {"angle": "deg", "angular rate": "deg_per_s", "delay": "ms"}
+_OF_OPTIONS = {
+    "angle": "deg",
+    "angular rate": "deg_per_s",
+    "angular acceleration": "deg_per_s2",
+    "delay": "ms",
+}
 """The units of options where they are not those of SI."""
-_SUFFIXES = {"angle": "_deg", "angular rate": "_deg", "delay": "_ms", "length": "_m"}
+_SUFFIXES = {
+    "angle": "_deg",
+    "angular rate": "_deg",
+    "angular acceleration": "_deg",
+    "delay": "_ms",
+    "length": "_m",
+}
 """What options of a kind have at the end of their names."""
 
 

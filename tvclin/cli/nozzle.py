@@ -1,7 +1,5 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-import typer
-
 from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
@@ -23,7 +21,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -85,13 +83,14 @@ def nozzle(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    if shown.as_json:
-        more = {} if needed is None else {"laws": needed}
-        print_json(blows.document(case) | {"front": front, "flown": flown} | more)
-    else:
-        _print(title, front, needed, flown)
-    if front.enough is False or (flown is not None and flown.verdict.enough is False):
-        raise typer.Exit(1)
+    more = {} if needed is None else {"laws": needed}
+    lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
+    answer(
+        shown.as_json,
+        lambda: blows.document(case) | {"front": front, "flown": flown} | more,
+        lambda: _print(title, front, needed, flown),
+        not lost,
+    )
 
 
 def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:

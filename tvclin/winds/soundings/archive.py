@@ -26,6 +26,8 @@ from tvclin.winds.soundings.profile import RANGES, WindProfile
 
 TOO_FEW = "it has fewer than two levels with a height and a wind"
 _MINUTE = "datetime64[m]"
+_STEP = 100.0
+"""Between heights of a mean [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -140,6 +142,33 @@ class Soundings:
             raise InputError(
                 f"an index must be an integer, a slice or a mask; got {shown(index)}"
             ) from None
+
+    def mean(self) -> WindProfile:
+        """Return the mean wind, at every 100 m where at least half of those that can be used go.
+
+        Raises
+        ------
+        InputError
+            Where that is so at fewer than two heights.
+        """
+        each = list(self)
+        top = max((one.height[-1] for one in each), default=0.0)
+        bottom = min((one.height[0] for one in each), default=0.0)
+        height = _STEP * np.arange(np.ceil(bottom / _STEP), np.floor(top / _STEP) + 1.0)
+        total, known = np.zeros((2, height.size)), np.zeros(height.size)
+        for one in each:
+            there = (height >= one.height[0]) & (height <= one.height[-1])
+            total[:, there] += one.at(height[there])
+            known += there
+        often = known >= max(len(each), 1) / 2.0
+        if np.count_nonzero(often) < 2:
+            raise InputError(
+                "a mean wind needs soundings, half of which know the wind at two heights or more;"
+                f" got {len(each)} that can be used"
+            )
+        east, north = total[:, often] / known[often]
+        source = f"the mean of {len(each)} soundings"
+        return WindProfile(height=height[often], east=east, north=north, source=source)
 
     @property
     def counts(self) -> IntArray:
