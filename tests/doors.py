@@ -39,6 +39,7 @@ ANSWERS = {
     "FlownMargins",
     "FlownPlaneLimit",
     "FlownPlanes",
+    "FlownLoad",
     "ForecastFreeLimit",
     "GainsFront",
     "LawTrial",
@@ -1139,6 +1140,16 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "flown_fronts": Door(
+            tv.answers.flown_fronts,
+            {
+                "cases": {"one": tv.Case(vehicle=booster)},
+                "rates": [0.02],
+                "laws": ("half-relief",),
+                "cuts": 0,
+                "progress": lambda done, total: None,
+            },
+        ),
         "FlightCard.to_csv": Door(
             tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
@@ -1190,6 +1201,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "angle_of_attack": 0.01 * np.ones(5),
                 "attitude": 0.01 * np.ones(5),
             },
+        ),
+        "LoadBound": Door(
+            tv.answers.LoadBound,
+            {"moment": 1e6, "alpha_moment": 2e7, "deflection_moment": 1e7},
         ),
         "NozzleData": Door(
             tv.answers.NozzleData,

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.answers.findings import find
 from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.questions import questions
 from tvclin.control.laws.filtered import NoisyLaw
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 
@@ -186,3 +188,44 @@ def test_what_is_missing_is_named():
         tv.Nozzle(limit=DEG, torque_limit=1e4)
     card = tv.answers.flight_card(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
     assert any("torque, power and energy need" in note for note in card.notes)
+
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[nozzle]
+limit_deg = {limit}
+rate_limit_deg_per_s = {rate}
+torque_limit_N_m = {torque}
+mass_kg = 1200
+arm_m = 1.35
+stiffness_N_m_per_deg = 15200
+[schedule]
+[size]
+start_s = 66
+stop_s = 66
+varying = false
+card = "trim"
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "rate", "torque", "answers"),
+    [
+        (1.0, 5.0, 3e4, {"whole flight": True, "nozzle card": True}),
+        (1.0, 5.0, 1e3, {"whole flight": True, "nozzle card": False}),
+        (1.0, 0.12, 3e4, {"whole flight": False, "nozzle card": False}),
+    ],
+)
+def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rate, torque, answers):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.format(limit=limit, rate=rate, torque=torque))
+    found = {one.name: one for one in questions(find(tv.load_study(file)))}
+    assert {name: found[name].yes for name in answers} == answers
+    if rate < 1.0:
+        measure = found["whole flight"].measure
+        assert measure.unit == "deg/s"
+        assert measure.needed > measure.there == pytest.approx(rate)

@@ -46,6 +46,8 @@ STARTS = {
     "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
     "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
     "nozzle": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
+    "loads": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
+    "card": [(V, "--from", "70", "--to", "71", "--law", "autopilot", "--limit-deg", "1")],
     "poles": [(V,), (F,)],
     "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
     "laws": [(F,)],
@@ -65,16 +67,25 @@ VALUES = {
     "winds": [SOUNDING],
     "winds_time": ["2024-02-15 12"],
     "window": ["15"],
+    "bias": [SOUNDING.replace("wyoming.txt", "table.csv")],
+    "bias_month": ["2"],
     "wind_direction_deg": ["200"],
     "azimuth_deg": ["77"],
     "dead_band": ["0.4"],
     "capability": ["1.3"],
     "limit_deg": ["1.4"],
+    "load_deg": ["3.7"],
     "model": ["drift"],
     "plane": ["yaw"],
     "start": ["-1"],
     "horizon": ["30"],
     "rate_limit_deg": ["0.3"],
+    "acceleration_limit_deg": ["2"],
+    "travel_limit_deg": ["2"],
+    "torque_limit": ["100"],
+    "power_limit": ["50"],
+    "noise_deg": ["0.02"],
+    "steady": ["0.3"],
     "tau_beta": ["5"],
     "design": ["lqr", "half-relief"],
     "natural_frequency": ["1.7"],
@@ -121,7 +132,7 @@ VALUES = {
     "gravity_offset_m": ["0.1"],
     "reserve": ["0.1"],
 }
-SLOW = ("least", "flown", "disperse", "varying")
+SLOW = ("least", "flown", "disperse", "varying", "laws")
 """Searches, which `test_least` and the tests of flown margins ask for."""
 
 

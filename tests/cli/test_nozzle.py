@@ -148,4 +148,22 @@ def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit
     )
     needed = np.degrees(front(limit=limit, rate_limit=rate).needed_rate)
     assert asked["yes"] is yes
-    assert asked["why"].startswith(f"any control needs at least {needed:.3f} deg/s")
+    assert asked["measure"] == {
+        "needed": pytest.approx(needed),
+        "there": pytest.approx(rate),
+        "unit": "deg/s",
+    }
+
+
+def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
+    """Of a study file only those of its table."""
+    file, figure = Path(study_file(tmp_path, "")), tmp_path / "laws.png"
+    file.write_text(file.read_text() + '\n[laws]\nnames = ["trim"]\nwinds = ["triangle"]\n')
+    result = run(str(file), "--laws", "--json", "--plot", str(figure))
+    assert result.exit_code == 0, result.output
+    needed = json.loads(result.stdout)["laws"]
+    case = tv.load_study(file)
+    expected = tv.answers.flown_fronts({"": case}, laws=("trim",))[""]
+    assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.needed["trim"]))
+    assert needed["enough"] == {"trim": True}
+    assert figure.stat().st_size > 5000

@@ -49,6 +49,7 @@ BASE = {
     "fly": LINEAR,
     "nozzle": ("--law", "autopilot", "--limit-deg", 2),
     "card": ("--law", "autopilot", "--limit-deg", 2, "--from", 70, "--to", 70),
+    "loads": ("--law", "autopilot", "--limit-deg", 2),
     "size": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
@@ -73,6 +74,7 @@ OTHERWISE = {
         *("--plane", "both", "--stop", "square", *VALUES["heading"]),
     ),
     ("size", "rate limit"): ("--limit-deg", 1, "--rate-limit-deg", 2, *BASE["size"]),
+    ("loads", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
@@ -222,6 +224,7 @@ OF_ONE_TIME = {
     "laws": ("--rigid",),
     "fly": ("--engine", "linear"),
     "nozzle": ("--law", "autopilot"),
+    "loads": ("--law", "autopilot"),
 }
 
 

@@ -127,6 +127,9 @@ CHARTS = {
     "sizing": sizing,
     "vehicle": lambda vehicle: plots.vehicle_chart(vehicle, np.radians(5.0)),
     "flight": flight,
+    "loads": lambda vehicle: plots.load_chart(
+        tv.boundary.load_front(rigid(vehicle), WIND, limit=np.radians(0.8), load=np.radians(3.0))
+    ),
     "rates": lambda vehicle: plots.rate_chart(
         tv.boundary.rate_front(rigid(vehicle), WIND, limit=np.radians(0.8), rate_limit=0.05)
     ),

@@ -15,7 +15,8 @@
   the worst case in a box: `tvclin.worst_case`.
 - Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`.
 - What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`; a whole flight:
-  `flight_card`.
+  `flight_card`; what laws need over its rate limit: `flown_fronts`; what a structure bears:
+  `LoadBound`.
 """
 
 from tvclin.base.doors import door

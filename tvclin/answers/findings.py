@@ -17,15 +17,17 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.base.warned import warned
+from tvclin.base.warned import COMPILED, warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
+    from tvclin.answers.nozzle_cards.record import FlightCard
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.boundary.loads import LoadFront
     from tvclin.boundary.rates import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
@@ -41,8 +43,8 @@ Told = Callable[[float, float], None]
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
 _LATER = (
-    *("availability", "gust_at", "sign", "gust_speed", "data"),
-    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit"),
+    *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
 )
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -74,10 +76,14 @@ class Findings:
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
         The whole flight, and the worst of all that its nozzle has to do.
+    card : FlightCard or None
+        What the flight asks of the nozzle; None unless a law is named for it.
     availability : Availability or None
         On how many days of an archive it flies.
     rates : RateFront or None
         What limit and rate limit leave in the wind; None unless both are given.
+    loads : LoadFront or None
+        The limit over what the structure bears; None unless that is given.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -93,8 +99,10 @@ class Findings:
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
+    card: FlightCard | None
     availability: Availability | None
     rates: RateFront | None
+    loads: LoadFront | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -158,8 +166,10 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "flown": plan.nozzle.limit and (plan.design or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
+            "card": plan.sizing and plan.sizing.card,
             "availability": plan.availability,
             "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
+            "loads": plan.load,
         }
         asked = [name for name, one in wanted.items() if one is not None]
 
@@ -194,10 +204,12 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flown=None if flying is None else part("flown", partial(_flown, flying)),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
+            card=part("card", _card),
             availability=part("availability", _availability),
             rates=part("rates", _rates),
+            loads=part("loads", _loads),
             reasons=reasons,
-            warnings=tuple(said),
+            warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
 
 
@@ -283,6 +295,15 @@ def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, Deflecti
     return found, plan.sizing.total(plan, found)
 
 
+def _card(plan: StudyPlan, study: Study, told: Told) -> FlightCard:
+    from tvclin.answers.nozzle_cards.whole import flight_card
+
+    del study
+    assert plan.sizing is not None
+    assert plan.sizing.card is not None
+    return flight_card(plan, plan.sizing, plan.sizing.card, progress=told)
+
+
 def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
     del study
     assert plan.availability is not None
@@ -297,6 +318,11 @@ def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
     return rate_front(
         plan.plant.rigid, study.history, limit=limit, rate_limit=plan.nozzle.rate_limit
     )
+
+
+def _loads(plan: StudyPlan, study: Study, told: Told) -> LoadFront:
+    assert plan.load is not None
+    return plan.load.front(plan, 1.0 / study.of_both)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

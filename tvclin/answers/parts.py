@@ -24,7 +24,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "head wind": ("--peak-deg", "--peak-speed", "--sign"),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
-    "measured wind": ("--winds", "--winds-time", "--window"),
+    "measured wind": ("--winds", "--winds-time", "--window", "--bias", "--bias-month"),
     "actuator": ("--actuator-frequency", "--actuator-hz", "--actuator-damping"),
     "rate limit": ("--rate-limit-deg",),
     "delay": ("--delay-ms",),
@@ -54,6 +54,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "laws": (*_SEVERAL, "limit"),
     "fly": _SEVERAL,
     "nozzle": _SEVERAL,
+    "loads": _SEVERAL,
     "card": ("dispersion",),
     "size": tuple(one for one in _LOOP if one != "rate limit"),
     "availability": (*_LOOP, "dispersion"),
@@ -67,7 +68,9 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
     "card without the law autopilot": ("gains",),
-    "nozzle without --law": (*_LAW, "sample rate", "gains"),
+    **dict.fromkeys(
+        ("nozzle without --law", "loads without --law"), (*_LAW, "sample rate", "gains")
+    ),
 }
 """What a question that computes a part leaves out of a file, as it is asked here."""
 _HERE = "these numbers"
@@ -77,6 +80,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
     "nozzle": "angles over rates",
+    "loads": "angles over loads",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
         _HERE,

@@ -57,8 +57,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "nozzle rate", "whole flight", "availability", "probability", "autopilot",
-        "margins" or "flexible flight".
+        "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
+        "probability", "autopilot", "margins" or "flexible flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -130,8 +130,11 @@ def _asked(found: Findings) -> Iterator[Question]:
         yield _wind(found)
         if found.plan.nozzle.rate_limit is not None:
             yield _rate(found)
+        if found.plan.load is not None:
+            yield _load(found)
         if found.plan.sizing is not None:
             yield _flight(found)
+            yield from _card(found)
         asked = found.plan.availability
         if asked is not None and asked.least_part is not None:
             yield _availability(found, asked.least_part)
@@ -170,6 +173,18 @@ def _rate(found: Findings) -> Question:
     return Question(name, front.enough, line, need, "at this rate any control needs", measure)
 
 
+def _load(found: Findings) -> Question:
+    """Whether a control that knows the wind keeps to what the structure bears with the limit."""
+    name, front = "load", found.loads
+    if front is None:
+        return Question(name, None, (_reason(found, "loads"),))
+    line: Line = ("for this load, of a control that knows the wind",)
+    if front.enough and front.verdict.startswith("enough only"):
+        line = (*line, "; a law that does not know when it stops bears more")
+    need = front.needed * found.study.of_both
+    return Question(name, front.enough, line, need, "within this load any control needs")
+
+
 def _flight(found: Findings) -> Question:
     name, asked = "whole flight", found.plan.sizing
     if found.flight is None or asked is None:
@@ -181,7 +196,28 @@ def _flight(found: Findings) -> Question:
     line: Line = (whole, reserve)
     if total.sufficient is None:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
+    if total.too_slow:
+        needed, there = np.degrees([total.needed_rate, total.rate_limit or np.nan])
+        line = (f"the least rate with which the limit is enough for {whole}", reserve)
+        measure = Measure(float(needed), float(there), "deg/s")
+        return Question(name, False, line, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
+
+
+def _card(found: Findings) -> Iterator[Question]:
+    """Whether the nozzle can do what a law asks of it along the flight, by its worst line."""
+    name = "nozzle card"
+    if found.card is None:
+        if "card" in found.reasons:
+            yield Question(name, None, (_reason(found, "card"),))
+        return
+    verdict = found.card.verdict
+    worst = verdict.needs[0]
+    measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
+    line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
+    if verdict.lost or verdict.unknown:
+        line = (verdict.words,)
+    yield Question(name, verdict.enough, line, measure=measure)
 
 
 def _availability(found: Findings, least: float) -> Question:

@@ -52,6 +52,7 @@ UNITS: dict[str, dict[str, float]] = {
     "per time squared": {"per_s2": 1.0},
     "per time cubed": {"per_s3": 1.0},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
+    "pressure angle": {"Pa_rad": 1.0, "Pa_deg": DEGREE, "kPa_rad": 1e3, "kPa_deg": 1e3 * DEGREE},
     "area": {"m2": 1.0, "ft2": FOOT**2},
     "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},
     "percent": {"percent": 0.01},
@@ -75,9 +76,20 @@ def si_unit(kind: str) -> str:
     return "" if kind in _PARTS else written(first)
 
 
-_OF_OPTIONS = {"angle": "deg", "angular rate": "deg_per_s", "delay": "ms"}
+_OF_OPTIONS = {
+    "angle": "deg",
+    "angular rate": "deg_per_s",
+    "angular acceleration": "deg_per_s2",
+    "delay": "ms",
+}
 """The units of options where they are not those of SI."""
-_SUFFIXES = {"angle": "_deg", "angular rate": "_deg", "delay": "_ms", "length": "_m"}
+_SUFFIXES = {
+    "angle": "_deg",
+    "angular rate": "_deg",
+    "angular acceleration": "_deg",
+    "delay": "_ms",
+    "length": "_m",
+}
 """What options of a kind have at the end of their names."""
 
 

@@ -4,6 +4,9 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+COMPILED = "a kernel was compiled"
+"""How the warning of a long compilation begins: it is of the machine, and not of an answer."""
+
 
 @contextmanager
 def warned(say: Callable[[str], object]) -> Iterator[None]:

@@ -65,7 +65,7 @@ _STEPS, _LOWEST = 6, 0.02
 """Newton steps to the load at a limit, and where they begin at least, over the same."""
 _FLOOR = 1e-3
 """A limit so near to a floor, relative, is set by it."""
-ANGLE, TURN, BOTH = "the least angle", "turning into the wind in time", "both together"
+ANGLE, TURN, BOTH = "the least angle", "turning in time", "both together"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class LoadFront(Shown):
         By how much the deflection falls with the load bound, ``(n,)``: one over it is what a
         degree of the nozzle buys.
     holds : tuple of str
-        What sets each limit: the least angle, turning into the wind in time, or both together.
+        What sets each limit: the least angle, turning in time into the wind, or both together.
     bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
         for a wind that changes its sign.

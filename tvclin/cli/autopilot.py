@@ -7,8 +7,6 @@ from math import degrees, isfinite
 from pathlib import Path
 from typing import Any
 
-import typer
-
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.answers.study_file.plan import StudyPlan
@@ -22,7 +20,7 @@ from tvclin.cli.inputs import case_of
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
 from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.comparison.duration import WorstDuration, worst_duration
@@ -68,12 +66,7 @@ def autopilot(
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)
-    if shown.as_json:
-        print_json(found.document())
-    else:
-        found.print(blows.title(case, ""))
-    if not found.met:
-        raise typer.Exit(1)
+    answer(shown.as_json, found.document, lambda: found.print(blows.title(case, "")), found.met)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of, noted_sounding
 from tvclin.vehicle.coefficients import IN_WORDS
@@ -53,6 +53,8 @@ class ArchiveOptions:
         metavar="FILE",
     )
     utc_offset: float = asked("Local time minus UTC, in h: months are those of local time.", 0.0)
+
+    panel = "Archive"
 
     def read(self, archive: list[Path]) -> Soundings:
         """Return these soundings."""
@@ -184,12 +186,12 @@ def availability(
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(found, source))
-    if as_json:
-        print_json(_document(found, today))
-    else:
-        _print(found, today, source)
-    if not (all(one.go for one in today) if today else any(part.judged for part in found.part())):
-        raise typer.Exit(1)
+    answer(
+        as_json,
+        lambda: _document(found, today),
+        lambda: _print(found, today, source),
+        (all(one.go for one in today) if today else any(part.judged for part in found.part())),
+    )
 
 
 def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:

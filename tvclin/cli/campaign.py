@@ -20,7 +20,7 @@ from tvclin.base.errors import InputError, number, positive
 from tvclin.base.files import called, write_new
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
-from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.progress import bar
 
 campaign = typer.Typer(
@@ -132,10 +132,7 @@ def show(
     )
     found = open_campaign(folder)
     summary = CampaignSummary.of(found, output, limit, probability, confidence)
-    if as_json:
-        print_json(summary)
-    else:
-        print_tables(*summary.tables())
+    answer(as_json, lambda: summary, lambda: print_tables(*summary.tables()))
 
 
 @campaign.command()
@@ -151,10 +148,7 @@ def replay(
     Exit code 0: answered; 2: bad input.
     """
     one = open_campaign(folder).replay(case)
-    if as_json:
-        print_json(one)
-    else:
-        print_tables(*one.tables())
+    answer(as_json, lambda: one, lambda: print_tables(*one.tables()))
 
 
 def _print_done(found: CampaignResults) -> None:

@@ -35,10 +35,10 @@ def card(
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
-    law: str = asked(
+    law: str | None = asked(
         "The law that is flown: autopilot (the gains below), trim, dead-band, half-relief or"
         " recoverable-attitude.",
-        "trim",
+        shown="that of the study file, or trim",
     ),
     sheet: Given = Given(NOZZLE, at="nozzle"),
     noise_deg: float = asked(
@@ -71,17 +71,17 @@ def card(
     Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
     flight; 2: bad input.
     """
-    if one_of("--law", law, LAWS) != AUTOPILOT:
-        gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (sheet, samples, model, sign, question, gains, loop)]
     case = flight_asked("card", source, blows, *changes, plane=plane, stop=stop)
-    if law != AUTOPILOT:
-        note_left_out(case, f"card without the law {AUTOPILOT}")
     assert case.sizing is not None
+    flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
+    if flies != AUTOPILOT:
+        gains.only_with(f"--law {AUTOPILOT}")
+        note_left_out(case, f"card without the law {AUTOPILOT}")
     noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
     with bar("flight times and winds") as progress:
         found = flight_card(
-            case, case.sizing, law, noise=noise, seed=seed, window=steady, progress=progress
+            case, case.sizing, flies, noise=noise, seed=seed, window=steady, progress=progress
         )
     notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]
     if csv is not None:

@@ -30,6 +30,8 @@ class CriteriaOptions:
         "Required phase margin of each phase-stabilised mode, in deg."
     )
 
+    panel = "Criteria"
+
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the named criteria, or with numbers of the user's."""
         if plan.vehicle.structure is None:

@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import pi
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.answers.study_file.plan import StudyPlan
@@ -14,24 +12,6 @@ from tvclin.cli.inputs import only_with
 from tvclin.cli.options import DESIGN, Given, asked
 from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.vehicle.filters import Filter
-
-NotchHz = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="F,ZEROS,POLES",
-        help="Notch filter of the deflection command: frequency in Hz, damping of its zeros and of"
-        " its poles, as in 12,0.05,0.5. May be given several times. Study files also take lead-lag"
-        " and rational filters, under autopilot.filter.",
-    ),
-]
-LowPassHz = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="F[,DAMPING]",
-        help="Low-pass filter of the deflection command: frequency in Hz; with a damping ratio it"
-        " is of second order. May be given several times.",
-    ),
-]
 
 
 @dataclass(frozen=True)
@@ -44,8 +24,18 @@ class LoopOptions:
     actuator_hz: float | None = asked("The same in Hz.")
     actuator_damping: float | None = asked("Damping ratio of the actuator.", shown="0.7")
     delay_ms: float | None = asked("Delay between sensors and actuator, in ms.", shown="0.0")
-    notch_hz: NotchHz = None
-    low_pass_hz: LowPassHz = None
+    notch_hz: list[str] | None = asked(
+        "Notch filter of the deflection command: frequency in Hz, damping of its zeros and of its"
+        " poles, as in 12,0.05,0.5. May be given several times. Study files also take lead-lag and"
+        " rational filters, under autopilot.filter.",
+        metavar="F,ZEROS,POLES",
+    )
+    low_pass_hz: list[str] | None = asked(
+        "Low-pass filter of the deflection command: frequency in Hz; with a damping ratio it is of"
+        " second order. May be given several times.",
+        metavar="F[,DAMPING]",
+    )
+    panel = "Autopilot"
 
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the actuator, the delay and the filters of these options."""
@@ -104,7 +94,7 @@ def with_gains(asked: AutopilotDesign, **given: float | str | None) -> Autopilot
 
 
 def _filters(notches: Sequence[str], passes: Sequence[str]) -> tuple[Filter, ...]:
-    """Return the filters of `NotchHz` and `LowPassHz`."""
+    """Return the filters of notches and low passes as options give them."""
     made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]
     made += [Filter.low_pass(*_numbers("--low-pass-hz", given, 1, 2)) for given in passes]
     return tuple(made)

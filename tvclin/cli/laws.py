@@ -27,7 +27,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.output import draw, print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
 from tvclin.control.laws.law import Law
@@ -88,10 +88,7 @@ def laws(
     draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
     beside = bounds(plant.rigid, winds)
     found = _Found(case, plant, peak, duration, hardware["sample_rate"], trials, beside)
-    if shown.as_json:
-        print_json(found.document(cuts))
-    else:
-        found.print(vehicle)
+    answer(shown.as_json, lambda: found.document(cuts), lambda: found.print(vehicle))
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,6 +37,8 @@ class LeastOptions:
         "With --least --limits: number of sudden ends of each wind to survive as well.", shown="0"
     )
 
+    panel = "Gains for the least nozzle"
+
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan of these gains, where they are asked for."""
         if not self.least:

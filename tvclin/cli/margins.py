@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
@@ -27,7 +25,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import draw, print_json, print_tables, say_lines
+from tvclin.cli.output import answer, draw, print_tables, say_lines
 from tvclin.cli.wind import WindOptions
 from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.autopilot.rules import LEAST_NOZZLE
@@ -93,13 +91,8 @@ def margins(
     in_wind = flown_found(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
-    answer = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
-    if shown.as_json:
-        print_json(answer.document())
-    else:
-        answer.print(vehicle)
-    if not answer.met:
-        raise typer.Exit(1)
+    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
+    answer(shown.as_json, every.document, lambda: every.print(vehicle), every.met)
 
 
 @dataclass(frozen=True, eq=False)

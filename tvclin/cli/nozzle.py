@@ -1,7 +1,6 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-import typer
-
+from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
@@ -20,9 +19,10 @@ from tvclin.cli.options import (
     ShownCurves,
     Source,
     asked,
+    switch,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_notes
-from tvclin.cli.progress import waiting
+from tvclin.cli.output import answer, print_tables, say, say_notes
+from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
@@ -39,6 +39,11 @@ def nozzle(
         " It needs a deflection limit.",
         shown="none is flown",
     ),
+    laws: bool = switch(
+        "--laws",
+        "Also fly every law, of a study file those of its laws, at each rate limit, for the limit"
+        " that it needs; it takes about a minute.",
+    ),
     samples: Given = SAMPLE_RATE,
     gains: Given = GAINS,
     loop: LoopOptions = GROUP,
@@ -49,42 +54,48 @@ def nozzle(
     """Print the least deflection over the deflection rate, and what a nozzle has left of both.
 
     With --law also what the flight of the law asks of the nozzle: rate, travel, time at the stop.
+    With --laws also the limit that each law needs flown, in the whole wind and with a sudden stop.
 
     Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
     """
     from tvclin import plots
 
     if law is None:
+        limits.only_with("--law", *_OF_FLIGHTS)
+    if law is None and not laws:
         for one in (gains, samples):
             one.only_with("--law")
-        limits.only_with("--law", *_OF_FLIGHTS)
         only_with("--law", **vars(loop))
-    elif one_of("--law", law, LAWS) != AUTOPILOT:
+    elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
         gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (limits, samples, motion, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
+    if law is None and not laws:
+        note_left_out(case, "nozzle without --law")
     flown, given = _flown(case, law, blows.name(case)), case.nozzle
     with waiting("angle over rate"):
         front = rate_front(
             case.plant.rigid, case.history, limit=given.limit, rate_limit=given.rate_limit
         )
-    title = blows.title(case, vehicle)
+    title, needed = blows.title(case, vehicle), _needed(case) if laws else None
+    drawn = needed or front
     shown.write(
-        lambda: plots.rate_curves(front),
-        lambda _: plots.rate_chart(front, title.replace(": ", "\n")),
+        lambda: plots.rate_curves(drawn),
+        lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    if shown.as_json:
-        print_json(blows.document(case) | {"front": front, "flown": flown})
-    else:
-        _print(title, front, flown)
-    if front.enough is False or (flown is not None and flown.verdict.enough is False):
-        raise typer.Exit(1)
+    more = {} if needed is None else {"laws": needed}
+    lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
+    answer(
+        shown.as_json,
+        lambda: blows.document(case) | {"front": front, "flown": flown} | more,
+        lambda: _print(title, front, needed, flown),
+        not lost,
+    )
 
 
 def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
     """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
     if law is None:
-        note_left_out(case, "nozzle without --law")
         return None
     if case.nozzle.limit is None:
         raise InputError("--law needs --limit-deg, the stop of the nozzle")
@@ -92,10 +103,20 @@ def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
         return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
 
 
-def _print(title: str, front: RateFront, flown: FlownCard | None) -> None:
+def _needed(case: StudyPlan) -> FlownFront:
+    """What each law needs at each rate limit."""
+    names = tuple(LAWS) if case.laws is None else case.laws.names
+    with bar("boundaries") as progress:
+        return flown_fronts({"": case}, laws=names, progress=progress)[""]
+
+
+def _print(
+    title: str, front: RateFront, needed: FlownFront | None, flown: FlownCard | None
+) -> None:
+    said = [one for one in (front, needed, flown) if one is not None]
     say(title)
-    print_tables(*front.tables(), *(flown.tables() if flown is not None else ()))
-    say_notes([*front.notes, *(flown.notes if flown is not None else ())])
+    print_tables(*(table for one in said for table in one.tables()))
+    say_notes([note for one in said for note in one.notes])
     say(f"Verdict: {front.verdict}.")
     if flown is not None:
         say(f"Flown: {flown.words}. {flown.verdict.words}.")

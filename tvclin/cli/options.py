@@ -1,6 +1,7 @@
 """The options that several commands share, and those that are made of declared fields."""
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, wraps
 from importlib import import_module
@@ -86,14 +87,19 @@ class Given:
     @cached_property
     def fields(self) -> dict[str, Declared]:
         """The fields by the names of parameters."""
-        module, _, name = self.kind.rpartition(".")
-        every = declared(getattr(import_module(f"tvclin.{module}"), name))
+        every = declared(self._kind)
         chosen = [every[one] for one in self.names.split()]
         return {_parameter(one): one for one in chosen or every.values() if one.option is not None}
 
+    @property
+    def _kind(self) -> Any:
+        module, _, name = self.kind.rpartition(".")
+        return getattr(import_module(f"tvclin.{module}"), name)
+
     def parameters(self) -> list[Parameter]:
         """Return the parameters of a command."""
-        return [_option(name, one, self.shown) for name, one in self.fields.items()]
+        panel = _PANELS.get(self.kind)
+        return [_option(name, one, self.shown, panel) for name, one in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
         """Return the same with what was given, taken out of the options of a command."""
@@ -112,6 +118,8 @@ class Given:
         if not self.at:
             return replace(plan, **self.values)
         part = plan.asked if self.at == "design" else getattr(plan, self.at)
+        if part is None:
+            return replace(plan, **{self.at: self._kind(**self.values)})
         return replace(plan, **{self.at: replace(part, **self.values)})
 
     def only_with(self, needed: str, *names: str) -> None:
@@ -138,8 +146,8 @@ def _flag(parameter: str) -> str:
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
-def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
-    """The option of a field, with its help and its default."""
+def _option(name: str, one: Declared, shown: Mapping[str, str], panel: str | None) -> Parameter:
+    """The option of a field, with its help, its default and its panel of the help."""
     kinds = {"text": str, "flag": bool, "count": int}
     kind: Any = kinds.get(one.kind, float)
     default = shown.get(one.name, one.shown)
@@ -148,7 +156,10 @@ def _option(name: str, one: Declared, shown: Mapping[str, str]) -> Parameter:
         given = one.default if one.many else (one.default,)
         default = " and ".join(f"{each / factor:g}" if factor else str(each) for each in given)
     said = typer.Option(
-        *([one.option] if one.option else []), help=help_line(one), show_default=default or False
+        *([one.option] if one.option else []),
+        help=help_line(one),
+        show_default=default or False,
+        rich_help_panel=panel,
     )
     return Parameter(
         name,
@@ -165,6 +176,8 @@ GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", met
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"
+_PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
+"""The panels of the help in which options stand together."""
 MOTION = Given(STUDY, "model plane")
 MODEL, PLANE, SIGN = (Given(STUDY, one) for one in ("model", "plane", "sign"))
 LIMIT = Given(NOZZLE, "limit", "nozzle")
@@ -215,7 +228,8 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
             shown += group.parameters()
             groups[name] = group.taken
         elif group is GROUP:
-            shown += (options := signature(kind).parameters.values())
+            options = signature(kind).parameters.values()
+            shown += [_in_panel(one, getattr(kind, "panel", None)) for one in options]
             groups[name] = partial(_made, kind, [one.name for one in options])
         else:
             shown.append(parameter)
@@ -229,6 +243,15 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
+
+
+def _in_panel(option: Parameter, panel: str | None) -> Parameter:
+    """An option in a panel of the help."""
+    if panel is None or not hasattr(option.default, "rich_help_panel"):
+        return option
+    default = copy(option.default)
+    default.rich_help_panel = panel
+    return option.replace(default=default)
 
 
 def _made(kind: Callable[..., Any], names: list[str], given: dict[str, Any]) -> Any:

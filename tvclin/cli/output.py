@@ -129,6 +129,18 @@ def print_json(document: Any) -> None:
     typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))
 
 
+def answer(
+    as_json: bool, document: Callable[[], Any], words: Callable[[], None], good: bool = True
+) -> None:
+    """Print an answer, its document as JSON or in words; exit code 1 says that it is not good."""
+    if as_json:
+        print_json(document())
+    else:
+        words()
+    if not good:
+        raise typer.Exit(1)
+
+
 def draw(plot: Path | None, chart: "Callable[[], ControlPlot]") -> None:
     """Write the figure into the file of --plot, where there is one."""
     if plot is not None:

@@ -21,7 +21,7 @@ from tvclin.cli.options import (
     Until,
     asked,
 )
-from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
 from tvclin.linear.loads import response_table
@@ -67,10 +67,7 @@ def respond(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
         lambda curves: plots.response_chart(curves, _title(case)),
     )
-    if files.as_json:
-        print_json(_document(case, found, shown))
-    else:
-        _print(case, found, shown)
+    answer(files.as_json, lambda: _document(case, found, shown), lambda: _print(case, found, shown))
 
 
 def _curves(case: Held, times: NDArray[np.float64]) -> "Curves":

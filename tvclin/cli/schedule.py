@@ -151,17 +151,13 @@ def log(
         Path, typer.Argument(help="A table with column names, or a .mat file of version 5.")
     ],
     output: Output,
-    wind_output: Annotated[
-        Path | None,
-        typer.Option(help="Also write the wind that the flight met, over height, as CSV."),
-    ] = None,
-    columns: Annotated[
-        Path | None,
-        typer.Option(
-            help="TOML file with a table named columns, as of tvclin schedule from table.",
-            show_default="our names, with their units",
-        ),
-    ] = None,
+    wind_output: Path | None = asked(
+        "Also write the wind that the flight met, over height, as CSV."
+    ),
+    columns: Path | None = asked(
+        "TOML file with a table named columns, as of tvclin schedule from table.",
+        shown="our names, with their units",
+    ),
     rows: Rows = GROUP,
 ) -> None:
     """Read the log of a simulation in wind: a schedule, and the wind that it met.

@@ -2,12 +2,9 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-
-import typer
+from typing import Any
 
 from tvclin.answers import study_tables as tables
-from tvclin.answers.asked_table import asked_table
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import all_yes, questioned, questions, sufficient
 from tvclin.answers.study_file.plan import StudyPlan
@@ -25,7 +22,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_lines, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
 from tvclin.vehicle.file import as_written
@@ -47,6 +44,8 @@ def _beside(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
     plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
     if not disperse or plan.dispersions is not None:
         return plan
+    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
     return replace(plan, dispersions=DEFAULT_DISPERSIONS)
 
 
@@ -91,18 +90,16 @@ def study(
         chart = study_planes_chart if found.study.in_both else study_chart
         with waiting("drawing"):
             save_figure(chart(found.study), plot)
-    if as_json:
-        _print_json(found)
-    else:
-        _print(found, source, explain)
-    if not all_yes(found):
-        raise typer.Exit(1)
+    answer(
+        as_json, lambda: _document(found), lambda: _print(found, source, explain), all_yes(found)
+    )
 
 
-def _print_json(found: Findings) -> None:
+def _document(found: Findings) -> dict[str, Any]:
+    """What was found, for JSON."""
     extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
     answers = {"questions": questions(found), "sufficient": sufficient(found)}
-    print_json(found.study.as_dict() | extra | answers)
+    return found.study.as_dict() | extra | answers
 
 
 def _print(found: Findings, source: str, explain: bool) -> None:
@@ -124,6 +121,8 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         say(d.spreads)
     if len(each) < 2:
         return
+    from tvclin.answers.asked_table import asked_table
+
     say("")
     print_tables(asked_table(found))
     others = ", ".join(one.name for one in each if one.yes is not True)

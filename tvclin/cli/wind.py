@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind, fly_through
-from tvclin.answers.sizing.placing import place
-from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.answers.study import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
@@ -24,10 +21,11 @@ from tvclin.winds import file
 from tvclin.winds.file import heading_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
-from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.read import read_sounding
 
 if TYPE_CHECKING:
+    from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+    from tvclin.winds.soundings.profile import WindProfile
+
     Met = MeasuredWind | MeasuredPlanes
 
 _WINDOW = 20.0
@@ -55,6 +53,8 @@ class PulseOptions:
         " the wind's vector in both planes. Needs --azimuth-deg."
     )
     azimuth_deg: float | None = asked("Direction of flight, in deg from north, clockwise.")
+
+    panel = "Wind"
 
     def __post_init__(self) -> None:
         if self.peak_deg is not None and self.peak_speed is not None:
@@ -114,7 +114,34 @@ class ShapedOptions(PulseOptions):
 
 
 @dataclass(frozen=True)
-class BlowingOptions(PulseOptions):
+class BiasOptions(PulseOptions):
+    """A mean wind that a biased flight path takes out of soundings."""
+
+    bias: Path | None = asked(
+        "Take a wind out of the soundings, for which the flight path is biased: a sounding, as"
+        " yesterday's, or the mean of a station file.",
+        metavar="FILE",
+    )
+    bias_month: int | None = asked("The month whose mean it is, from 1 to 12.", shown="all")
+
+    def unbiased(self, profile: "WindProfile") -> "WindProfile":
+        """Return what is left of a wind."""
+        from tvclin.winds.soundings.igra_archive import is_station
+        from tvclin.winds.soundings.read import read_sounding
+        from tvclin.winds.soundings.read_soundings import read_soundings
+
+        if self.bias is None:
+            only_with("--bias", bias_month=self.bias_month)
+            return profile
+        if is_station(self.bias):
+            months = None if self.bias_month is None else [self.bias_month]
+            return profile - read_soundings(self.bias, months=months).mean()
+        only_with("--bias, the file of a station", bias_month=self.bias_month)
+        return profile - read_sounding(self.bias)
+
+
+@dataclass(frozen=True)
+class BlowingOptions(BiasOptions):
     """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
 
     winds: Path | None = asked(
@@ -134,7 +161,8 @@ class BlowingOptions(PulseOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
         if self.winds is None:
-            only_with("a sounding, --winds", window=self.window, winds_time=self.winds_time)
+            own = ("window", "winds_time", "bias", "bias_month")
+            only_with("a sounding, --winds", **{name: getattr(self, name) for name in own})
             return super().over(plan, source)
         met = self.sounding(plan, source)
         return replace(plan, wind=met.shift(-float(met.onset)))
@@ -170,6 +198,8 @@ class BlowingOptions(PulseOptions):
 
         As in `tvclin size`, what blows to the side on which the wind is largest counts.
         """
+        from tvclin.answers.sizing.placing import place
+
         assert self.winds is not None
         own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
@@ -197,9 +227,12 @@ class BlowingOptions(PulseOptions):
     def _met(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
         """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
         assert self.winds is not None
+        from tvclin.answers.sizing.measured import fly_through
+        from tvclin.answers.sizing.schedule_file import load_schedule
+
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
-            noted_sounding(self.winds, self.winds_time),
+            self.unbiased(noted_sounding(self.winds, self.winds_time)),
             load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
             azimuth=azimuth,
             plane=plan.plane,
@@ -220,8 +253,10 @@ def azimuth_of(degrees: float | None) -> float:
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
 
 
-def noted_sounding(file: Path, time: str | None) -> WindProfile:
+def noted_sounding(file: Path, time: str | None) -> "WindProfile":
     """Return the sounding of a file, and say on stderr what is odd in it."""
+    from tvclin.winds.soundings.read import read_sounding
+
     profile = read_sounding(file, time=time)
     for note in profile.notes:
         say(f"Note: {file.name}: {note}.", err=True)

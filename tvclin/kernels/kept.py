@@ -19,6 +19,7 @@ from numba.core.serialize import dumps
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, write_whole
+from tvclin.base.warned import COMPILED
 
 _HASH = sha256().digest_size
 _LONG = 2.0
@@ -48,7 +49,7 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
         """Keep machine code; where that fails this process goes on with what it has."""
         took = monotonic() - self._begun
         if took > _LONG:
-            warn(f"a kernel was compiled in {took:.0f} s, once on this machine", stacklevel=2)
+            warn(f"{COMPILED} in {took:.0f} s, once on this machine", stacklevel=2)
         if not self._impl.check_cachable(compiled):
             return
         content = dumps(self._impl.reduce(compiled))

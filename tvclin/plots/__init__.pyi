@@ -20,6 +20,8 @@ from .flown_margins import boundary_map_chart as boundary_map_chart
 from .flown_margins import flown_margins_chart as flown_margins_chart
 from .laws import laws_chart as laws_chart
 from .least_gains import least_gains_chart as least_gains_chart
+from .loads import load_chart as load_chart
+from .loads import load_curves as load_curves
 from .nyquist import nyquist_chart as nyquist_chart
 from .planes import plane_chart as plane_chart
 from .planes import study_planes_chart as study_planes_chart

@@ -33,6 +33,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
+from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -115,6 +116,8 @@ class SizingAsked:
         Distance of the centre of gravity from the axis [m].
     reserve : float
         Fraction of the limit to keep unused, from 0 to 1.
+    card : str, optional
+        The law that is flown for the card of the nozzle, see `flight_card`; on the page too.
 
     Raises
     ------
@@ -148,6 +151,7 @@ class SizingAsked:
     thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
     gravity_offset: float = quantity("length", 0.0)
     reserve: float = quantity("percent", 0.0, nonnegative)
+    card: str | None = word(LAWS, None, option=None)
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")

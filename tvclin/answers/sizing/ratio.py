@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.record import TRIM, Sizing
-from tvclin.answers.sizing.total import DeflectionTotal, Line, total_deflection
+from tvclin.answers.sizing.total import DeflectionTotal, total_deflection
+from tvclin.answers.sizing.total import Line as Part
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, positive, small_angle
-from tvclin.base.lines import Inline, Table, degrees, significant
+from tvclin.base.lines import Inline, Line, Table, degrees, significant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 
 GOAL, LEAST = 2.0, 1.0
@@ -67,11 +68,23 @@ class ControllabilityRatio(Shown):
             for one in self.takes.lines
             if one.deflection
         ]
+        sums = "sum and root of sum of squares"
+        rows.append(
+            (("trim and all that adds up",), (sums,), degrees("ratio.takes", self.takes.total))
+        )
         rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
-        rows.append((("ratio",), (self.words,), significant("ratio.ratio", self.ratio)))
         at = "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:g} s"
         head = ("what", "how it adds up", "[deg]")
         return Table(f"Controllability ratio{at}", head, tuple(rows))
+
+    @property
+    def verdict(self) -> Line:
+        """The ratio, and where it stands."""
+        return (
+            "Controllability ratio ",
+            *significant("ratio.ratio", self.ratio),
+            f": {self.words}",
+        )
 
     @property
     def notes(self) -> Iterator[str]:
@@ -143,7 +156,7 @@ def controllability_ratio(
             nominal=float(sizing.schedule.nominal_at(time)),
             thrust_offset=thrust_offset,
             gravity_offset=gravity_offset,
-            others=(Line("gust", blown, "random"),),
+            others=(Part("gust", blown, "random"),),
         )
         found.append(ControllabilityRatio(total, most))
     return min(found, key=lambda one: one.ratio)

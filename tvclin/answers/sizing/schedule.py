@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 from os import PathLike
 from typing import Any
@@ -27,7 +27,7 @@ from tvclin.base.files import called, write_text
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 
 FloatArray = NDArray[np.float64]
 
@@ -302,5 +302,5 @@ class FlightSchedule(Shown):
 
 def _numbers(vehicle: Vehicle) -> dict[str, Any]:
     """The numbers of a vehicle by name, but its time."""
-    found = {f.name: getattr(vehicle, f.name) for f in fields(vehicle)}
-    return {k: v for k, v in found.items() if k not in ("name", "time") and v is not None}
+    found = {name: getattr(vehicle, name) for name in NUMBERS if name != "time"}
+    return {name: value for name, value in found.items() if value is not None}

@@ -14,7 +14,7 @@ from tvclin.base.files import called, exists, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.flights.condition import load_flight_condition
 from tvclin.vehicle.file import VEHICLE_TABLE, build_vehicle, parse_vehicle, vehicle_text
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
 """How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
@@ -82,10 +82,6 @@ Row = tuple[str, dict[str, Any]]
 """What a row is called in messages, and its keys and values."""
 
 
-_WORDS = ("name", "numbers_from")
-"""Of a vehicle, which stand for all times."""
-
-
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     source = called(source)
     rows, notes = _moving(rows)
@@ -103,10 +99,8 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
         if now <= before:
             raise InputError(f"{source}, {place}: time_s must rise; got {now:g} after {before:g}")
     first = vehicles[0]
-    names = [name for name in first.__dataclass_fields__ if getattr(first, name) is not None]
-    columns: dict[str, Any] = {
-        name: [getattr(v, name) for v in vehicles] for name in names if name not in _WORDS
-    }
+    names = [name for name in NUMBERS if getattr(first, name) is not None]
+    columns: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
     nominal, altitude = zip(*others, strict=True)
     known = None if altitude[0] is None else altitude
     return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known, notes)

@@ -13,6 +13,7 @@ from tvclin.answers.campaign.tables import (
     subject_of,
 )
 from tvclin.answers.document import Document
+from tvclin.answers.load import LOAD_TABLE, LoadBound
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
@@ -44,6 +45,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
         nozzle=nozzle_of(document),
+        load=LoadBound(**LOAD_TABLE.read(document["load"])) if "load" in document else None,
         design=design_of(document),
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,
         document=Document.from_table(document["document"]) if "document" in document else None,

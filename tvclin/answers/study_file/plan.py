@@ -18,6 +18,7 @@ from tvclin.winds.shaped import ShapedWind
 if TYPE_CHECKING:
     from tvclin.answers.availability.asked import AvailabilityAsked
     from tvclin.answers.campaign.dispersions import Dispersions
+    from tvclin.answers.load import LoadBound
     from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.trials import LawsAsked
     from tvclin.control.margins.criteria import Criteria
@@ -58,6 +59,8 @@ class StudyPlan(Case):
         What is asked of the whole flight.
     availability : AvailabilityAsked, optional
         An archive of soundings: on how many days it flies.
+    load : LoadBound, optional
+        What the structure bears.
     document : Document, optional
         Project, author, date and revision, for the head of its page.
 
@@ -80,6 +83,7 @@ class StudyPlan(Case):
     confidence: float = quantity("number", 0.9, fraction)
     sizing: SizingAsked | None = None
     availability: AvailabilityAsked | None = None
+    load: LoadBound | None = None
     document: Document | None = None
 
     def __post_init__(self) -> None:
@@ -92,22 +96,24 @@ class StudyPlan(Case):
         """What may be asked besides; its kinds are imported only where something is."""
         if self.document is not None:
             instance("document", self.document, Document, "for the head of the page")
-        names = ("laws", "criteria", "dispersions", "sizing", "availability")
+        names = ("laws", "criteria", "dispersions", "sizing", "availability", "load")
         if all(getattr(self, name) is None for name in names):
             return
         from tvclin.answers.availability.asked import AvailabilityAsked
         from tvclin.answers.campaign.dispersions import Dispersions
+        from tvclin.answers.load import LoadBound
         from tvclin.answers.sizing.asked import SizingAsked
         from tvclin.answers.trials import LawsAsked
         from tvclin.control.margins.criteria import Criteria
 
-        kinds = LawsAsked, Criteria, Dispersions, SizingAsked, AvailabilityAsked
+        kinds = LawsAsked, Criteria, Dispersions, SizingAsked, AvailabilityAsked, LoadBound
         makers = (
             "of the standard laws",
             "see Criteria.own",
             "of Dispersion values",
             "see load_sizing",
             "see load_study",
+            "of one bound",
         )
         for name, kind, maker in zip(names, kinds, makers, strict=True):
             if getattr(self, name) is not None:

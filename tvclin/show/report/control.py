@@ -5,7 +5,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
-from tvclin.base.lines import Table, number, quantities
+from tvclin.base.lines import Line, degrees, number, quantities
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
 from tvclin.control.margins.tables import margin_table
@@ -162,10 +162,26 @@ def _margins(found: Findings, whole: Margins) -> Block:
     return margin_table(whole, found.criteria.judge(found.margins or whole))
 
 
-def _in_the_wind(found: Findings, c: TrimComparison) -> list[Table]:
+def _in_the_wind(found: Findings, c: TrimComparison) -> list[Block]:
     title = "The autopilot in this wind, without a stop"
     title += "" if found.flexible is None else ", flexible vehicle"
-    stop = None
-    if found.stop is not None:
-        stop = abs(float(found.stop.deflection)) * found.study.of_both
-    return [c.deflections(title, stop), quantities("Largest motions", c.motions())]
+    title += f", {found.study.plane} plane alone" if found.study.in_both else ""
+    stop = None if found.stop is None else abs(float(found.stop.deflection))
+    tables = [c.deflections(title, stop), quantities("Largest motions", c.motions())]
+    return [*tables, *_of_both(found, stop)]
+
+
+def _of_both(found: Findings, stop: float | None) -> list[Block]:
+    """What both planes take of the stop over this one, where the verdict is on both."""
+    s = found.study
+    if not s.in_both:
+        return []
+    line: Line = (
+        "Both planes together take ",
+        *number("both.factor", s.of_both, 3),
+        f" times what the {s.plane} plane takes of the stop",
+    )
+    if stop is not None and np.isfinite(stop):
+        needs = degrees("both.stop", stop * s.of_both, unit="deg")
+        line += (": with that this autopilot needs ", *needs, " as a stop, flown")
+    return [Paragraph((*line, "."))]

@@ -14,6 +14,7 @@ from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, checks
 from tvclin.show.report.figures import inline_svg
+from tvclin.vehicle.filters import cells_of
 from tvclin.vehicle.structure import Structure
 
 _NAME, _TITLE = "flexible", "The flexible vehicle"
@@ -55,12 +56,13 @@ def flexible(found: Findings) -> Section | None:
     label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
     caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
     blocks.append(Figure(label, caption, inline_svg(bode_chart(f.autopilot, plant), "bode", label)))
-    blocks += [_flown(f), *_notes(f)]
+    alone = found.study.plane if found.study.in_both else ""
+    blocks += [_flown(f, alone), *_notes(f)]
     return Section(_NAME, _TITLE, tuple(blocks))
 
 
 def given(structure: Structure) -> list[Table]:
-    """Return what went in: numbers of modes, of tanks and of the engine, in SI units."""
+    """Return what went in: modes, tanks, the engine and sensors, in SI units."""
     kinds: tuple[tuple[str, str, tuple[Any, ...], dict[str, str]], ...] = (
         ("Bending", "bending", structure.bending, _BENDING),
         ("Slosh", "slosh", structure.slosh, _SLOSH),
@@ -81,7 +83,14 @@ def given(structure: Structure) -> list[Table]:
                 rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
         head = ("quantity", *(f"{name} {k}" for k in range(1, len(every) + 1)))
         tables += [Table(title, head, tuple(rows))] if every else []
-    return tables
+    lags = {"attitude": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
+    sensors = tuple(
+        ((name,), *cells_of(one, f"structure.{name.replace(' ', '_')}"))
+        for name, one in lags.items()
+        if one is not None
+    )
+    head = ("sensor", "zeros", "poles", "gain")
+    return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]
 
 
 def _words(plant: FlexiblePlant) -> Line:
@@ -127,9 +136,10 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
     return [d.table(), *(Paragraph(line) for line in d.said)]
 
 
-def _flown(f: FlexibleAnswer) -> Table:
-    """What the autopilot needs with limits, and what becomes of the limit in question."""
+def _flown(f: FlexibleAnswer, plane: str) -> Table:
+    """What the autopilot needs with limits, of a plane where both share the stop."""
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
+    caption += f", {plane} plane alone" if plane else ""
     bends, rigid = (abs(one.deflection) for one in f.boundaries)
     if f.flight is not None:
         return f.flight.table(caption, ("flexible", "rigid"), (bends, rigid))

@@ -45,8 +45,14 @@ def _blocks(found: Findings) -> list[Block]:
         (*asked.warnings, *sizing.notes), (*asked.notes, *(ratio.notes if ratio else ()))
     )
     verdict = [Paragraph(line) for line in total.verdict]
-    beside = [ratio.table] if ratio else []
-    return [*blocks, total_table(total, counted), *verdict, *beside, *notes]
+    beside: list[Block] = [ratio.table, Paragraph(ratio.verdict)] if ratio else []
+    blocks += [total_table(total, counted), *verdict, *beside]
+    if (card := found.card) is not None:
+        said = Paragraph((f"The card of the nozzle, {card.law} flown: {card.verdict.words}.",))
+        blocks += [said, *card.tables(), *checks((), card.notes)]
+    elif "card" in found.reasons:
+        blocks.append(Paragraph((f"No card of the nozzle: {found.reasons['card']}.",)))
+    return [*blocks, *notes]
 
 
 def _words(s: Sizing, of: str) -> str:

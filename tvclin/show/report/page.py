@@ -19,6 +19,7 @@ from tvclin.show.report import (
     control,
     flexible,
     flight,
+    load,
     planes,
     rests,
     sections,
@@ -31,11 +32,12 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
-    verdict.asked,
     vehicle.vehicle,
+    verdict.asked,
     sections.boundaries,
     planes.both_planes,
     sections.response,
+    load.load,
     flight.over_flight,
     availability.availability,
     control.laws,

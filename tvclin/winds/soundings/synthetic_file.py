@@ -9,8 +9,7 @@ import numpy as np
 from tvclin.base.errors import InputError, finite
 from tvclin.base.files import tables_of
 from tvclin.base.tables import FileTable, known
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import Levels
+from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.synthetic import add_gust, synthetic_profile
 from tvclin.winds.soundings.text import Text
 
@@ -33,7 +32,7 @@ _GUST = FileTable(
 HEADING = _WIND.heading
 
 
-def find(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[Found]:
     """Return the wind of [synthetic], with each [[gust]], as `synthetic_profile` and `add_gust`.
 
     Directions are those from which they blow.

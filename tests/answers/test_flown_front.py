@@ -1,0 +1,69 @@
+"""What laws need over the rate limit: each boundary by itself, over flight times and winds."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+
+VEHICLE = tv.load_vehicle("configuration-i")
+NOZZLE = tv.Nozzle(limit=np.radians(0.4), rate_limit=np.radians(0.5), actuator=None)
+LAWS = ("trim", "recoverable-attitude")
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The vehicle, and with less thrust, as at another time; and another wind."""
+    gust = tv.ShapedWind("one-minus-cosine", np.radians(5.0), 7.5)
+    cases = {
+        "now": tv.Case(vehicle=VEHICLE, nozzle=NOZZLE),
+        "later": tv.Case(vehicle=VEHICLE.replace(thrust=0.9 * VEHICLE.thrust), nozzle=NOZZLE),
+        "gust": tv.Case(vehicle=VEHICLE, wind=gust, nozzle=NOZZLE),
+    }
+    told = []
+    rates = np.radians([0.3])
+    fronts = tv.answers.flown_fronts(
+        cases, rates, laws=LAWS, progress=lambda done, total: told.append((done, total))
+    )
+    return cases, fronts, told
+
+
+def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
+    cases, fronts, told = found
+    assert told == [(k, 12) for k in range(1, 13)]
+    for name, case in cases.items():
+        front = fronts[name]
+        rates = front.front.rates
+        assert np.degrees(rates) == pytest.approx([0.3, 0.5])
+        peak = float(case.history.peak)
+        for law in LAWS:
+            designed = tv.control.design_law(law, case.plant, peak, rate_limit=rates[1])
+            alone = tv.closed_loop_boundary(
+                case.plant,
+                designed,
+                case.history,
+                rate_limit=rates[1],
+                sample_rate=100,
+                cuts=1,
+                highest=3.0,
+            )
+            assert front.limits[law][1] == abs(alone.deflection) == front.needed[law]
+            assert front.enough[law] == bool(NOZZLE.limit >= front.needed[law])
+
+
+def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
+    """The law that knows its rate comes near the bound; a boundary is known to 1e-3 of trim."""
+    cases, fronts, _ = found
+    for name, front in fronts.items():
+        slack = 1e-3 * abs(float(cases[name].plant.coefficients.B * cases[name].history.peak))
+        for values in front.limits.values():
+            assert np.all(values >= front.front.bounds - slack)
+            assert np.all(values[1:] <= values[:-1] + slack)
+        assert np.all(front.limits["recoverable-attitude"] < 1.35 * front.front.bounds)
+
+
+def test_unknown_laws_and_what_is_no_case_are_refused():
+    case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
+    with pytest.raises(tv.InputError, match="laws must be one of"):
+        tv.answers.flown_fronts({"one": case}, laws=("trm",))
+    with pytest.raises(tv.InputError, match="cases must"):
+        tv.answers.flown_fronts({"one": VEHICLE})

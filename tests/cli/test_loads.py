@@ -1,0 +1,116 @@
+"""`tvclin loads`: the numbers of the library, a verdict with its exit code, and study files."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.answers.questions import questions
+from tvclin.answers.study_file.read import load_study
+from tvclin.cli.app import app
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5.0
+duration_s = 7.5
+[nozzle]
+limit_deg = 0.35
+[load]
+"""
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["loads", *arguments])
+
+
+def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    expected = tv.boundary.load_front(plant, wind, limit=np.radians(0.3), load=np.radians(3.0))
+    file = tmp_path / "front.csv"
+    options = ("--limit-deg", "0.3", "--load-deg", "3", "--json", "--csv", str(file))
+    found = json.loads(run(*options, "--plot", str(tmp_path / "a.png")).stdout)["front"]
+    assert found["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
+    assert found["needed_deg"] == pytest.approx(np.degrees(expected.needed), rel=1e-12)
+    rows = list(
+        csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#"))
+    )
+    column = [float(row["wind known [deg]"]) for row in rows]
+    assert column == pytest.approx(np.degrees(expected.limits), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (("--limit-deg", "0.3", "--load-deg", "3"), 0, "enough by theory"),
+        (("--limit-deg", "0.3", "--load-deg", "2"), 0, "only for a control that knows"),
+        (("--limit-deg", "0.21", "--load-deg", "3"), 1, "NOT enough"),
+        ((), 0, "give a limit"),
+        (("--limit-deg", "0.5", "--load-deg", "3", "--law", "trim"), 1, "NOT within"),
+        (("--limit-deg", "0.5", "--load-deg", "4", "--law", "half-relief"), 0, "within 4.000"),
+        (("--limit-deg", "0.1", "--law", "trim"), 1, "trim is lost"),
+        (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
+        (("--law", "trim"), 2, "--limit-deg"),
+        (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
+        (("--alpha-gain", "1"), 2, "--law"),
+    ],
+)
+def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:
+    result = run(*options)
+    assert result.exit_code == code, result.output
+    assert words in " ".join(result.output.split())
+
+
+def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
+    plain = ("--limit-deg", "2", "--law", "autopilot", "--attitude-gain", "0.4", "--rate-gain", "1")
+    loads = [
+        json.loads(run(*plain, "--alpha-gain", gain, "--json").stdout)["flown"][0]["load_deg"]
+        for gain in ("0", "-0.1", "0.1")
+    ]
+    assert len(set(loads)) == 3
+    assert min(loads) < loads[0] < max(loads)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "load_deg = 3.0",
+        "q_alpha_kPa_deg = 75\ndynamic_pressure_kPa = 25",
+        "moment_kN_m = 600\nalpha_moment_N_m_per_deg = 2e5",
+    ],
+)
+def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(STUDY + table)
+    found = json.loads(run(str(file), "--json").stdout)["front"]
+    assert found["load_deg"] == pytest.approx(3.0)
+    own = find(load_study(str(file)))
+    (asked,) = [one for one in questions(own) if one.name == "load"]
+    assert asked.yes
+    assert asked.needs == pytest.approx(np.radians(found["needed_deg"]))
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("", "needs one bound"),
+        ("load_deg = 3\nmoment_N_m = 3\nalpha_moment_N_m_per_rad = 1", "needs one bound"),
+        ("q_alpha_kPa_deg = 75", "q_alpha and dynamic_pressure together"),
+        ("moment_N_m = 5", "moment and alpha_moment together"),
+        ("load_deg = 3\ndeflection_moment_N_m_per_rad = 1", "beside deflection_moment"),
+        ("load = 3", "load_deg"),
+    ],
+)
+def test_a_wrong_table_is_refused_in_a_sentence(table: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(STUDY + table)
+    result = run(str(file))
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())

@@ -1,0 +1,171 @@
+"""A page says each number once: head, table of all questions, sections and figure agree."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.archives import Balloon, days, jet, write
+from tvclin.answers.findings import Findings
+from tvclin.answers.questions import questions
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.plots import study_chart
+from tvclin.show.report.page import page_of
+
+pytest.importorskip("jinja2")
+pytest.importorskip("latex2mathml")
+pytestmark = pytest.mark.usefixtures("few_durations")
+
+WIND = {"shape": "triangular", "peak_deg": 4.0, "duration_s": 6.0}
+SPREAD = {"parameter": "thrust", "shape": "truncated", "percent": 1.0}
+REPORT = {
+    "study": {"vehicle": "configuration-i"},
+    "wind": {**WIND, "peak_deg": 5.0, "duration_s": 7.5},
+    "nozzle": {"limit_deg": 0.4, "rate_limit_deg_per_s": 10.0},
+    "autopilot": {"design": "canonical"},
+    "schedule": {"source": "configuration-i"},
+    "size": {"start_s": 60.0, "stop_s": 70.0, "reserve_percent": 10.0},
+    "question": {"probability": 0.9},
+    "campaign": {"cases": 200, "seed": 1},
+    "dispersion": [SPREAD],
+}
+COEFFICIENTS = {
+    "study": {"vehicle": "known.toml"},
+    "wind": {**WIND, "peak_deg": 5.0},
+    "nozzle": {"limit_deg": 0.45},
+    "autopilot": {"design": "canonical"},
+}
+FLEXIBLE = {
+    "study": {"vehicle": "made-up-launcher"},
+    "wind": [
+        {**WIND, "direction_deg": 280.0, "azimuth_deg": 45.0},
+        {"sounding": "wind.csv", "azimuth_deg": 45.0},
+    ],
+    "gust": {"peak_deg": 1.0, "duration_s": 2.0, "peak_time_s": 3.0},
+    "nozzle": {"limit_deg": 3.0, "stop": "square", "actuator_frequency_Hz": 10.0},
+    "autopilot": {
+        **{"design": "poles", "natural_frequency_rad_per_s": 1.5, "damping": 0.8},
+        **{"delay_ms": 10, "sample_rate_Hz": 100.0},
+        "filter": [
+            {"kind": "notch", "frequency_Hz": 5.6, "zero_damping": 0.05, "pole_damping": 0.5},
+            {"kind": "low-pass", "frequency_Hz": 12.0, "damping": 0.7},
+        ],
+    },
+    "schedule": {"source": "made-up-launcher"},
+    "size": {"start_s": 50.0, "stop_s": 60.0, "reserve_percent": 10.0},
+    "availability": {
+        **{"archive": "s-data.txt", "azimuth_deg": 45.0, "least_part": 0.5},
+        "persistence_deg": 0.1,
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("agrees")
+    text = "[coefficients]\nmu_alpha_per_s2 = 0.28\nmu_delta_per_s2 = 2.6\n"
+    (place / "known.toml").write_text(text)
+    balloons = [
+        Balloon(time, jet(3.0 * (i + 1), direction=240 + i))
+        for i, time in enumerate(days("2023-02-15T00", 8))
+    ]
+    write(place / "s-data.txt", balloons)
+    heights = np.arange(0.0, 25001.0, 1000.0)
+    speeds = 4.0 + 30.0 * np.exp(-(((heights - 11e3) / 4e3) ** 2))
+    rows = [f"{h:.0f},{v:.1f},250" for h, v in zip(heights, speeds, strict=True)]
+    head = "height_m,speed_m_per_s,direction_deg"
+    (place / "wind.csv").write_text("\n".join((head, *rows)) + "\n")
+    return place
+
+
+def read(html: str) -> dict[str, float]:
+    found = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
+    return {name: float(value) for name, value in found}
+
+
+def marked(html: str) -> float:
+    """Return the deflection [deg] in the row of the verdict, with the model of the verdict."""
+    (row,) = re.findall(r"<tr><th[^>]*>(?:(?!</th>).)*\(verdict\).*?</tr>", html, re.DOTALL)
+    angles = re.findall(r'data-name="[^"]+_deg" data-value="([^"]+)"', row)
+    models = re.findall(r'<th scope="col">([a-z-]+) \[deg\]</th>', html)
+    return float(angles[models.index("drift-exact")] if len(angles) > 2 else angles[0])
+
+
+def close(one: float, other: float) -> bool:
+    return one == pytest.approx(other, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("asked", "count"),
+    [(REPORT, 7), (COEFFICIENTS, 3), pytest.param(FLEXIBLE, 6, marks=pytest.mark.thorough)],
+    ids=["report", "coefficients", "flexible"],
+)
+def test_head_table_sections_and_figure_agree(asked, count, folder) -> None:
+    html, found = page_of(parse_study(asked, folder))
+    shown, limit = read(html), asked["nozzle"]["limit_deg"]
+    assert not found.reasons.keys() - {"flown"}  # no margins where the limit loses it
+    each = {one.name: one for one in questions(found)}
+    assert len(each) >= count - 1
+    for one in each.values():
+        if one.measure is None:
+            continue
+        names = [key for key in shown if key.startswith(f"asked.{one.name.replace(' ', '_')}.")]
+        values = {re.sub(r".*\.(needed|there|left).*", r"\1", key): shown[key] for key in names}
+        assert close(values["left"], values["there"] - values["needed"])
+        if one.measure.unit == "deg" and one.name != "margins":
+            assert close(values["there"], limit)
+    wind = shown["asked.wind.needed_deg"]
+    _head(shown, wind, limit, each)
+    assert close(marked(html), wind)
+    _figure(found, wind, limit)
+    _sections(shown, found)
+
+
+def _head(shown, wind, limit, each) -> None:
+    assert close(shown["facts.limit_deg"], limit)
+    if "verdict.required_deg" in shown:
+        sized = [one for one in each.values() if np.isfinite(one.needs)]
+        failed = [one for one in sized if one.yes is False] or sized
+        worst = max(float(np.degrees(one.needs)) for one in failed)
+        assert close(shown["verdict.required_deg"], worst)
+        assert close(shown["verdict.surplus_deg"], abs(worst - limit))
+    peak = shown["basis.peak_deg"]
+    assert shown["facts.survivable_peak_deg"] <= peak * limit / wind * 1.2  # of a head wind less
+
+
+def _figure(found: Findings, wind: float, limit: float) -> None:
+    """The dot and the line of the limit in the figure of the boundaries."""
+    study = found.study
+    chart = study_chart(study, [0.5 * study.wind.duration, study.wind.duration])
+    dot, line = (
+        next(one for one in chart.axes.flat[0].lines if one.get_label().startswith(label))
+        for label in ("required", "available limit")
+    )
+    assert close(float(np.ravel(dot.get_ydata())[0]), wind)
+    assert close(float(np.ravel(line.get_ydata())[0]), limit)
+
+
+def _sections(shown: dict[str, float], found: Findings) -> None:
+    """What the table says of each question is what its own section says."""
+    pairs = {
+        "asked.whole_flight.needed_deg": "total.required_deg",
+        "asked.autopilot.needed_deg": "wind.stop_deg",
+        "asked.probability.needed_deg": "dispersed.upper_deg",
+        "asked.availability.there_percent": "availability.part_percent",
+        "asked.margins.needed_dB": "criteria.aero_margin_dB",
+        "asked.margins.there_dB": "margin.aero_margin_dB",
+        "asked.margins.needed_deg": "criteria.phase_margin_deg",
+        "asked.margins.there_deg": "margin.phase_margin_deg",
+    }
+    seen = [name for name in pairs if name in shown]
+    assert seen
+    over = found.study.of_both
+    for name in seen:
+        part = over if name == "asked.autopilot.needed_deg" else 1.0
+        assert close(shown[name], part * shown[pairs[name]]), name
+    if found.flexible is not None:
+        assert close(shown["asked.autopilot.needed_deg"], over * shown["flown.0.0_deg"])
+        assert close(shown["asked.flexible_flight.needed_deg"], shown["asked.autopilot.needed_deg"])
+    turns = over * shown["wind.deflection_deg"]
+    assert close(shown["asked.autopilot_deg"], turns)

@@ -1,0 +1,193 @@
+"""The limit that each law needs flown over the deflection rate, beside the least of theory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.case import Case
+from tvclin.answers.flexible import with_filters
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import callable_for, different, each, instance, one_of, within
+from tvclin.base.lines import Line, Table, degrees
+from tvclin.boundary.rates import RateFront, rate_front
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
+from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
+
+_STOPS = ("no sudden stop of it", "a sudden stop in its middle")
+_HIGHEST = 3.0
+"""Of the limits that are tried, over the largest trim deflection."""
+_MULTIPLES = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
+"""Rates over the least one of theory, unless rates are given."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlownFront(Shown):
+    """What laws need in one case over the deflection rate, flown.
+
+    Attributes
+    ----------
+    front : RateFront
+        The least of theory at the same rates, and the nozzle's point.
+    limits : dict of str to ndarray
+        Least deflection limit [rad] of each law at each rate limit, ``(n,)``; infinite where none
+        was found up to three times the largest trim deflection.
+    monotone : dict of str to ndarray of bool
+        Whether every limit that was tried above one that survives survives as well, ``(n,)``.
+    cuts : int
+        How many sudden stops were tried.
+    """
+
+    front: RateFront
+    limits: dict[str, FloatArray]
+    monotone: dict[str, BoolArray]
+    cuts: int
+
+    as_dict = keyed("rates_deg_per_s=front.rates limits_deg monotone cuts needed_deg enough")
+    _keys = "needed_deg enough cuts"
+
+    @property
+    def needed(self) -> dict[str, float] | None:
+        """The limit [rad] of each law at the nozzle's rate; None where that is not among them."""
+        here = np.flatnonzero(self.front.rates == self.front.rate_limit)
+        if not here.size:
+            return None
+        return {name: float(values[here[0]]) for name, values in self.limits.items()}
+
+    @property
+    def enough(self) -> dict[str, bool] | None:
+        """Whether the nozzle is enough for each law; None where limit or rate is not given."""
+        needed, limit = self.needed, self.front.limit
+        if needed is None or limit is None:
+            return None
+        return {name: limit >= value for name, value in needed.items()}
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the limit of each law at each rate, beside the least without a forecast."""
+        bounds, rates = self.front.bounds, self.front.rates
+        some = {} if bounds is None else {"any law, at least": bounds}
+
+        def cells(k: int) -> Iterator[Line]:
+            yield degrees(f"laws.{k}.rate", rates[k])
+            for name, values in (self.limits | some).items():
+                shown = degrees(f"laws.{k}.{name}", values[k])
+                odd = name in self.monotone and not self.monotone[name][k]
+                more = ("*",) if odd else ()
+                yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
+
+        caption = "Deflection limit that each law needs flown [deg]"
+        head = ("rate limit [deg/s]", *self.limits, *some)
+        return (Table(caption, head, tuple(tuple(cells(k)) for k in range(rates.size))),)
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """What the reader of the table should know."""
+        stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOPS[self.cuts]
+        yield (
+            f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"
+            " for each rate limit; none: no limit is enough up to three times the largest trim"
+            " deflection"
+        )
+        if not all(np.all(one) for one in self.monotone.values()):
+            yield "*: some lower limits survive as well; above this one all that were tried survive"
+
+
+def flown_fronts(
+    cases: Mapping[str, Case],
+    rates: ArrayLike | None = None,
+    *,
+    laws: tuple[str, ...] = tuple(LAWS),
+    cuts: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, FlownFront]:
+    """Return the limit that each law needs at each rate limit, in many cases.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+        By name, such as a vehicle at several times of its flight, or in several winds. Actuator,
+        sample rate, delay, gains and filters are those of each; its nozzle's rate limit is tried
+        too.
+    rates : array_like, optional
+        Rate limits [rad/s], ``(n,)``; unless given 1.25 to 20 times the least one of each case.
+    laws : tuple of str
+        Names of the registry, all by default. Each is designed for the rate limit.
+    cuts : int
+        Sudden stops that are tried as well, as of `closed_loop_boundary`; one is at the peak of a
+        triangle.
+    progress : callable, optional
+        Is told how many boundaries are flown, and how many there are.
+
+    Raises
+    ------
+    InputError
+        As `rate_front` and `closed_loop_boundary`, and for unknown names.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> nozzle = tv.Nozzle(limit=np.radians(0.36), rate_limit=np.radians(0.5))
+    >>> case = tv.Case(vehicle=tv.load_vehicle("configuration-i"), nozzle=nozzle)
+    >>> laws = ("half-relief", "trim", "recoverable-attitude")
+    >>> found = tv.answers.flown_fronts({"a triangle": case}, [nozzle.rate_limit], laws=laws)
+    >>> found["a triangle"].enough
+    {'half-relief': False, 'trim': True, 'recoverable-attitude': True}
+    """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    instance("cases", cases, Mapping, "by name")
+    each("cases", tuple(cases.values()), Case, "by name")
+    names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
+    within("cuts", cuts, 0, 1000)
+    fronts = {key: _front(case, rates) for key, case in cases.items()}
+    total = len(names) * sum(one.rates.size for one in fronts.values())
+    done = 0
+
+    def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
+        nonlocal done
+        nozzle = {**case.hardware, "rate_limit": rate, "cuts": cuts, "highest": _HIGHEST}
+        found = closed_loop_boundary(case.plant, _law(case, name, rate), case.history, **nozzle)
+        done += 1
+        if progress is not None:
+            progress(done, total)
+        return found
+
+    def answer(case: Case, front: RateFront) -> FlownFront:
+        found = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
+        return FlownFront(
+            front=front,
+            limits={name: np.abs([x.deflection for x in row]) for name, row in found.items()},
+            monotone={name: np.array([x.monotone for x in row]) for name, row in found.items()},
+            cuts=cuts,
+        )
+
+    return {key: answer(case, fronts[key]) for key, case in cases.items()}
+
+
+def _front(case: Case, rates: ArrayLike | None) -> RateFront:
+    """The theory of a case at the rates, or at multiples of its least one, and at the nozzle's."""
+    nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
+    theory = partial(rate_front, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
+    if rates is None:
+        usual = theory()
+        least_rate = usual.least_rate or usual.needed_rate
+        rates = _MULTIPLES * least_rate if least_rate > 0.0 else usual.rates
+    if nozzle.rate_limit is not None:
+        rates = np.unique(np.append(rates, nozzle.rate_limit))
+    return theory(rates)
+
+
+def _law(case: Case, name: str, rate: float) -> Law:
+    own: dict[str, Any] = {}
+    if name == AUTOPILOT and case.design is not None:
+        own = {AUTOPILOT: case.autopilot}
+    peak, plant = float(case.history.peak), case.plant.rigid
+    return with_filters(design_law(name, plant, peak, rate_limit=rate, **own), case.asked)

@@ -1,0 +1,148 @@
+"""What a structure bears in a wind, and what a law's flight asks of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from tvclin.answers.case import Case
+from tvclin.base.cards import Shown
+from tvclin.base.declared import checked, file_table, quantity
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, nonzero, positive, small_angle
+from tvclin.boundary.loads import LoadFront, load_front
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.many import SURVIVED
+from tvclin.flights.closed_loop.nozzle import fly_nozzle
+from tvclin.flights.flexible import FATES
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadBound:
+    """The largest load that a structure bears: an angle, a product with pressure, or a moment.
+
+    Attributes
+    ----------
+    load : float, optional
+        Largest angle of attack [rad] that the structure bears; is the limit enough for it?
+    q_alpha : float, optional
+        The same times the dynamic pressure [Pa rad], which must be given then.
+    dynamic_pressure : float, optional
+        Dynamic pressure [Pa].
+    moment : float, optional
+        Largest bending moment [N m] at a station, of what follows.
+    alpha_moment, deflection_moment : float, optional
+        By how much the angle of attack and the deflection bend there [N m/rad].
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, more bounds than one, and a bound without what it is made of.
+    """
+
+    load: float | None = quantity("angle", None, small_angle("a load", positive))
+    q_alpha: float | None = quantity("pressure angle", None, positive, option=None)
+    dynamic_pressure: float | None = quantity("pressure", None, positive, option=None)
+    moment: float | None = quantity("moment", None, positive, option=None)
+    alpha_moment: float | None = quantity("moment slope", None, nonzero, option=None)
+    deflection_moment: float | None = quantity("moment slope", None, option=None)
+
+    def __post_init__(self) -> None:
+        checked(self)
+        given = [one for one in ("load", "q_alpha", "moment") if getattr(self, one) is not None]
+        if len(given) != 1:
+            raise InputError(
+                "[load] needs one bound: load, q_alpha or moment"
+                f"{'; got ' + ' and '.join(given) if given else ''}"
+            )
+        for bound, needed in (("q_alpha", "dynamic_pressure"), ("moment", "alpha_moment")):
+            if (bound in given) != (getattr(self, needed) is not None):
+                raise InputError(f"[load] needs {bound} and {needed} together")
+        if self.deflection_moment is not None and self.alpha_moment is None:
+            raise InputError("[load] needs alpha_moment beside deflection_moment")
+
+    @property
+    def bound(self) -> float:
+        """The bound as an angle [rad]."""
+        if self.load is not None:
+            return self.load
+        if self.q_alpha is not None and self.dynamic_pressure is not None:
+            return self.q_alpha / self.dynamic_pressure
+        assert self.moment is not None
+        assert self.alpha_moment is not None
+        return self.moment / abs(self.alpha_moment)
+
+    @property
+    def ratio(self) -> float:
+        """M_delta/M_alpha."""
+        return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
+
+    def front(self, case: Case, part: float = 1.0) -> LoadFront:
+        """Return the front of a case, whose stop may leave its plane a part of the limit."""
+        limit, rate = case.nozzle.limit, case.nozzle.rate_limit
+        return load_front(
+            case.plant.rigid,
+            case.history,
+            limit=None if limit is None else limit * part,
+            load=self.bound,
+            rate_limit=np.inf if rate is None else rate,
+            moment_ratio=self.ratio,
+        )
+
+
+LOAD_TABLE = file_table("[load]", LoadBound)
+
+
+@dataclass(frozen=True)
+class FlownLoad(Shown):
+    """The largest load in a law's flight, during the wind and after it.
+
+    Attributes
+    ----------
+    law, status : str
+        The name of the law, and what became of its flight, as of `fly_many`.
+    load, time : float
+        The load [rad], and when [s]; infinite of a flight that is lost.
+    bound : float or None
+        What the structure bears [rad].
+    """
+
+    law: str
+    status: str
+    load: float
+    time: float
+    bound: float | None
+
+    as_dict = keyed("law status load_deg time_s bound_deg enough")
+
+    @classmethod
+    def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
+        """Return the load of a law in the wind of a case, with its nozzle, which has a limit."""
+        limit, most = case.nozzle.limit, None if bound is None else bound.bound
+        assert limit is not None
+        flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
+        if not flight.times.size:
+            return cls(name, flight.status, np.inf, np.nan, most)
+        ratio = 0.0 if bound is None else bound.ratio
+        felt = np.abs(flight.angle_of_attack + ratio * flight.deflection)
+        worst = int(np.argmax(felt))
+        return cls(name, flight.status, float(felt[worst]), float(flight.times[worst]), most)
+
+    @property
+    def enough(self) -> bool:
+        """Whether the law survives within the bound."""
+        return self.status == SURVIVED and (self.bound is None or self.load <= self.bound)
+
+    @property
+    def words(self) -> str:
+        """What becomes of the flight, in words."""
+        fate = f"{self.law} {FATES[self.status]} with this limit"
+        if np.isinf(self.load):
+            return fate
+        felt = f"{fate}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"
+        if self.bound is None:
+            return felt
+        side = "within" if self.load <= self.bound else "NOT within"
+        return f"{felt}, {side} {np.degrees(self.bound):.3f} deg"

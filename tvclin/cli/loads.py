@@ -1,0 +1,106 @@
+"""`tvclin loads`: the nozzle that a load bound takes, and the load in the flights of laws."""
+
+import numpy as np
+import typer
+
+from tvclin.answers.load import FlownLoad
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.loads import load_front
+from tvclin.cli.fly_linear import LinearCase
+from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    Given,
+    Rigid,
+    ShownCurves,
+    Source,
+    asked,
+)
+from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.progress import waiting
+from tvclin.cli.wind import WindOptions
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+
+
+def loads(
+    vehicle: Source = "configuration-i",
+    blows: WindOptions = GROUP,
+    limits: Given = BOTH_LIMITS,
+    bound: Given = Given("answers.load.LoadBound", "load", "load"),
+    law: list[str] | None = asked(
+        "Also fly this law with the limit, and tell its load: autopilot (the gains below), trim,"
+        " dead-band, half-relief or recoverable-attitude. May be given several times.",
+        shown="none is flown",
+    ),
+    samples: Given = SAMPLE_RATE,
+    gains: Given = GAINS,
+    loop: LoopOptions = GROUP,
+    rigid: Rigid = False,
+    motion: Given = MOTION,
+    shown: ShownCurves = GROUP,
+) -> None:
+    """Print the least deflection over the largest angle of attack, or bending moment.
+
+    With --law also the load in the flight of the law, with the limit as a stop.
+
+    Exit code 0: enough, or not asked; 1: not enough, or a law exceeds it; 2: bad input.
+    """
+    from tvclin import plots
+
+    names = [one_of("--law", one, LAWS) for one in law or ()]
+    if not names:
+        for group in (gains, samples):
+            group.only_with("--law")
+        only_with("--law", **vars(loop))
+    elif AUTOPILOT not in names:
+        gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, bound, samples, motion, gains, loop)]
+    case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid)
+    flown = _flown(case, names, blows.name(case))
+    with waiting("angle over load"):
+        given, rate = case.nozzle, case.nozzle.rate_limit
+        front = (
+            case.load.front(case)
+            if case.load is not None
+            else load_front(
+                case.plant.rigid,
+                case.history,
+                limit=given.limit,
+                rate_limit=np.inf if rate is None else rate,
+            )
+        )
+    title = blows.title(case, vehicle)
+    shown.write(
+        lambda: plots.load_curves(front, flown),
+        lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
+    )
+    if shown.as_json:
+        print_json(blows.document(case) | {"front": front, "flown": flown})
+    else:
+        say(title)
+        print_tables(*front.tables())
+        say_notes(list(front.notes))
+        say(f"Verdict: {front.verdict}.")
+        for one in flown:
+            say(f"Flown: {one.words}.")
+    if front.enough is False or not all(one.enough for one in flown):
+        raise typer.Exit(1)
+
+
+def _flown(case: StudyPlan, names: list[str], wind: str) -> list[FlownLoad]:
+    """The loads of laws in a wind with a name."""
+    if not names:
+        note_left_out(case, "loads without --law")
+        return []
+    if case.nozzle.limit is None:
+        raise InputError("--law needs --limit-deg, the stop of the nozzle")
+    with waiting("flying"):
+        return [
+            FlownLoad.of(case, name, LinearCase(case, wind, name, None).control, case.load)
+            for name in names
+        ]
