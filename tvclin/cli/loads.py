@@ -34,8 +34,8 @@ def loads(
     limits: Given = BOTH_LIMITS,
     bound: Given = Given("answers.load.LoadBound", "load", "load"),
     law: list[str] | None = asked(
-        f"Also fly this law with the limit, and tell its load: {listed(LAWS, 'or')}; gains below are"
-        f" of {AUTOPILOT}. May be given several times.",
+        f"Also fly this law with the limit, and tell its load: {listed(LAWS, 'or')}; gains below"
+        f" are of {AUTOPILOT}. May be given several times.",
         shown="none is flown",
     ),
     samples: Given = SAMPLE_RATE,
