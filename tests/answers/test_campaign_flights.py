@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.file import document_of, parse_campaign
+from tvclin.answers.campaign.file import parse_campaign
+from tvclin.answers.campaign.written import read, written
 from tvclin.cli.app import app
 
 LIMIT = np.radians(0.36)
@@ -136,7 +137,7 @@ def test_a_document_keeps_the_flight():
     plan = parse_campaign(TABLES | flown | {"dispersion": rows})
     assert plan.nozzle.rate_limit == np.radians(5.0)
     assert plan.nominal["rate_gain"] == 0.3
-    assert parse_campaign(json.loads(json.dumps(document_of(plan)))) == plan
+    assert read(json.loads(json.dumps(written(plan)))) == plan
 
 
 def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, trimmed):

@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.answers.least_gains import least as search_of
 from tvclin.answers.least_gains.question import MISSES, Question
 from tvclin.answers.least_gains.race import needs, stopped
-from tvclin.answers.search import least
+from tvclin.answers.search import least_points
 from tvclin.control.autopilot.peaks import deflection_peaks
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -259,7 +259,7 @@ def test_the_search_finds_the_corner_of_two_walls():
         lack = np.maximum(0.04 - x * y, 2.0 * x - y)
         return np.where(lack > 0.0, 10.0 + lack, x + y)
 
-    points, _ = least(values, 2, first=64, each=32, rounds=60)
+    points, _ = least_points(values, 2, first=64, each=32, rounds=60)
     assert points[0] == pytest.approx([0.1 * np.sqrt(2.0), 0.2 * np.sqrt(2.0)], abs=1e-4)
 
 

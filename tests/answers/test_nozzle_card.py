@@ -6,7 +6,10 @@ import sympy as sp
 from scipy.integrate import quad
 
 import tvclin as tv
+from tvclin.answers.nozzle_cards.card import card_of
 from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.flights.closed_loop.nozzle import fly_nozzle
 
 PER_DEGREE = 180.0 / np.pi
 BENCH = tv.answers.NozzleData(
@@ -203,3 +206,34 @@ def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     assert card.work.power.value == pytest.approx((moving * turns).max(), **near)
     energy = np.maximum(moving * turns, 0.0).sum() * h
     assert card.work.energy == pytest.approx(energy, **near)
+
+
+QUIET = {"trim": 2.01, "recoverable-attitude": 3.68, "half-relief": 2.16, "autopilot": 4.91}
+LOUD = {"trim": 41.0, "recoverable-attitude": 60.0, "half-relief": 74.0, "autopilot": 5.9}
+
+
+@pytest.mark.parametrize("name", QUIET)
+def test_travel_is_that_of_a_simulation_of_its_own(name):
+    """Over |B alpha_w,max|, in three digits: tau beta = 4, a nozzle of 4 Hz, a law at 100 Hz.
+
+    Simulated apart from this package; with noise to a tenth. Trim there holds the nose to the path.
+    """
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    A, c = np.radians(5.0), plant.coefficients
+    BA, duration = abs(float(c.B)) * A, 4.0 / float(c.pole)
+    wind = tv.TriangularWind(peak=A, duration=duration)
+    limit = BA * (2.0 if name == "autopilot" else 1.2)
+    told = {"deflection_limit": limit, "rate_limit": np.inf, "sample_rate": 100.0, "delay": 0.0}
+    told["actuator"] = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
+    law = tv.TrimLaw(plant) if name == "trim" else tv.control.design_law(name, plant, A)
+    flown = fly_nozzle(plant, law, wind, **told)
+    travel = card_of(Motion.of_flight(flown), limit, 0.5, None, None).travel
+    assert travel / BA == pytest.approx(QUIET[name], rel=5e-3)
+
+    if name == "recoverable-attitude":
+        law = tv.RecoverableAttitudeLaw(plant, design_peak=A, gain=5.0, reach=0.7)
+    noisy = tv.control.WindEstimator(bandwidth=5.0, rate_noise=np.radians(0.1), seed=1)
+    law = tv.control.EstimatedLaw(law, noisy, tv.Plant(c, "fixed-path"))
+    flown = fly_nozzle(plant, law, wind, **told)
+    travel = card_of(Motion.of_flight(flown), limit, 0.5, None, None).travel
+    assert travel / BA == pytest.approx(LOUD[name], rel=0.1)

@@ -240,10 +240,6 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"campaign": {"cases": 5, "model": "drift"}, "study": HEAD | {"model": "drift"}}, "keep"),
         ({"campaign": {"cases": 0}}, "cases must be from 1"),
         ({"wind": WIND | {"shape": "one-minus-cosine"}}, "shape of the wind of a study must be"),
-        (
-            {"wind": {"time_s": [0, 1], "angle_rad": [[0.1, 0]]}},
-            "a study needs a wind of one shape",
-        ),
         ({"question": {"limit_deg": 0.4}}, r"limit_deg stands in \[nozzle\], not in \[question\]"),
         (
             {"size": {"model": "drift"}},

@@ -9,7 +9,7 @@ import pytest
 from mpmath import exp, expm1, mpf, workdps
 
 from tvclin import InputError
-from tvclin.boundary.limit import (
+from tvclin.boundary.closed_forms import (
     rectangular_limit,
     solve_triangular_with_drift,
     triangular_limit,

@@ -8,8 +8,8 @@ from scipy.integrate import quad
 
 import tvclin as tv
 from tvclin import Coefficients, InputError, Plant, SampledWind, TriangularWind
+from tvclin.boundary.closed_forms import rectangular_limit
 from tvclin.boundary.forecast_free import BOUND, EXACT
-from tvclin.boundary.limit import rectangular_limit
 from tvclin.linear.models import MODELS
 
 BETA = 0.53

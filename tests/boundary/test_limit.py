@@ -6,12 +6,12 @@ import pytest
 
 import tvclin
 from tvclin import Coefficients, InputError, Plant, boundary_limit, is_sufficient, survivable_peak
-from tvclin.boundary.limit import (
-    STABLE,
+from tvclin.boundary.closed_forms import (
     rectangular_limit,
     triangular_limit,
     triangular_limit_with_drift,
 )
+from tvclin.boundary.limit import STABLE
 from tvclin.linear.models import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])

@@ -47,6 +47,7 @@ STARTS = {
     "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
     "nozzle": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
     "loads": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
+    "card": [(V, "--from", "70", "--to", "71", "--law", "autopilot", "--limit-deg", "1")],
     "poles": [(V,), (F,)],
     "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
     "laws": [(F,)],
@@ -66,6 +67,8 @@ VALUES = {
     "winds": [SOUNDING],
     "winds_time": ["2024-02-15 12"],
     "window": ["15"],
+    "bias": [SOUNDING.replace("wyoming.txt", "table.csv")],
+    "bias_month": ["2"],
     "wind_direction_deg": ["200"],
     "azimuth_deg": ["77"],
     "dead_band": ["0.4"],
@@ -81,6 +84,8 @@ VALUES = {
     "travel_limit_deg": ["2"],
     "torque_limit": ["100"],
     "power_limit": ["50"],
+    "noise_deg": ["0.02"],
+    "steady": ["0.3"],
     "tau_beta": ["5"],
     "design": ["lqr", "half-relief"],
     "natural_frequency": ["1.7"],
@@ -127,7 +132,7 @@ VALUES = {
     "gravity_offset_m": ["0.1"],
     "reserve": ["0.1"],
 }
-SLOW = ("least", "flown", "disperse", "varying")
+SLOW = ("least", "flown", "disperse", "varying", "laws")
 """Searches, which `test_least` and the tests of flown margins ask for."""
 
 

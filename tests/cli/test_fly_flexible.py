@@ -157,8 +157,8 @@ def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path
 def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     every = tv.answers.standard_laws
     monkeypatch.setattr(
-        "tvclin.answers.trials.standard_laws",
-        lambda plant, peak, _: {"trim": every(plant, peak)["trim"]},
+        "tvclin.cli.laws.standard_laws",
+        lambda plant, peak, *_: {"trim": every(plant, peak)["trim"]},
     )
     asked = ("laws", mine, "--wind", "triangle", *NOTCH, "--delay-ms", "10", "--json")
     document = json.loads(CliRunner().invoke(app, list(asked)).stdout)

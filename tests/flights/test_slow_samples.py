@@ -108,9 +108,10 @@ def test_substeps_are_the_root_of_the_step_they_make_together():
     """So a part without a limit may go by as one exact product."""
     actuator = tv.Actuator(natural_frequency=50.0)
     f = flights(one_flight(PLANT, LAW, WIND, 1.0, np.inf, actuator, 0.1, 0.023))
-    assert f.substeps.tolist() == [[31, 10]]
-    for part, count in enumerate(f.substeps[0]):
-        whole, fine = (np.vstack([J[0, part, :, :5], np.eye(5)[4:]]) for J in (f.joint, f.fine))
+    assert f.steps.substeps.tolist() == [[31, 10]]
+    for part, count in enumerate(f.steps.substeps[0]):
+        every = (f.steps.joint, f.steps.fine)
+        whole, fine = (np.vstack([J[0, part, :, :5], np.eye(5)[4:]]) for J in every)
         power = np.linalg.matrix_power(fine, count)
         np.testing.assert_allclose(power, whole, rtol=0, atol=1e-12 * np.abs(whole).max())
 

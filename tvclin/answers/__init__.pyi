@@ -29,7 +29,7 @@ from .nozzle import Nozzle as Nozzle
 from .nozzle import NozzleData as NozzleData
 from .nozzle_cards.card import NozzleCard as NozzleCard
 from .nozzle_cards.card import nozzle_card as nozzle_card
-from .nozzle_cards.whole import FlightCard as FlightCard
+from .nozzle_cards.record import FlightCard as FlightCard
 from .nozzle_cards.whole import flight_card as flight_card
 from .requirement import RequiredDeflection as RequiredDeflection
 from .requirement import is_sufficient as is_sufficient

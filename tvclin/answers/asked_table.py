@@ -6,13 +6,15 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Measure, Question, questions
-from tvclin.base.lines import Line, Table, least, number
+from tvclin.base.lines import Line, Table, least, number, significant
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.record import margin
 
 HEAD = ("question", "enough?", "needed", "there", "left", "why")
-_SUFFIXES = {"deg/s": "deg_per_s", "%": "percent"}
+_SUFFIXES = {"%": "percent"}
 """Units in the names of numbers."""
+_ROUNDED = ("deg", "deg/s", "%", "dB", "ms", "")
+"""Units of which the digits behind the point are given; of others four digits count."""
 _TOLD = "not judged"
 _FEW = 3
 """So many changes are named that do not meet what is asked."""
@@ -42,8 +44,11 @@ def _row(one: Question, answer: str) -> tuple[Line, ...]:
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
     value, unit = getattr(measure, name), measure.unit
-    suffix = _SUFFIXES.get(unit, unit)
-    line = number(f"{key}{'_' * bool(suffix)}{suffix}", value, measure.digits, unit)
+    suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
+    key += f"_{suffix}" if suffix else ""
+    if unit not in _ROUNDED:
+        return significant(key, value, unit=unit)
+    line = number(key, value, measure.digits, unit)
     return least(line) if name == "needed" and unit == "deg" else line
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
-    from tvclin.answers.nozzle_cards.whole import FlightCard
+    from tvclin.answers.nozzle_cards.record import FlightCard
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial

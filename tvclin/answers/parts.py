@@ -24,7 +24,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "head wind": ("--peak-deg", "--peak-speed", "--sign"),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
-    "measured wind": ("--winds", "--winds-time", "--window"),
+    "measured wind": ("--winds", "--winds-time", "--window", "--bias", "--bias-month"),
     "actuator": ("--actuator-frequency", "--actuator-hz", "--actuator-damping"),
     "rate limit": ("--rate-limit-deg",),
     "delay": ("--delay-ms",),

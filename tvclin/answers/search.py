@@ -21,7 +21,7 @@ _NEAR = 0.1
 """The first pool around points that are given, over the box."""
 
 
-def least(
+def least_points(
     values: Values,
     axes: int,
     *,

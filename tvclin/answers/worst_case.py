@@ -11,7 +11,7 @@ import numpy as np
 
 from tvclin.answers.campaign.dispersions import KINDS, MODES, WIND
 from tvclin.answers.requirement import required_deflection
-from tvclin.answers.search import least
+from tvclin.answers.search import least_points
 from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
@@ -315,7 +315,7 @@ class _Case:
         best = int(np.argmin(edges))
         point, worst, corner = corners[best], float(edges[best]), True
         if not proved and np.isfinite(worst):
-            points, found = least(
+            points, found = least_points(
                 lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
                 len(self.names),
                 first=_INSIDE,

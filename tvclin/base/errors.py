@@ -111,16 +111,22 @@ def finite(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Return `value` as a float array, whatever its numbers; `InputError` if it is none."""
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind in "bcOSUmMV":
-            raise TypeError
-        array = np.array(array, dtype=float)
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        raise InputError(f"{name} must be a number{_in(unit)}; got {shown(value)}") from None
+    array = array_of(name, value, "iuf", f"a number in {unit}" if unit else "a number")
     if array.ndim > MOST_AXES:
         raise InputError(f"{name} must have at most {MOST_AXES} axes; got {array.ndim}")
+    array = np.array(array, dtype=float)
     array.flags.writeable = False
+    return array
+
+
+def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
+    """Return `value` as an array of one of numpy's kinds; `InputError` by the rule for all else."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in kinds:
+            raise TypeError
+    except Exception:  # whatever a stranger's conversion to an array may raise
+        raise InputError(f"{name} must be {rule}; got {shown(value)}") from None
     return array
 
 
@@ -361,10 +367,6 @@ def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str
     place = f" at index {index}" if where else ""
     unit = f" {unit}" if unit else ""
     raise InputError(f"{name} must be {rule}; got {array[where]:.6g}{unit}{place}")
-
-
-def _in(unit: str) -> str:
-    return f" in {unit}" if unit else ""
 
 
 def shown(value: object) -> str:

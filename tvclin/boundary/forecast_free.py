@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
@@ -157,9 +156,8 @@ def forecast_free_limit(
     real = np.imag(fast) == 0.0
     stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
     pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
-    strength = np.where(
-        real, np.abs(wind_strength(plant, pole) / _column(plant.coefficients.B)), np.nan
-    )
+    B = np.asarray(plant.coefficients.B)[..., np.newaxis]
+    strength = np.where(real, np.abs(wind_strength(plant, pole) / B), np.nan)
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
@@ -172,13 +170,8 @@ def forecast_free_limit(
     winds, which = rows((wind * (1.0 / peak)).pieces, shape)
     found = np.empty((which.size, 3))
     knots = which.size * winds[0].shape[-1]
-    run(
-        largest_futures,
-        (winds, which, pole.flatten(), found),
-        which.size,
-        _SECONDS * knots,
-        _COMPILED_SECONDS * knots,
-    )
+    work = (winds, which, pole.flatten(), found)
+    run(largest_futures, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
     foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)
@@ -194,7 +187,3 @@ def forecast_free_limit(
         plain(strength * foresight),
         plain(np.asarray(when)),
     )
-
-
-def _column(values: Any) -> FloatArray:
-    return np.asarray(values)[..., np.newaxis]

@@ -27,33 +27,15 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
 from tvclin.base.lines import Line, Table, number, significant
 from tvclin.boundary.after_trim import least_after_trim
-from tvclin.boundary.closed_forms import (
-    TriangularLimit,
-    rectangular_limit,
-    solve_triangular_with_drift,
-    triangular_limit,
-    triangular_limit_with_drift,
-)
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.switching import Problem
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.winds.checks import check_end
 from tvclin.winds.equivalent import equivalent_triangle
 from tvclin.winds.histories import History
-
-__all__ = [
-    "BoundaryLimit",
-    "TriangularLimit",
-    "boundary_limit",
-    "rectangular_limit",
-    "solve_triangular_with_drift",
-    "triangle_error",
-    "triangular_limit",
-    "triangular_limit_with_drift",
-]
-
 
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
@@ -327,7 +309,4 @@ def _check_wind(wind: History) -> None:
             "wind must not change its sign for a boundary limit; got values from"
             f" {low.min():.6g} to {high.max():.6g} rad"
         )
-    if np.any(np.isneginf(wind.end)):
-        raise InputError("wind must differ from zero; got a history that is zero throughout")
-    if np.any(np.isposinf(wind.end)):
-        raise InputError("wind must end: the last piece of its history must be zero")
+    check_end(wind)

@@ -19,6 +19,7 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import (
     MOST_AXES,
     InputError,
+    array_of,
     between,
     directions,
     number,
@@ -44,18 +45,11 @@ _SMALL, _LARGE = 1e-6, 1e6
 
 def vectors(name: str, value: ArrayLike) -> Vectors:
     """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "iufc" or array.ndim > MOST_AXES:
-            raise TypeError
-        array = array.astype(complex)
-        good = bool(np.all(np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST))
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        good = False
-    if not good:
-        raise InputError(
-            f"{name} must be numbers up to {_LARGEST:g} in size, pitch + 1j*yaw; got {shown(value)}"
-        )
+    rule = f"numbers up to {_LARGEST:g} in size, pitch + 1j*yaw"
+    array = array_of(name, value, "iufc", rule).astype(complex)
+    good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST
+    if array.ndim > MOST_AXES or not np.all(good):
+        raise InputError(f"{name} must be {rule}; got {shown(value)}")
     return array
 
 

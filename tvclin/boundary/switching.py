@@ -109,10 +109,5 @@ class Problem:
 
     def _run(self, function: Any, winds: Any, which: IndexArray, *arrays: Any) -> None:
         knots = winds[0].shape[-1] * which.size
-        run(
-            function,
-            (winds, which, *arrays),
-            which.size,
-            _SECONDS * knots,
-            _COMPILED_SECONDS * knots,
-        )
+        work = (winds, which, *arrays)
+        run(function, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)

@@ -41,7 +41,7 @@ def nozzle(
     ),
     laws: bool = switch(
         "--laws",
-        "Also fly every law, of a study file those in its table laws, at each rate limit, for the limit"
+        "Also fly every law, of a study file those of its laws, at each rate limit, for the limit"
         " that it needs; it takes about a minute.",
     ),
     samples: Given = SAMPLE_RATE,

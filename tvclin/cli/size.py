@@ -37,7 +37,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import ShapedOptions, azimuth_of
+from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.read import read_sounding
 
@@ -51,7 +51,7 @@ SOURCE = (
 
 
 @dataclass(frozen=True)
-class FlightOptions(ShapedOptions):
+class FlightOptions(BiasOptions, ShapedOptions):
     """A pulse whose peak meets each flight time, and soundings."""
 
     winds: list[Path] | None = asked(
@@ -71,6 +71,8 @@ class FlightOptions(ShapedOptions):
                 " --winds, or give --wind-direction-deg"
             )
         azimuth = azimuth_of(degrees) if files else 0.0
+        if not files:
+            only_with("a sounding, --winds", bias=self.bias, bias_month=self.bias_month)
         if len(times) not in (0, len(files)):
             raise InputError(
                 "--winds-time must be given once for each --winds; got"
@@ -84,7 +86,7 @@ class FlightOptions(ShapedOptions):
                 name = str(file)
             if name in found:
                 raise InputError(f"--winds gives {name} twice")
-            found[name] = SoundingAsked(read_sounding(file, time=time), azimuth)
+            found[name] = SoundingAsked(self.unbiased(read_sounding(file, time=time)), azimuth)
         return found
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:

@@ -114,7 +114,34 @@ class ShapedOptions(PulseOptions):
 
 
 @dataclass(frozen=True)
-class BlowingOptions(PulseOptions):
+class BiasOptions(PulseOptions):
+    """A mean wind that a biased flight path takes out of soundings."""
+
+    bias: Path | None = asked(
+        "Take a wind out of the soundings, for which the flight path is biased: a sounding, as"
+        " yesterday's, or the mean of a station file.",
+        metavar="FILE",
+    )
+    bias_month: int | None = asked("The month whose mean it is, from 1 to 12.", shown="all")
+
+    def unbiased(self, profile: "WindProfile") -> "WindProfile":
+        """Return what is left of a wind."""
+        from tvclin.winds.soundings.igra_archive import is_station
+        from tvclin.winds.soundings.read import read_sounding
+        from tvclin.winds.soundings.read_soundings import read_soundings
+
+        if self.bias is None:
+            only_with("--bias", bias_month=self.bias_month)
+            return profile
+        if is_station(self.bias):
+            months = None if self.bias_month is None else [self.bias_month]
+            return profile - read_soundings(self.bias, months=months).mean()
+        only_with("--bias, the file of a station", bias_month=self.bias_month)
+        return profile - read_sounding(self.bias)
+
+
+@dataclass(frozen=True)
+class BlowingOptions(BiasOptions):
     """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
 
     winds: Path | None = asked(
@@ -134,7 +161,8 @@ class BlowingOptions(PulseOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
         if self.winds is None:
-            only_with("a sounding, --winds", window=self.window, winds_time=self.winds_time)
+            own = ("window", "winds_time", "bias", "bias_month")
+            only_with("a sounding, --winds", **{name: getattr(self, name) for name in own})
             return super().over(plan, source)
         met = self.sounding(plan, source)
         return replace(plan, wind=met.shift(-float(met.onset)))
@@ -204,7 +232,7 @@ class BlowingOptions(PulseOptions):
 
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
-            noted_sounding(self.winds, self.winds_time),
+            self.unbiased(noted_sounding(self.winds, self.winds_time)),
             load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
             azimuth=azimuth,
             plane=plan.plane,

@@ -51,7 +51,8 @@ def triangular_with_drift(
     for _ in range(100):
         x = K * z
         left = _left_side(z, K, kappa, K1, rho, L)
-        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
+        bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0
+        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * bend)
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         new = z - left / slope
         new = np.where((new >= low) & (new <= high), new, (low + high) / 2.0)
@@ -91,8 +92,3 @@ def _minus_log_R(p: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore"):
         short = -np.log1p(-(np.expm1(-p) ** 2))
     return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
-
-
-def _psi_slope(x: FloatArray) -> FloatArray:
-    """(1 - e^(-x))/x, the derivative of x^2 psi(x) over x."""
-    return np.asarray(moments(x, 0)[..., 0])

@@ -15,12 +15,11 @@ from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import (
-    COLOURS,
+    ANGLES,
     INK,
-    LINES,
+    QUANTITIES,
     WARM,
     Look,
-    Style,
     control_plot,
     draw,
     fine_grid,
@@ -47,14 +46,7 @@ _ORDINATES = {
     "deflection": "deflection [deg]",
     "wind": "wind angle of attack [deg]",
 }
-_STYLES: dict[str, Style] = {
-    "attitude": {"color": INK, "ls": "-", "lw": 2.0},
-    "flight_path_angle": {"color": COLOURS[1], "ls": LINES[3], "lw": 1.8},
-    "angle_of_attack": {"color": COLOURS[4], "ls": "-.", "lw": 1.8},
-    "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
-    _TRIM: {"color": INK, "ls": "--", "lw": 1.4},
-    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
-}
+_STYLES = QUANTITIES | {_TRIM: {"color": INK, "ls": "--", "lw": 1.4}}
 _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
 _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
 
@@ -169,7 +161,7 @@ def _wind_curves(
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
     trim = np.full(times.size, -float(plant.coefficients.B) * peak)
-    angles = [name for name in _STYLES if name in rows and name != "deflection"]
+    angles = [name for name in ANGLES if name in rows]
     columns = [
         *(Column(name, rows[name], "deg", "angles") for name in angles),
         Column("deflection", rows["deflection"], "deg", "deflection"),

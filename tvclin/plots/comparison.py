@@ -8,7 +8,18 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, draw
+from tvclin.plots.style import (
+    ANGLES,
+    COLOURS,
+    INK,
+    LINES,
+    QUANTITIES,
+    WARM,
+    Look,
+    Style,
+    called,
+    draw,
+)
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -22,10 +33,7 @@ _STYLES: dict[str, Style] = {
     "boundary K = 0.5": {"color": COLOURS[1], "ls": "-.", "lw": 1.4},
     "boundary K = 0": {"color": COLOURS[2], "ls": (0, (3, 2)), "lw": 1.4},
     _MINIMUM: {"color": COLOURS[4], "ls": ":", "lw": 2.0},
-    "attitude": {"color": INK, "ls": "-", "lw": 1.8},
-    "angle_of_attack": {"color": COLOURS[4], "ls": "-.", "lw": 1.8},
-    "flight_path_angle": {"color": COLOURS[1], "ls": LINES[3], "lw": 1.8},
-    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+    **QUANTITIES,
 }
 _ORDINATES = {"deflection": "deflection [deg]", "angles": "angles [deg]"}
 
@@ -65,7 +73,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
             for name, limit in levels.items()
             if np.isfinite(limit)
         ),
-        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in _STYLES),
+        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in ANGLES),
         Column("wind", wind, "deg", "angles"),
     ]
     peak = float(np.degrees(c.wind.peak))

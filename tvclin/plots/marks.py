@@ -3,7 +3,7 @@
 The numbers are put where they hide neither a curve nor each other.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +50,11 @@ class Mark:
 def numbered(mark: Mark, told: bool) -> Mark:
     """Return the mark with its number, or without it."""
     return mark if told else replace(mark, text="")
+
+
+def named_once(marks: Iterable[Mark]) -> list[Mark]:
+    """Return marks of one kind, of which the first alone has its entry in the legend."""
+    return [replace(mark, name="") if k else mark for k, mark in enumerate(marks)]
 
 
 def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:

@@ -128,6 +128,7 @@ def _reach(samples: LoopSamples) -> float:
 
 def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
     """Show the surroundings of -1: the unit circle, and the disk that the loop stays out of."""
+    from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
 
     dots = {"fc": "none", "ec": "0.35", "ls": ":", "lw": 1.2, "zorder": 1.5}
@@ -138,17 +139,11 @@ def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
         middle, radius = -0.5 * sum(ends), 0.5 * (ends[0] - ends[1])
         label = f"disk margin {alpha:.2f}"
         style = {"ec": WARM, "ls": "--", "lw": 1.6, "zorder": 1.2}
-        axes.add_patch(Circle((middle, 0.0), radius, label=label, fc=(*_warm(), 0.1), **style))
+        axes.add_patch(Circle((middle, 0.0), radius, label=label, fc=to_rgba(WARM, 0.1), **style))
     far = [-mark.x for mark in marks if np.isfinite(mark.x) and mark.x > -4.0]
     left = max([2.2, *(1.2 * x for x in far)])
     axes.set_xlim(-left, 1.2)
     axes.set_ylim(-0.5 * (left + 1.2), 0.5 * (left + 1.2))
-
-
-def _warm() -> tuple[float, float, float]:
-    from matplotlib.colors import to_rgb
-
-    return to_rgb(WARM)
 
 
 def _nyquist_curves(found: Any, samples: LoopSamples) -> Curves:

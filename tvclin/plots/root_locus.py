@@ -18,7 +18,7 @@ from tvclin.plots.curves import Column, Curves
 from tvclin.plots.locus import LocusPoles
 from tvclin.plots.loop_marks import MODE, margin_marks
 from tvclin.plots.loop_samples import LoopSamples, corner_frequencies, sampled, title
-from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
+from tvclin.plots.marks import Mark, draw_marks, named_once, numbered, write_numbers
 from tvclin.plots.style import COLOURS, INK, WARM, control_plot, fine_grid
 
 if TYPE_CHECKING:
@@ -72,7 +72,14 @@ def root_locus_chart(
     size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))
     figure, placed = plt.subplot_mosaic(rows, figsize=size, layout="constrained")
     panels = np.array([[placed[k] for k in range(count)]])
-    marks = [*_pole_marks(poles), *_axis_marks(samples), *_end_marks(branches, factors, radii[0])]
+    # the branches end that do not end at a zero or out of the frame
+    ends = branches[-1][np.abs(branches[-1]) < radii[0]]
+    ended = f"end of the locus (factor {factors[-1]:.3g})"
+    marks = [
+        *named_once(map(_pole_mark, poles[np.argsort(-poles.imag)])),
+        *_axis_marks(samples),
+        *named_once(Mark(end.real, end.imag, "", "|", ended, INK) for end in ends),
+    ]
     lines: list[Any] = []
     for axes in panels[0]:
         lines += _draw_locus(axes, locus, _within(branches, samples.loop))
@@ -87,7 +94,10 @@ def root_locus_chart(
         _frame_modes(panels[0, -1], samples)
         plain = [numbered(mark, False) for mark in marks]
         shown[0] = plain if len(radii) > 1 else marks
-        shown.append([*plain, *_mode_marks(samples)])
+        poles_of_modes = ((complex(mode.pole), mode.name) for mode in samples.modes)
+        begun = "modes in the vehicle (factor 0)"
+        named = (Mark(p.real, p.imag, one, MODE[0], begun, MODE[1]) for p, one in poles_of_modes)
+        shown.append([*plain, *named_once(named)])
     for axes, drawn in zip(panels[0], shown, strict=True):
         lines += draw_marks(axes, drawn)
     name = "Root locus of the loop gain"
@@ -144,15 +154,11 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     return [whole, near] if near < 0.35 * whole else [whole]
 
 
-def _pole_marks(poles: AnyArray) -> list[Mark]:
-    """The closed-loop poles, with a number beside one of each pair."""
-    name, marks = "closed-loop poles (factor 1)", []
-    for pole in poles[np.argsort(-poles.imag)]:
-        text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} ± {pole.imag:.3g}j"
-        text = text if pole.imag >= 0.0 else ""
-        marks.append(Mark(pole.real, pole.imag, text, "D", name, COLOURS[1]))
-        name = ""
-    return marks
+def _pole_mark(pole: complex) -> Mark:
+    """A closed-loop pole, with a number beside one of each pair."""
+    text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} ± {pole.imag:.3g}j"
+    text = text if pole.imag >= 0.0 else ""
+    return Mark(pole.real, pole.imag, text, "D", "closed-loop poles (factor 1)", COLOURS[1])
 
 
 def _axis_marks(samples: LoopSamples) -> list[Mark]:
@@ -166,26 +172,6 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
         if mark.y > 0.0:
             found.append(replace(mark, y=-mark.y, text="", name=""))
     return found
-
-
-def _end_marks(branches: AnyArray, factors: FloatArray, radius: float) -> list[Mark]:
-    """Where the branches end that do not end at a zero or out of the frame: at the last factor."""
-    name, marks = f"end of the locus (factor {factors[-1]:.3g})", []
-    for end in branches[-1][np.abs(branches[-1]) < radius]:
-        marks.append(Mark(float(end.real), float(end.imag), "", "|", name, INK))
-        name = ""
-    return marks
-
-
-def _mode_marks(samples: LoopSamples) -> list[Mark]:
-    """The poles of the modes in the vehicle, from which they set out, by name."""
-    shape, colour = MODE
-    marks, name = [], "modes in the vehicle (factor 0)"
-    for mode in samples.modes:
-        pole = complex(mode.pole)
-        marks.append(Mark(pole.real, pole.imag, mode.name, shape, name, colour))
-        name = ""
-    return marks
 
 
 def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:

@@ -7,7 +7,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves, without_rounding
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.plots.style import INK, QUANTITIES, Look, Style, draw
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -26,15 +26,7 @@ _PANELS = {"attitude_rate": "rate", "deflection": "deflection", "wind": "wind"}
 """What is no angle of the vehicle, and its panel."""
 _LEVEL: Style = {"color": INK, "ls": "--", "lw": 1.2}
 LIMITS = {"upper limit": _LEVEL, "lower limit": _LEVEL}
-_STYLES: dict[str, Style] = {
-    "attitude": {"color": INK, "ls": "-", "lw": 2.0},
-    "flight_path_angle": {"color": COLOURS[1], "ls": "--", "lw": 1.8},
-    "angle_of_attack": {"color": COLOURS[4], "ls": "-.", "lw": 1.8},
-    "attitude_rate": {"color": INK, "ls": LINES[3], "lw": 1.8},
-    "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
-    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
-    **LIMITS,
-}
+_STYLES = QUANTITIES | LIMITS
 
 
 def response_curves(

@@ -27,6 +27,16 @@ LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), ":")
 MARKS = ("o", "s", "^", "D")
 
 Style = dict[str, Any]
+QUANTITIES: dict[str, Style] = {
+    "attitude": {"color": INK, "ls": "-", "lw": 2.0},
+    "flight_path_angle": {"color": COLOURS[1], "ls": LINES[3], "lw": 1.8},
+    "angle_of_attack": {"color": COLOURS[4], "ls": "-.", "lw": 1.8},
+    "attitude_rate": {"color": INK, "ls": LINES[3], "lw": 1.8},
+    "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
+    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+}
+"""How what varies over time is drawn in every figure."""
+ANGLES = ("attitude", "flight_path_angle", "angle_of_attack")
 
 _SYMBOLS = {
     "tau*beta": r"$\tau\beta$",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import InputError, between, broadcast, finite, nonzero, shown, within
+from tvclin.base.errors import InputError, array_of, between, broadcast, finite, nonzero, within
 from tvclin.base.lines import Line, significant
 from tvclin.kernels import polynomials
 
@@ -173,7 +173,9 @@ class Filter(Carded):
 
         `InputError` for what is no number, and for numbers beyond 1e12 1/s.
         """
-        at = _complex("s", s)
+        at = array_of("s", s, "iufc", "a complex number in 1/s").astype(complex)
+        for part in (at.real, at.imag):
+            within("s", part, -_FURTHEST, _FURTHEST, "1/s")
         above, below = (
             polynomials.value(p, at.ravel()) for p in (self.numerator, self.denominator)
         )
@@ -235,16 +237,3 @@ def _roots(name: str, roots: AnyArray) -> Line:
 
 def _rows(*coefficients: Any) -> FloatArray:
     return np.stack(np.broadcast_arrays(*coefficients), axis=-1)
-
-
-def _complex(name: str, value: ArrayLike) -> ComplexArray:
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "iufc":
-            raise TypeError
-        array = array.astype(complex)
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        raise InputError(f"{name} must be a complex number in 1/s; got {shown(value)}") from None
-    for part in (array.real, array.imag):
-        within(name, part, -_FURTHEST, _FURTHEST, "1/s")
-    return array

@@ -25,7 +25,6 @@ from tvclin.base.errors import (
     instance,
     plain,
     shown,
-    within,
 )
 from tvclin.vehicle.filters import Filter
 
@@ -36,10 +35,18 @@ _LARGEST = 1e12
 _size = between(1.0 / _LARGEST, _LARGEST)
 _any = between(-_LARGEST, _LARGEST)
 _damping = between(0.0, 1e3)
+_inertia = between(0.0, _LARGEST**2)
+
+
+class _Batched:
+    @cached_property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one."""
+        return broadcast(**dict(_shapes(self, "")))
 
 
 @dataclass(frozen=True, kw_only=True)
-class BendingMode:
+class BendingMode(_Batched):
     """A free-free bending mode of the whole vehicle, or a batch of them.
 
     Displacements and slopes belong together with the modal mass: all displacements and slopes times
@@ -88,16 +95,11 @@ class BendingMode:
                 raise InputError(f"{name} must be a tuple, one for each tank; got {shown(given)}")
             values = tuple(plain(_any(f"{name}[{k}]", one, unit)) for k, one in enumerate(given))
             object.__setattr__(self, name, values)
-        _batch(self)
-
-    @property
-    def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one mode."""
-        return _batch(self)
+        _ = self.batch  # refuses shapes that do not broadcast
 
 
 @dataclass(frozen=True, kw_only=True)
-class SloshTank:
+class SloshTank(_Batched):
     """The liquid of one tank that sloshes, as a pendulum or as a sliding mass, or a batch of them.
 
     Parameters
@@ -131,16 +133,11 @@ class SloshTank:
             raise InputError("a slosh tank needs a pendulum_length or a frequency, and not both")
         unknown = "frequency" if self.frequency is None else "pendulum_length"
         _keep(self, tuple(check for check in _OF_SLOSH if check[0] != unknown))
-        _batch(self)
-
-    @property
-    def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one tank."""
-        return _batch(self)
+        _ = self.batch  # refuses shapes that do not broadcast
 
 
 @dataclass(frozen=True, kw_only=True)
-class Engine:
+class Engine(_Batched):
     """The part of an engine that turns about its gimbal, or a batch of them.
 
     Parameters
@@ -165,14 +162,9 @@ class Engine:
 
     def __post_init__(self) -> None:
         _keep(self, _OF_ENGINES)
-        _batch(self)
+        _ = self.batch  # refuses shapes that do not broadcast
         if np.any(np.asarray(self.inertia_about_gimbal) == 0.0):
             raise InputError("an engine needs an arm or a moment_of_inertia other than zero")
-
-    @property
-    def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one engine."""
-        return _batch(self)
 
     @property
     def static_moment(self) -> Number:
@@ -186,7 +178,7 @@ class Engine:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Structure:
+class Structure(_Batched):
     """All that a flexible vehicle adds to the rigid one, or a batch of it.
 
     Parameters
@@ -233,7 +225,7 @@ class Structure:
                         f"{name} of bending mode {k} must be one for each of {len(self.slosh)}"
                         f" tanks, or none; got {len(getattr(mode, name))}"
                     )
-        _batch(self)
+        _ = self.batch  # refuses shapes that do not broadcast
 
     def _repr_html_(self) -> str:
         rows: list[Row] = []
@@ -251,11 +243,6 @@ class Structure:
         """Whether nothing bends, sloshes or swings, and no sensor lags."""
         parts = (self.engine, self.attitude_sensor, self.rate_gyro)
         return not (self.bending or self.slosh) and all(part is None for part in parts)
-
-    @cached_property
-    def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one structure."""
-        return _batch(self)
 
 
 def chosen(value: Any, cases: IndexArray, shape: tuple[int, ...]) -> Any:
@@ -284,10 +271,6 @@ def _keep(value: Any, checks: tuple[tuple[str, Check, str], ...]) -> None:
         object.__setattr__(value, name, plain(array))
 
 
-def _batch(value: Any) -> tuple[int, ...]:
-    return broadcast(**dict(_shapes(value, "")))
-
-
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
     """Yield the shapes of all numbers in a value, each by the words that lead to it."""
     if isinstance(value, Filter):
@@ -300,10 +283,6 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
             yield from _shapes(one, f"{name} {k}")
     else:
         yield name, np.shape(value)
-
-
-def _inertia(name: str, value: Any, unit: str) -> FloatArray:
-    return within(name, value, 0.0, _LARGEST**2, unit)
 
 
 _OF_BENDING = (

@@ -47,6 +47,14 @@ def checked_part(name: str, value: ArrayLike) -> FloatArray:
     return value
 
 
+def check_end(wind: History) -> None:
+    """Raise `InputError` for a wind that is zero throughout, or never ends."""
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    if np.any(np.isposinf(wind.end)):
+        raise InputError("wind must end: the last piece of its history must be zero")
+
+
 def keep(wind: History, **checked: FloatArray) -> None:
     """Keep the checked fields of a frozen wind, all in the shape of its batch.
 

@@ -39,7 +39,6 @@ GUST_TABLE = FileTable(
 _ANY_PEAK = 0.01
 """Of a gust whose speed says its peak [rad]."""
 _FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
-_SAMPLES_TABLE = FileTable("[wind]", words=("time_s", "angle_rad"))
 
 
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
@@ -72,9 +71,6 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
         factor = angles[one_of("unit in [wind]", given.get("unit", "deg"), angles)]
         time, angle = _read_winds(folder / str(given["file"]))
         return WindEnsemble(time, angle * factor)
-    if "angle_rad" in table:
-        given = _SAMPLES_TABLE.read(table)
-        return WindEnsemble(np.array(given.get("time_s")), np.array(given["angle_rad"]))
     given = {"shape": "triangular"} | WIND_TABLE.read(table)
     if "unit" in given:
         raise InputError("unit in [wind] stands without the file that it is of")

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import InputError, finite, real, shown, whole_number
+from tvclin.base.errors import InputError, array_of, finite, real, shown, whole_number
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
@@ -372,14 +372,10 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
 
 
 def _laplace_variable(s: ArrayLike) -> AnyArray:
-    try:
-        array = np.asarray(s)
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        array = np.asarray(None)
-    if array.dtype.kind not in "iufc" or not np.all(np.abs(array) <= _FASTEST):
-        raise InputError(
-            f"s must be numbers up to {_FASTEST:g} in size, real or complex; got {shown(s)}"
-        )
+    rule = f"numbers up to {_FASTEST:g} in size, real or complex"
+    array = array_of("s", s, "iufc", rule)
+    if not np.all(np.abs(array) <= _FASTEST):
+        raise InputError(f"s must be {rule}; got {shown(s)}")
     return array.astype(complex if array.dtype.kind == "c" else float)
 
 

@@ -227,14 +227,10 @@ DISPERSION_TABLE = FileTable(
 CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"))
 
 
-def spread_table(parameter: Any, recorded: bool = False) -> FileTable:
-    """Return the keys of the dispersion of a parameter; recorded spreads are in SI, without unit.
-
-    `InputError` for what cannot be dispersed.
-    """
+def spread_table(parameter: Any) -> FileTable:
+    """Return the keys of the dispersion of a parameter; `InputError` where there is none."""
     name = known_parameter("parameter in [[dispersion]]", parameter)
-    kind = "number" if recorded else KINDS.get(name, "number")
-    kinds = DISPERSION_TABLE.quantities | {"spread": kind}
+    kinds = DISPERSION_TABLE.quantities | {"spread": KINDS.get(name, "number")}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
 
 

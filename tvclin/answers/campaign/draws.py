@@ -41,38 +41,23 @@ def draw(
         return np.zeros((count, dimension))
     if method == "latin" and first + count > size:
         raise InputError(f"a Latin hypercube of {size} cases has no case {first + count - 1}")
-    numbers = {"plain": _plain, "sobol": _sobol, "latin": _latin}[method](
-        seed, first, count, dimension, size
-    )
+    if method == "plain":
+        begin, end = first // _BLOCK, -(-(first + count) // _BLOCK)
+        seeds = (np.random.SeedSequence(seed, spawn_key=(block,)) for block in range(begin, end))
+        blocks = [
+            np.random.Generator(np.random.Philox(one)).random((_BLOCK, dimension)) for one in seeds
+        ]
+        numbers = np.concatenate(blocks)[first - begin * _BLOCK :][:count]
+    else:
+        from scipy.stats import qmc  # late: it takes half a second to import
+
+        random = np.random.default_rng(seed)
+        if method == "latin":
+            numbers = qmc.LatinHypercube(dimension, rng=random).random(size)[first:][:count]
+        else:
+            sequence = qmc.Sobol(dimension, scramble=True, rng=random)
+            if first:
+                sequence.fast_forward(first)
+            total = 1 << max(count - 1, 0).bit_length()  # scipy warns of other sizes
+            numbers = sequence.random(total)[:count]
     return np.clip(numbers, _INSIDE, 1.0 - 2.0**-53)
-
-
-def _plain(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
-    del size
-    begin, end = first // _BLOCK, (first + count - 1) // _BLOCK
-    blocks = [
-        np.random.Generator(
-            np.random.Philox(np.random.SeedSequence(seed, spawn_key=(block,)))
-        ).random((_BLOCK, dimension))
-        for block in range(begin, end + 1)
-    ]
-    offset = first - begin * _BLOCK
-    return np.concatenate(blocks)[offset : offset + count]
-
-
-def _sobol(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
-    from scipy.stats import qmc  # late: it takes half a second to import
-
-    del size
-    sequence = qmc.Sobol(dimension, scramble=True, rng=np.random.default_rng(seed))
-    if first:
-        sequence.fast_forward(first)
-    total = 1 << max(count - 1, 0).bit_length()  # scipy warns of other sizes
-    return np.asarray(sequence.random(total)[:count])
-
-
-def _latin(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
-    from scipy.stats import qmc  # late: it takes half a second to import
-
-    sequence = qmc.LatinHypercube(dimension, rng=np.random.default_rng(seed))
-    return np.asarray(sequence.random(size)[first : first + count])

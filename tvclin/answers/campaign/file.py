@@ -1,4 +1,4 @@
-"""Campaign files: TOML in, a `Campaign` out, and back into the document that a manifest keeps."""
+"""Campaign files: TOML in, a `Campaign` out."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
-from tvclin.answers.campaign.structures import gust_record, record_of, recorded_gust
 from tvclin.answers.campaign.tables import (
     design_of,
     dispersions_of,
@@ -24,9 +22,8 @@ from tvclin.base.errors import InputError, naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.winds.file import winds_of, with_gust
-from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.shaped import ShapedWind
 
-_DRAWN = ("cases", "seed", "method", "chunk")
 _FIELDS = {"names": "outputs"}
 """Fields of `Campaign` of another name than their keys."""
 
@@ -70,10 +67,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
-    if kept := recorded_gust(document):
-        wind = replace(wind, **kept)
-    else:
-        wind = with_gust(document, wind, vehicle, plane)
+    wind = with_gust(document, wind, vehicle, plane)
     if isinstance(wind, ShapedWind):
         wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))
     return Campaign(
@@ -85,50 +79,3 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
         **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),
     )
-
-
-def document_of(campaign: Campaign) -> dict[str, Any]:
-    """Return the document of a campaign, in SI units and complete in itself.
-
-    `parse_campaign` makes the same campaign of it.
-    """
-    vehicle, until = campaign.vehicle, campaign.until
-    head = {key: getattr(campaign, key) for key in ("model", "plane", *_DRAWN)} | {
-        "vehicle": {k: v for k, v in record_of(vehicle).items() if v is not None}
-    }
-    wind = campaign.wind
-    design = {} if campaign.design is None else {"autopilot": record_of(campaign.design)}
-    head |= {} if campaign.sign is None else {"sign": campaign.sign}
-    return design | {
-        "nozzle": record_of(campaign.nozzle),
-        "campaign": head | ({} if until is None else {"until_part": until}),
-        "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
-        if isinstance(wind, WindEnsemble)
-        else {"shape": wind.shape, "peak_rad": wind.peak, "duration_s": wind.duration},
-        **gust_record(wind),
-        "outputs": {
-            "names": list(campaign.outputs),
-            "dead_bands": list(campaign.dead_bands),
-            "law": campaign.law,
-        },
-        "question": {"probability": campaign.probability, "confidence": campaign.confidence},
-        "dispersion": [
-            {
-                "parameter": one.parameter,
-                "shape": one.shape,
-                ("part" if one.relative else "spread"): one.spread,
-            }
-            for one in campaign.dispersions.each
-        ],
-        "correlation": _pairs(campaign.dispersions),
-    }
-
-
-def _pairs(dispersions: Dispersions) -> list[dict[str, Any]]:
-    matrix, names = dispersions.correlation or (), dispersions.parameters
-    return [
-        {"between": [names[i], names[j]], "coefficient": row[j]}
-        for i, row in enumerate(matrix)
-        for j in range(i)
-        if row[j]
-    ]

@@ -11,14 +11,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.campaign.file import document_of, parse_campaign
 from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.campaign.written import read, written
 from tvclin.base.errors import InputError, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text
 from tvclin.kernels.choice import available
 
 NAME = "manifest.json"
-_FORMAT = 1
+_FORMAT = 2
 _MENDED = (
     "delete it and run the campaign file into this folder again: that writes the same manifest, and"
     " keeps the chunks"
@@ -51,7 +51,7 @@ def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
     """
     wanted = available() if compiled is None else compiled
     versions = _versions(wanted)
-    return Manifest(campaign, versions, _seal(_content(document_of(campaign), versions)))
+    return Manifest(campaign, versions, _seal(_content(campaign, versions)))
 
 
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
@@ -61,7 +61,7 @@ def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Man
     """
     if exists(folder / NAME):
         found = read_manifest(folder)
-        if document_of(found.campaign) != document_of(campaign):
+        if written(found.campaign) != written(campaign):
             raise InputError(
                 f"{called(folder)} holds another campaign, or this one before it was changed; name"
                 " another folder, or put the campaign file back as it was"
@@ -69,7 +69,7 @@ def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Man
         return found
     made = new_manifest(campaign, compiled)
     make_directory(folder)
-    document = _content(document_of(campaign), made.versions) | {"sha256": made.seal}
+    document = _content(campaign, made.versions) | {"sha256": made.seal}
     write_text(folder / NAME, json.dumps(document, indent=1) + "\n")
     return made
 
@@ -97,7 +97,7 @@ def read_manifest(folder: Path) -> Manifest:
         raise InputError(
             f"{called(file)} was changed after the campaign began; put it back, or {_MENDED}"
         )
-    return Manifest(parse_campaign(described), versions, seal)
+    return Manifest(read(described), versions, seal)
 
 
 def check_versions(manifest: Manifest) -> None:
@@ -124,8 +124,8 @@ def _versions(compiled: bool) -> dict[str, str]:
     return {name: version(name) for name in ("tvclin", "numpy", "scipy")} | numba
 
 
-def _content(described: dict[str, Any], versions: dict[str, str]) -> dict[str, Any]:
-    return {"format": _FORMAT, "versions": versions, "design": described}
+def _content(campaign: Campaign, versions: dict[str, str]) -> dict[str, Any]:
+    return {"format": _FORMAT, "versions": versions, "design": written(campaign)}
 
 
 def _seal(content: dict[str, Any]) -> str:

@@ -128,16 +128,6 @@ def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     }
 
 
-def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    del campaign
-    return {"forecast_free": np.abs(forecast_free_limit(batch.plant, batch.wind).deflection)}
-
-
-def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    del campaign
-    return {"minimum": least_peaks(batch.plant, batch.wind)}
-
-
 def _slow(campaign: Campaign) -> bool:
     """Whether the least peak is a search of its own for each case, which three poles ask for."""
     return campaign.model == "drift-and-speed"
@@ -224,8 +214,17 @@ REGISTRY = {
     "required": Output(
         lambda campaign: {required_name(K): "rad" for K in campaign.dead_bands}, _required, _slow
     ),
-    "forecast-free": Output(lambda _: {"forecast_free": "rad"}, _forecast_free),
-    "minimum": Output(lambda _: {"minimum": "rad"}, _minimum, _slow),
+    "forecast-free": Output(
+        lambda _: {"forecast_free": "rad"},
+        lambda _, one: {
+            "forecast_free": np.abs(forecast_free_limit(one.plant, one.wind).deflection)
+        },
+    ),
+    "minimum": Output(
+        lambda _: {"minimum": "rad"},
+        lambda _, one: {"minimum": least_peaks(one.plant, one.wind)},
+        _slow,
+    ),
     "margins": Output(_margin_columns, _margins),
     "flight": Output(lambda _: COLUMNS, _flight),
     "flown": Output(

@@ -1,8 +1,6 @@
 """The tables that campaign files share with study files."""
 
 from collections.abc import Mapping
-from dataclasses import fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,6 @@ from tvclin.answers.campaign.dispersions import (
     spread_table,
 )
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
-from tvclin.answers.campaign.structures import of_record
 from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
@@ -32,7 +29,6 @@ from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
-from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (
@@ -84,27 +80,24 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     found = {key: table[key] for table in (study, campaign) for key in _SUBJECT if key in table}
     where = STUDY_TABLE if "study" in document else CAMPAIGN_TABLE
     where.need(found, ["vehicle"])
-    return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name, _recorded(document))}
+    return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name)}
 
 
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     """Raise `InputError` for all that is at fault in the tables of a file, a line for each."""
-    faults, recorded = Faults(), _recorded(document)
+    faults = Faults()
     with faults.kept():
         known("table", document, [table.name for table in TABLES])
     for table in _SINGLE:
         with faults.kept():
             given = table.one(document)
-            if table in (
-                SOURCE_TABLE,
-                *((AUTOPILOT_TABLE, GUST_TABLE, NOZZLE_TABLE) if recorded else ()),
-            ):
-                continue  # it may hold a whole flight, or numbers without a unit
+            if table is SOURCE_TABLE:
+                continue  # it may hold a whole flight
             if table.name in document or table in _OF_STUDIES:
                 _at_home(table, given)
                 table.read(given)
     with faults.kept():
-        if "wind" in document and not recorded:
+        if "wind" in document:
             winds_of(document, folder)
     with faults.kept():
         dispersions_of(document)
@@ -122,13 +115,6 @@ def _at_home(table: FileTable, given: Mapping[str, Any]) -> None:
     faults.tell()
 
 
-def _recorded(document: Mapping[str, Any]) -> bool:
-    """Whether it is the document of a manifest: only there numbers in SI units have bare names."""
-    campaign = document.get("campaign")
-    vehicle = campaign.get("vehicle") if isinstance(campaign, dict) else None
-    return "study" not in document and isinstance(vehicle, dict) and "weight" in vehicle
-
-
 def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return probability and confidence where they are given."""
     return QUESTION_TABLE.read(QUESTION_TABLE.one(document))
@@ -136,16 +122,12 @@ def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
 
 def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
     """Return what the table [nozzle] says."""
-    read = partial(of_record, Nozzle) if _recorded(document) else Nozzle.from_table
-    return read(NOZZLE_TABLE.one(document))
+    return Nozzle.from_table(NOZZLE_TABLE.one(document))
 
 
-def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> AnyVehicle:
-    if isinstance(source, dict) and not recorded:
-        return build_vehicle(source, f"[{where}.vehicle]")
+def _vehicle(source: Any, folder: Path, where: str) -> AnyVehicle:
     if isinstance(source, dict):
-        known(f"key in [{where}.vehicle]", source, [f.name for f in fields(Vehicle)])
-        return of_record(Vehicle, source)
+        return build_vehicle(source, f"[{where}.vehicle]")
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     return load_any_vehicle(beside(source, folder))
@@ -161,19 +143,17 @@ def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
     """Return what the table [autopilot] asks for; None without it."""
     if AUTOPILOT_TABLE.name not in document:
         return None
-    own = AutopilotDesign
-    read = partial(of_record, own) if _recorded(document) else own.from_table
-    return read(AUTOPILOT_TABLE.one(document))
+    return AutopilotDesign.from_table(AUTOPILOT_TABLE.one(document))
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
-    rows, recorded = DISPERSION_TABLE.each(document), _recorded(document)
+    rows = DISPERSION_TABLE.each(document)
     correlation = CORRELATION_TABLE.each(document)
     made, faults = [], Faults()
     for row in rows:
         with faults.kept():
-            made.append(_dispersion(row, recorded))
+            made.append(_dispersion(row))
     faults.tell()
     names = [one.parameter for one in made]
     if not correlation:
@@ -191,8 +171,8 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     return Dispersions(tuple(made), tuple(map(tuple, matrix.tolist())))
 
 
-def _dispersion(row: dict[str, Any], recorded: bool) -> Dispersion:
-    table = spread_table(row.get("parameter"), recorded)
+def _dispersion(row: dict[str, Any]) -> Dispersion:
+    table = spread_table(row.get("parameter"))
     given = table.read(row)
     parameter, shape = given.pop("parameter"), given.pop("shape", "normal")
     if len(given) != 1:

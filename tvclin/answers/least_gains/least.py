@@ -17,7 +17,7 @@ from tvclin.answers.least_gains.question import (
 )
 from tvclin.answers.least_gains.race import needs
 from tvclin.answers.least_gains.record import BOUNDARY, PEAK, LeastGains
-from tvclin.answers.search import least
+from tvclin.answers.search import least_points
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
@@ -153,12 +153,14 @@ def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
     first = _OVER * (axes - 1) if near is None else _NEAR
     begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
     pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
-    points, found = least(partial(_linear, question), axes, islands=pools, **begin, **_LINEAR)
+    points, found = least_points(
+        partial(_linear, question), axes, islands=pools, **begin, **_LINEAR
+    )
     if found[0] < MISSES and question.limits:
         flown, cleaner = (partial(_flown, question, clean=n) for n in (_CLEAN, _CLEANER))
         steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
-        points, _ = least(flown, axes, **begin | {"known": points}, **steps)
-        points, _ = least(cleaner, axes, known=points, wide=False, **_AGAIN)
+        points, _ = least_points(flown, axes, **begin | {"known": points}, **steps)
+        points, _ = least_points(cleaner, axes, known=points, wide=False, **_AGAIN)
     if found[0] >= MISSES:
         raise InputError(_none(question, points[0]))
     if question.limits:

@@ -8,9 +8,8 @@ other. So nothing is counted twice.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import chain
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,26 +18,29 @@ from tvclin.answers.case import Case
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.flown import actuator_notes
 from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.answers.nozzle_cards.record import CardPoint, Duty, FlightCard
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, known_times, place_in
 from tvclin.answers.sizing.record import IN_A
-from tvclin.answers.sizing.wind_sign import SIGNS, pressure_ratio
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratio
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Shown, named, table
-from tvclin.base.documents import keyed, picked
-from tvclin.base.errors import InputError, callable_for, instance, nonnegative, number, one_of
-from tvclin.base.files import write_rows
-from tvclin.base.lines import Line, Table, significant
-from tvclin.base.lines import number as figure
+from tvclin.base.errors import (
+    InputError,
+    callable_for,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+)
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.rates import ramp_rate, ramped_deflection
 from tvclin.boundary.stops import stop_of
 from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes
-from tvclin.flights.closed_loop.many import SURVIVED
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES
 from tvclin.linear.modes import unstable_modes
@@ -47,216 +49,8 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
-_LEAST = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
-_CARD = (
-    "angle_deg=|angle.value| rate_deg_per_s=|rate.value| steady_rate_deg_per_s"
-    " acceleration_deg_per_s2=|acceleration.value| travel_deg reversals time_at_stop_s"
-)
-_WORK = (
-    "torque_N_m=|torque.value| holding_torque_N_m=holding rms_torque_N_m=rms_torque"
-    " power_W=power.value energy_J=energy"
-)
 _SETTLED, _AFTER = 7.5, 15.0
 """Times of the fast mode after a wind between which only noise is left."""
-
-
-@dataclass(frozen=True, eq=False)
-class CardPoint(Shown):
-    """The nozzle at one flight time in one wind, in one plane.
-
-    Attributes
-    ----------
-    time : float
-        Flight time [s].
-    wind, plane : str
-        The wind, with its sign along the path where that matters, and the plane.
-    least : float
-        Least angle [rad] at any rate, the wind being known.
-    pole : float
-        The fast unstable pole [1/s]; zero where nothing grows.
-    limit : float
-        The part of the stop [rad] that this plane has.
-    status : str
-        What became of the flight, as of `fly_many`; empty where nothing is flown.
-    card : NozzleCard or None
-        Of the flight; None where it is lost, or nothing is flown.
-    said : tuple of str
-        Of the design of the law.
-    alone, quiet : ndarray
-        Travel [rad] and energy [J] of the flight beside what noise alone takes, and that
-        [rad/s, W].
-    """
-
-    time: float
-    wind: str
-    plane: str
-    least: float
-    pole: float
-    limit: float
-    status: str
-    card: NozzleCard | None
-    said: tuple[str, ...] = ()
-    alone: FloatArray = field(default_factory=lambda: np.zeros(2))
-    quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
-
-    @property
-    def least_rate(self) -> float:
-        """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
-        return self.pole * self.least
-
-    @property
-    def least_acceleration(self) -> float:
-        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
-        return self.pole**2 * self.least
-
-    @property
-    def lost(self) -> bool:
-        """Whether a flight is not survived."""
-        return self.status not in ("", SURVIVED)
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        """All numbers by keys with their units."""
-        found = picked(self, _LEAST)
-        if self.card is not None:
-            found |= picked(self.card, _CARD)
-            found |= {} if self.card.work is None else picked(self.card.work, _WORK)
-        return {key: float(value) for key, value in found.items()}
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the point as the command line prints it as JSON, angles in degrees."""
-        return picked(self, "time_s wind plane status") | self.numbers
-
-
-@dataclass(frozen=True)
-class Duty(Shown):
-    """What a whole flight in one wind asks of a nozzle, one moment after the other.
-
-    Attributes
-    ----------
-    wind, plane : str
-        The wind and the plane.
-    travel : float
-        Integral of ``|delta'|`` [rad]; not a number where a flight is lost.
-    energy : float
-        Energy [J] that the actuators give; not a number without nozzle data.
-    """
-
-    wind: str
-    plane: str
-    travel: float
-    energy: float
-
-    as_dict = keyed("wind plane travel_deg energy_J")
-
-
-@dataclass(frozen=True, eq=False)
-class FlightCard(Shown):
-    """What a whole flight asks of its nozzle; make it with `flight_card`.
-
-    Attributes
-    ----------
-    vehicle, law : str
-        Their names.
-    points : tuple of CardPoint
-        By flight time and wind.
-    duties : tuple of Duty
-        Of the whole flight in each wind; the flight has one of them.
-    verdict : NozzleVerdict
-        What is needed, what is there and what is left.
-    notes : tuple of str
-        What is left out, and how the whole is counted.
-    """
-
-    vehicle: str
-    law: str
-    points: tuple[CardPoint, ...]
-    duties: tuple[Duty, ...]
-    verdict: NozzleVerdict
-    notes: tuple[str, ...]
-
-    as_dict = keyed("vehicle law verdict largest duties points notes")
-    _keys = "vehicle law verdict=verdict.words largest"
-
-    def _repr_html_(self) -> str:
-        first, *rest = self.tables()
-        return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
-
-    @property
-    def largest(self) -> dict[str, float]:
-        """The largest of each quantity over the flight, by keys with their units."""
-        return {key: one.numbers[key] for key, one in self._worst().items()}
-
-    def tables(self) -> tuple[Table, ...]:
-        """Return the verdict, the largest of each quantity, and the largest at each time."""
-        return (*self.verdict.tables(), self._whole(), *self._over_time())
-
-    def to_csv(self, path: Path | None = None) -> str:
-        """Return a line for each flight as CSV, and write it where a path is given.
-
-        Raises
-        ------
-        InputError
-            When the file cannot be written.
-        """
-        keys = list(dict.fromkeys(chain.from_iterable(one.numbers for one in self.points)))
-        rows = [
-            [repr(one.time), one.wind, one.plane, one.status]
-            + [repr(float(one.numbers.get(key, np.nan))) for key in keys]
-            for one in self.points
-        ]
-        return write_rows([["time_s", "wind", "plane", "status", *keys], *rows], path)
-
-    def _worst(self) -> dict[str, CardPoint]:
-        numbers = [one.numbers for one in self.points]
-        found = {}
-        for key in dict.fromkeys(chain.from_iterable(numbers)):
-            found[key] = self.points[int(np.argmax([one.get(key, -1.0) for one in numbers]))]
-        return found
-
-    def _whole(self) -> Table:
-        planes = len({one.plane for one in self.points}) > 1
-        rows: list[tuple[Line, ...]] = []
-        for key, one in self._worst().items():
-            name, unit = named(key)
-            where = f"{one.wind}, {one.plane}" if planes else one.wind
-            value = _cell(f"card.{key}", key, one.numbers[key])
-            label = f"{name} [{unit}]" if unit else name
-            rows.append(((label,), value, (f"{one.time:.6g}",), (where,)))
-        for key in ("travel_deg", "energy_J"):
-            sums = [one.as_dict()[key] for one in self.duties]
-            if np.isfinite(sums).any():
-                worst = self.duties[k := int(np.nanargmax(sums))]
-                name, unit = named(key)
-                where = f"{worst.wind}, {worst.plane}" if planes else worst.wind
-                value = _cell(f"card.whole.{key}", key, sums[k])
-                rows.append(((f"{name} of the whole flight [{unit}]",), value, ("",), (where,)))
-        head = ("", "largest", "at [s]", "in the wind")
-        return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
-
-    def _over_time(self) -> Iterator[Table]:
-        times = sorted({one.time for one in self.points})
-        for caption, keys in (
-            ("By flight time, the largest of all winds", (*_SHOWN, "travel_deg")),
-            ("Torque, power and energy by flight time", ("torque_N_m", "power_W", "energy_J")),
-        ):
-            there = [key for key in keys if key in self.largest]
-            if not there:
-                continue
-            rows = []
-            for time in times:
-                now = [one.numbers for one in self.points if one.time == time]
-                most = {key: max(one.get(key, np.nan) for one in now) for key in there}
-                cells = (_cell(f"card.{time:g}.{key}", key, most[key]) for key in there)
-                rows.append(((f"{time:.6g}",), *cells))
-            heads = [" [".join(filter(None, named(key))) + "]" for key in there]
-            yield Table(caption, ("time [s]", *heads), tuple(rows))
-
-
-_SHOWN = (
-    *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
-    "acceleration_deg_per_s2",
-)
 
 
 def flight_card(
@@ -325,17 +119,18 @@ def flight_card(
         law,
         number("noise", noise, nonnegative, "rad/s"),
         seed,
-        number("window", window, nonnegative, "s"),
+        number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
     )
     points: list[CardPoint] = []
+    signed = [pulse.heading is None for pulse in asked.pulses(case)]
     unknown = []
     for i, time in enumerate(times.tolist()):
         for j, (name, wind) in enumerate(winds.items()):
             first, last = known_times(wind)
             if not first <= time <= last:
                 unknown.append(f"{name} at {time:.6g} s")
-            points += flying.points(i, time, name, wind)
+            points += flying.points(i, time, name, wind, j < len(signed) and signed[j])
             if progress is not None:
                 progress(i * len(winds) + j + 1, len(times) * len(winds))
     duties = tuple(_duties(points, winds, np.diff(flying.edges)))
@@ -361,14 +156,16 @@ class _Flying:
     window: float
     edges: FloatArray
 
-    def points(self, i: int, time: float, name: str, wind: WindOf) -> Iterator[CardPoint]:
+    def points(
+        self, i: int, time: float, name: str, wind: WindOf, signed: bool
+    ) -> Iterator[CardPoint]:
         """Yield the nozzle at a flight time in a wind, by plane and sign."""
         case, schedule = self.case, self.asked.schedule
         planes = PLANES if case.planes == BOTH else (case.plane,)
         vehicle = schedule.at(time)
         placed = place_in(planes, wind, vehicle, time, "peak", 1.0)
         limits = self._limits(vehicle, placed)
-        measured = isinstance(wind, MeasuredWind | MeasuredPlanes)
+        measured = _measured(wind)
         for plane, one in placed.items():
             if one.calm:
                 continue
@@ -377,7 +174,7 @@ class _Flying:
                 yield CardPoint(time, name, plane, 0.0, 0.0, limits[plane], "", None)
                 continue
             share = self.edges[i : i + 2] if measured else None
-            if measured or case.planes == BOTH:
+            if not signed or case.planes == BOTH:
                 blows = [(name, vehicle, (one.whole or one.history).shift(one.zero))]
             else:
                 blows = list(self._signed(name, vehicle, one))
@@ -404,7 +201,7 @@ class _Flying:
     ) -> Iterator[tuple[str, Vehicle, History]]:
         """A pulse by its sign: a head wind with the dynamic pressure at its peak throughout."""
         wind, asked = placed.in_flight, getattr(self.case, "sign", None)
-        if self.case.plane != "pitch" or self.case.heading is not None or asked == "frozen":
+        if self.case.plane != "pitch" or asked == FROZEN:
             yield name, vehicle, wind
             return
         peak = abs(float(wind.peak))
@@ -432,7 +229,7 @@ class _Flying:
             design=self.case.design,
         )
         plant, nozzle = own.plant.rigid, own.nozzle
-        pole = float(np.real(unstable_modes(plant).poles[0]))
+        pole = float(np.abs(unstable_modes(plant).poles).max())
         point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
         mine = {AUTOPILOT: own.autopilot} if self.law == AUTOPILOT else {}
         most = np.inf if nozzle.rate_limit is None else nozzle.rate_limit
@@ -538,7 +335,3 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
     if flying.asked.schedule.vehicle.structure is not None:
         yield "the vehicle is rigid, without the structure in its file"
     yield from actuator_notes(flying.case.nozzle.actuator)
-
-
-def _cell(name: str, key: str, value: float) -> Line:
-    return figure(name, value) if "_deg" in key else significant(name, value)

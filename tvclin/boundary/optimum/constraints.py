@@ -19,6 +19,7 @@ from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, number, single
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.winds.checks import check_end
 from tvclin.winds.histories import History
 
 
@@ -138,10 +139,7 @@ def _check_single(plant: Plant, wind: History) -> None:
     instance("wind", wind, History, "such as TriangularWind")
     single("plant", plant.batch)
     single("wind", wind.batch)
-    if np.isneginf(wind.end):
-        raise InputError("wind must differ from zero; got a history that is zero throughout")
-    if np.isposinf(wind.end):
-        raise InputError("wind must end: the last piece of its history must be zero")
+    check_end(wind)
 
 
 def _check_times(wind: History, start: float, horizon: float | None) -> tuple[float, float]:

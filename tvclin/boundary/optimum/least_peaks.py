@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.base.errors import InputError, broadcast, ending, instance
+from tvclin.base.errors import broadcast, instance
 from tvclin.boundary.optimum.constraints import conditions
 from tvclin.boundary.optimum.minimum_peak import optimum_of
 from tvclin.boundary.recoverable import least_reach
@@ -21,6 +21,7 @@ from tvclin.kernels.pieces import rows
 from tvclin.kernels.searches import lowest
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.winds.checks import check_end
 from tvclin.winds.histories import History
 
 _SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
@@ -49,9 +50,7 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, wind=wind.batch)
-    if np.any(np.isneginf(wind.end)):
-        raise InputError("wind must differ from zero; got a history that is zero throughout")
-    ending("wind", wind.end)
+    check_end(wind)
     poles = parted(unstable_poles(plant))
     count = poles.shape[-1]
     if not count:

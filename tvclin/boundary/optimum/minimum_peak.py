@@ -132,11 +132,20 @@ def optimum_deflection(
 def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
     """Return the deflection of least peak that meets some conditions, from `start` [s] on."""
     if not np.any(constraints.demands):
-        return _nothing(start, constraints.demands.size)
+        zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
+        proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
+        status = UNTOUCHED if conditions else STABLE
+        return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)
     window = Window(constraints)
     switches, multipliers = _solve(window)
     switches, limit = _polished(window, switches)
-    deflection = _history(limit, switches + start, start, window.end + start)
+    deflection: History = (
+        BangBang(limit=limit, switch_times=switches + start, start=start)
+        if switches.size
+        else HeldDeflection(limit=limit, start=start)
+    )
+    if np.isfinite(window.end):
+        deflection = deflection.before(window.end + start)
     certificate = certify(window, multipliers, switches, limit)
     norm = window.signed(multipliers).norm
     near = abs(certificate.gap) < _GAP and certificate.residual < _GAP
@@ -242,19 +251,3 @@ def _moments(window: Window, switches: FloatArray) -> FloatArray:
     signs = (-1.0) ** np.arange(switches.size + 1)
     knots = np.concatenate([[0.0], switches, [window.end]])
     return window.constraints.moments(knots) * signs
-
-
-def _history(limit: float, switches: FloatArray, start: float, end: float) -> History:
-    deflection: History = (
-        BangBang(limit=limit, switch_times=switches, start=start)
-        if switches.size
-        else HeldDeflection(limit=limit, start=start)
-    )
-    return deflection if np.isinf(end) else deflection.before(end)
-
-
-def _nothing(start: float, conditions: int) -> Optimum:
-    zero = Piecewise(linear_pieces([start], [0.0], 0.0))
-    proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
-    status = UNTOUCHED if conditions else STABLE
-    return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)

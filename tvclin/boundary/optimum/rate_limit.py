@@ -162,16 +162,12 @@ def _refined(
         nodes = _with_corners(program, *found)
     values = None if best is None else best.least_motion(reached * (1.0 + _SETTLED))
     if best is None or values is None:
-        raise _refusal(constraints, nodes, rate, unit)
+        least = RateProgram(constraints, nodes, rate, unit).least_rate()
+        raise InputError(
+            f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g}"
+            f" rad/s, and about {1.001 * least:.4g} rad/s would do"
+        )
     return best, values * unit, max(change, 0.0)
-
-
-def _refusal(constraints: Constraints, nodes: FloatArray, rate: float, unit: float) -> InputError:
-    least = RateProgram(constraints, nodes, rate, unit).least_rate()
-    return InputError(
-        f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g} rad/s,"
-        f" and about {1.001 * least:.4g} rad/s would do"
-    )
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:

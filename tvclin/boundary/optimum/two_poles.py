@@ -80,7 +80,7 @@ def switch_variable(y: float, ratio: float) -> float:
     >>> round(switch_variable(10.0, 0.1), 5)
     0.5441
     """
-    y, ratio = number("y", y), _ratio(ratio)
+    y, ratio = number("y", y), number("ratio", _ratios(ratio))
     return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
 
 
@@ -123,12 +123,8 @@ def switching_ratio(
 
     It rises with the duration from K1_ratio beta1/beta2 to K1_ratio beta2/beta1.
     """
-    tau, b1, b2 = (
-        positive("duration", duration, "s"),
-        positive("beta1", beta1, "1/s"),
-        positive("beta2", beta2, "1/s"),
-    )
-    K = positive("K1_ratio", K1_ratio)
+    tau = positive("duration", duration, "s")
+    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
     together(duration=tau, beta1=b1, beta2=b2, K1_ratio=K)
     part = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
     return plain(np.asarray(K * b2 / b1 * part**2))
@@ -224,10 +220,6 @@ def _positive_three(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, An
     K = positive("K1_ratio", K1_ratio)
     together(beta1=b1, beta2=b2, K1_ratio=K)
     return b1, b2, K
-
-
-def _ratio(ratio: float) -> float:
-    return number("ratio", _ratios(ratio))
 
 
 def _ratios(ratio: ArrayLike) -> FloatArray:

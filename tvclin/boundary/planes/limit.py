@@ -291,7 +291,10 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
         t = float(times[k])
         if k > 0 and over(times[k - 1]) < 0.0 < over(t):
             t = float(brentq(over, times[k - 1], t, xtol=1e-12))
-        alone = [_alone_after(pair, plane, t) for plane in (0, 1)]
+        alone = []  # the least peak of each plane by itself
+        for plane in (0, 1):
+            poles, z = pair.poles[plane][np.newaxis], pair.left_at(plane, t)[np.newaxis]
+            alone.append(float(peaks_of(poles, z / poles)[0]))
         corners = [complex(alone[0], side * alone[1]) for side in (1.0, -1.0)]
         apart = float(np.max(stop.gauge([*corners, *(-one for one in corners)])))
         return apart if apart <= enough else least_in_planes(pair, stop, t).peak
@@ -306,12 +309,6 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
         if limit <= least * (1.0 + _NEAR) and asked(least, least) <= least * (1.0 + _CLOSE):
             return least
     return least
-
-
-def _alone_after(pair: Pair, plane: int, t: float) -> float:
-    """The least peak [rad] of one plane by itself from `t` [s] on, trimmed until then."""
-    poles, z = pair.poles[plane][np.newaxis], pair.left_at(plane, t)[np.newaxis]
-    return float(peaks_of(poles, z / poles)[0])
 
 
 def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:

@@ -13,7 +13,7 @@ from tvclin.base.arrays import BoolArray, IndexArray
 from tvclin.flights.closed_loop.law_batch import LawBatch
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING
 from tvclin.flights.closed_loop.sampled import finish
-from tvclin.kernels.flight_arrays import NEVER, SURVIVED, UNDECIDED, Flights
+from tvclin.kernels.flight_arrays import NEVER, SURVIVED, UNDECIDED, Cases, Flights, Now
 
 _STRETCH = 0.5
 """A stretch is this part of the time in which a flight settles."""
@@ -22,49 +22,45 @@ _QUIET = 2
 _FULL_RATE = 0.999
 """A rate above this part of its limit is bounded by it."""
 
-_SHARED = {"memory", "seen", "told"}
-"""One for each flight, or one for all."""
-_OF_EACH = (
-    *("vehicle", "wind", "law", "gain", "limit", "rate_limit", "start", "finish", "ends"),
-    *("waiting", "settling", "sequence", "y", "states", "here", "sensed", "measured", "next"),
-    *("series", "commands", "mode", "bounded", "peaks", "piece", "settled", "outcome", "ended"),
-)
-"""Arrays of `Flights` with a row for each flight."""
-
 
 def swings_on(f: Flights, laws: LawBatch) -> BoolArray:
     """Return which of the flights that were brought back still meet limits long afterwards.
 
     `f`: at their ends. `laws`: of the flights; those of a law with noise are not flown on.
     """
-    silent = np.array([not level for level, _ in laws.noise])[f.law]
-    left = np.flatnonzero((f.outcome == SURVIVED) & silent & (f.settling > 0))
+    silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
+    left = np.flatnonzero((f.now.outcome == SURVIVED) & silent & (f.cases.settling > 0))
     quiet, g = np.zeros(left.size, dtype=int), f
     where = left
     for _ in range(int(WAITING / (SETTLING * _STRETCH))):
         if not left.size:
             break
         g = _flown_on(g, where, laws)
-        limited = (g.peaks[:, 5] > 0.0) | (g.peaks[:, 3] >= _FULL_RATE * g.rate_limit)
+        limited = (g.now.peaks[:, 5] > 0.0) | (g.now.peaks[:, 3] >= _FULL_RATE * g.cases.rate_limit)
         quiet = np.where(limited, 0, quiet + 1)
         where = np.flatnonzero(quiet < _QUIET)
         left, quiet = left[where], quiet[where]
-    found = np.zeros(f.limit.size, dtype=bool)
+    found = np.zeros(f.cases.limit.size, dtype=bool)
     found[left] = True
     return found
 
 
 def _flown_on(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
     """Some flights from where they ended through a stretch of still air."""
-    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
-    rows = {name: getattr(f, name)[where] for name in {*_OF_EACH, *own}}
-    g = f._replace(pieces=np.zeros_like(f.pieces), **rows)
-    ring = g.commands.shape[1]
-    turned = (g.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
-    g.commands[:] = np.take_along_axis(g.commands, turned, axis=1)
-    g.start[:] += g.ended * g.lengths[g.vehicle, 0]
-    g.finish[:] = np.maximum(np.ceil(_STRETCH * g.settling), 1)
-    g.ends[:] = NEVER
-    g.outcome[:], g.ended[:], g.peaks[:] = UNDECIDED, -1, 0.0
+    rows = {name: getattr(f.laws, name) for name in ("memory", "seen", "told")}
+    rows = {name: one[where] if len(one) > 1 else one for name, one in rows.items()}
+    g = f._replace(
+        winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
+        laws=f.laws._replace(**rows),
+        cases=Cases._make(one[where] for one in f.cases),
+        now=Now._make(one[where] for one in f.now),
+    )
+    ring = g.now.commands.shape[1]
+    turned = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
+    g.now.commands[:] = np.take_along_axis(g.now.commands, turned, axis=1)
+    g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
+    g.cases.finish[:] = np.maximum(np.ceil(_STRETCH * g.cases.settling), 1)
+    g.cases.ends[:] = NEVER
+    g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED, -1, 0.0
     finish(g, laws)
     return g

@@ -53,16 +53,17 @@ def swing_near_rest(batch: Batch, f: Flights) -> FloatArray:
     any sample.
     """
     # Flights that differ in their limit alone are of one loop, unless their law looks at it.
-    looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.law]
-    keys = np.column_stack([f.vehicle, f.law, f.gain, np.where(looks, f.limit, 0.0)])
+    looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.cases.law]
+    alike = np.where(looks, f.cases.limit, 0.0)
+    keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, alike])
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    size = f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
+    size = f.now.y.shape[1] + f.now.states.shape[1] + f.now.commands.shape[1]
     parts = np.array_split(first, -(-first.size * size // _TOGETHER))
     found = np.concatenate([np.linalg.eigvals(_steps(batch, f, part)) for part in parts])
     values = found.astype(complex)[which.ravel()]
-    h = f.lengths[f.vehicle, 0]
+    h = f.steps.lengths[f.cases.vehicle, 0]
     turns = np.abs(np.angle(values)) / h[:, np.newaxis]
-    slowest = SLOW * SETTLING / np.maximum(f.settling * h, h)
+    slowest = SLOW * SETTLING / np.maximum(f.cases.settling * h, h)
     swings = (turns > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
     radius = np.where(swings, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
     return np.asarray(np.log(radius) / h)
@@ -88,8 +89,9 @@ def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
 def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """The steps of some flights, ``(k, size, size)``; each signal is rows of factors on states."""
-    k, order, own, ring = cases.size, f.y.shape[1], f.states.shape[1], f.commands.shape[1]
-    places, n = f.vehicle[cases], f.A.shape[1]
+    k, every = cases.size, (f.now.y, f.now.states, f.now.commands)
+    order, own, ring = (one.shape[1] for one in every)
+    places, n = f.cases.vehicle[cases], f.vehicles.A.shape[1]
     x, held, sent = np.split(np.eye(order + own + ring - 1), [order, order + own])
 
     def of_each(rows: FloatArray) -> FloatArray:
@@ -98,31 +100,31 @@ def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     def spread(rows: FloatArray) -> FloatArray:
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))
 
-    sensed = np.concatenate([f.shown[places, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1)
+    sensed = np.concatenate([f.vehicles.shown[places, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1)
     known = np.concatenate([spread(held), sensed, spread(0.0 * x[:1])], axis=1)
-    seen = of_each(f.seen) @ known if len(f.seen) else sensed
-    slopes = f.gain[cases, np.newaxis] * _slopes(batch, f, cases)
+    seen = of_each(f.laws.seen) @ known if len(f.laws.seen) else sensed
+    slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
     asks = slopes[:, np.newaxis] @ np.concatenate([seen, spread(held)], axis=1)
     known[:, -1:] = asks
-    told = of_each(f.told)[:, np.newaxis] @ known if len(f.told) else asks
+    told = of_each(f.laws.told)[:, np.newaxis] @ known if len(f.laws.told) else asks
     commands = np.concatenate([told, spread(sent)], axis=1)
     moved = spread(x)
-    for part in range(f.joint.shape[1] - 1, -1, -1):
-        age = (f.late[places] + part)[:, np.newaxis, np.newaxis]
+    for part in range(f.steps.joint.shape[1] - 1, -1, -1):
+        age = (f.steps.late[places] + part)[:, np.newaxis, np.newaxis]
         now = np.take_along_axis(commands, age, axis=1)
-        J = f.joint[places, part]
+        J = f.steps.joint[places, part]
         moved = J[..., :order] @ moved + J[..., order : order + 1] @ now
-    states = of_each(f.memory) @ known
+    states = of_each(f.laws.memory) @ known
     return np.concatenate([moved, states, commands[:, : ring - 1]], axis=1)
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """What laws ask for, per number that they see and per state of their own, ``(k, 5 + s)``."""
     reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
-    small, limit = _SMALL / reach * f.limit[cases], f.limit[cases]
-    found = np.zeros((cases.size, MEASURED + f.states.shape[1]))
+    small, limit = _SMALL / reach * f.cases.limit[cases], f.cases.limit[cases]
+    found = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
     for place, numbers in enumerate(batch.laws.numbers):
-        mine = np.flatnonzero(f.law[cases] == place)
+        mine = np.flatnonzero(f.cases.law[cases] == place)
         if not mine.size:
             continue
         if numbers is None:

@@ -47,12 +47,10 @@ def ready(
         f = flights(batch)
     onset = float(wind.onset)
     ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
-    return f._replace(
-        start=np.full(shape, onset),
-        ends=np.full(shape, ends),
-        finish=ends + np.minimum(f.waiting, _LONGEST),
-        piece=(f.knots[f.wind] <= onset).sum(axis=1) - 1,
-    )
+    f.cases.start[:], f.cases.ends[:] = onset, ends
+    f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _LONGEST)
+    f.now.piece[:] = (f.winds.knots[f.cases.wind] <= onset).sum(axis=1) - 1
+    return f
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +70,16 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> C
     m, own, stop = limit.size, len(law.law.states[0]), law.shape
     course = Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
     steppers, plain = [Stepper(f) for f in pair], np.ones(m)
-    last = int(max(f.finish.max(initial=-1) for f in pair))
+    last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
-        f.finish[:] = last
+        f.cases.finish[:] = last
     for k in range(last + 1):
         going = np.flatnonzero(course.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-        x = _both(pair, lambda f: f.y[:, 0])[going]
-        s = _both(pair, lambda f: f.y[:, f.A.shape[1]])[going]
+        x = _both(pair, lambda f: f.now.y[:, 0])[going]
+        s = _both(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[going]
         course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
         course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
         if m == 1:
@@ -91,8 +89,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> C
             going = np.flatnonzero(course.ended < 0)
             if not going.size:
                 break
-        measured = _both(pair, lambda f: f.measured)[going]
-        states = _both(pair, lambda f: f.states)[going, :own]
+        measured = _both(pair, lambda f: f.now.measured)[going]
+        states = _both(pair, lambda f: f.now.states)[going, :own]
         demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
         command[going], at_stop = law.limited(demand, limit[going])
         course.saturated[going] += at_stop
@@ -111,11 +109,11 @@ def _decide(
     pair: list[Flights], stop: Stop, limit: FloatArray, course: Course, k: int, last: bool
 ) -> None:
     """End flights of which one plane is lost, or both are saved."""
-    pitch, yaw = (f.outcome for f in pair)
+    pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
     saved = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
     if np.any(saved):
-        z = [(f.judges[f.vehicle] @ f.y[:, :, np.newaxis])[:, 0, 0] / f.reach[0] for f in pair]
+        z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
         with np.errstate(all="ignore"):
             near = stop.gauge(np.where(saved, z[0] + 1j * z[1], 0.0))
         saved &= near < _INSIDE * limit
@@ -127,4 +125,4 @@ def _decide(
     )
     course.ended[done] = k
     for f in pair:
-        f.ended[done] = k
+        f.now.ended[done] = k

@@ -235,18 +235,18 @@ def _flown_cases(f: Flights | None, good: BoolArray, rings: BoolArray) -> FlownC
         found[good] = values
         return found
 
-    h = f.lengths[f.vehicle, 0]
-    brought_back = f.outcome == STATUS.index(SURVIVED)
-    outcome[good] = np.where(brought_back & rings, STATUS.index(RINGS), f.outcome)
+    h = f.steps.lengths[f.cases.vehicle, 0]
+    brought_back = f.now.outcome == STATUS.index(SURVIVED)
+    outcome[good] = np.where(brought_back & rings, STATUS.index(RINGS), f.now.outcome)
     return FlownCases(
-        peak_attitude=whole(f.peaks[:, 0]),
-        peak_attitude_rate=whole(f.peaks[:, 1]),
-        peak_deflection=whole(f.peaks[:, 2]),
-        peak_deflection_rate=whole(f.peaks[:, 3]),
-        peak_angle_of_attack=whole(f.peaks[:, 4]),
-        final_attitude=whole(f.y[:, 0]),
-        end_time=whole(f.start + f.ended * h),
-        saturated_time_fraction=whole(f.peaks[:, 5] / np.maximum(f.ended, 1)),
+        peak_attitude=whole(f.now.peaks[:, 0]),
+        peak_attitude_rate=whole(f.now.peaks[:, 1]),
+        peak_deflection=whole(f.now.peaks[:, 2]),
+        peak_deflection_rate=whole(f.now.peaks[:, 3]),
+        peak_angle_of_attack=whole(f.now.peaks[:, 4]),
+        final_attitude=whole(f.now.y[:, 0]),
+        end_time=whole(f.cases.start + f.now.ended * h),
+        saturated_time_fraction=whole(f.now.peaks[:, 5] / np.maximum(f.now.ended, 1)),
         status=np.array(STATUS)[outcome],
     )
 

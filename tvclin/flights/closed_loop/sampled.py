@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
@@ -33,7 +33,18 @@ from tvclin.flights.closed_loop.step_matrices import (
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flight_arrays import MEASURED, NEVER, PEAKS, Flights
+from tvclin.kernels.flight_arrays import (
+    MEASURED,
+    NEVER,
+    PEAKS,
+    Cases,
+    Flights,
+    Laws,
+    Now,
+    Steps,
+    Vehicles,
+    Winds,
+)
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import delay_parts
@@ -179,54 +190,57 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     N, states = joint.shape[2], memory.moved.shape[1]
     rows = int(substeps.sum() * finish.max()) if track else 0
     return Flights(
-        vehicle=vehicle,
-        wind=wind,
-        law=batch.laws.which.copy(),
-        joint=joint,
-        fine=fine,
-        substeps=substeps,
-        ramp=even_steps(plant, short),
-        lengths=lengths,
-        quick=np.where(short > 0.0, pace * short, 0.0),
-        late=late.astype(np.int64),
-        shown=sensed_rows(plant),
-        A=plant.A,
-        gust=np.ascontiguousarray(plant.B[..., 1]),
-        fastest=np.abs(plant.poles).max(axis=-1),
-        judges=_widened(judges.rows[place], N),
-        reach=judges.reach[place],
-        ratio=judges.ratio[place],
-        knots=knots,
-        pieces=pieces,
-        laws=[one or LawNumbers() for one in batch.laws.numbers],
-        memory=memory.moved,
-        seen=memory.seen,
-        told=memory.told,
-        gain=_flat(batch.gain, shape),
-        limit=_flat(batch.limit, shape),
-        rate_limit=_flat(batch.rate_limit, shape),
-        start=start.copy(),
-        finish=finish,
-        ends=ends,
-        waiting=waiting.astype(np.int64),
-        settling=settling.astype(np.int64),
-        noise=noise,
-        sequence=sequence,
-        y=np.zeros((m, N)),
-        states=np.zeros((m, states)),
-        here=np.zeros((m, terms)),
-        sensed=np.zeros((m, MEASURED + 1)),
-        measured=np.zeros((m, MEASURED)),
-        next=np.zeros((m, max(N, states))),
-        series=np.zeros((m, 3, n)),
-        commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
-        mode=np.zeros(m),
-        bounded=np.zeros(m, np.bool_),
-        peaks=np.zeros((m, PEAKS)),
-        piece=(knots[wind] <= start[:, np.newaxis]).sum(axis=1) - 1,
-        settled=np.zeros(m, np.int64),
-        outcome=np.zeros(m, np.int64),
-        ended=np.full(m, -1, np.int64),
+        steps=Steps(
+            joint=joint,
+            fine=fine,
+            substeps=substeps,
+            ramp=even_steps(plant, short),
+            lengths=lengths,
+            quick=np.where(short > 0.0, pace * short, 0.0),
+            late=late.astype(np.int64),
+        ),
+        vehicles=Vehicles(
+            shown=sensed_rows(plant),
+            A=plant.A,
+            gust=np.ascontiguousarray(plant.B[..., 1]),
+            fastest=np.abs(plant.poles).max(axis=-1),
+            judges=_widened(judges.rows[place], N),
+            reach=judges.reach[place],
+            ratio=judges.ratio[place],
+        ),
+        winds=Winds(knots, pieces),
+        laws=Laws([one or LawNumbers() for one in batch.laws.numbers], *memory, noise),
+        cases=Cases(
+            vehicle=vehicle,
+            wind=wind,
+            law=batch.laws.which.copy(),
+            sequence=sequence,
+            gain=_flat(batch.gain, shape),
+            limit=_flat(batch.limit, shape),
+            rate_limit=_flat(batch.rate_limit, shape),
+            start=start.copy(),
+            finish=finish,
+            ends=ends,
+            waiting=waiting.astype(np.int64),
+            settling=settling.astype(np.int64),
+        ),
+        now=Now(
+            y=np.zeros((m, N)),
+            states=np.zeros((m, states)),
+            here=np.zeros((m, terms)),
+            sensed=np.zeros((m, MEASURED + 1)),
+            measured=np.zeros((m, MEASURED)),
+            next=np.zeros((m, max(N, states))),
+            series=np.zeros((m, 3, n)),
+            commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
+            mode=np.zeros(m),
+            bounded=np.zeros(m, np.bool_),
+            peaks=np.zeros((m, PEAKS)),
+            piece=(knots[wind] <= start[:, np.newaxis]).sum(axis=1) - 1,
+            settled=np.zeros(m, np.int64),
+            outcome=np.zeros(m, np.int64),
+            ended=np.full(m, -1, np.int64),
+        ),
         track=np.full((rows, N + 4), np.nan),
     )
 
@@ -243,7 +257,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
     if any(one is None for one in laws.numbers):
         _in_python(f, laws)
         return
-    cases = f.limit.size
+    cases = f.cases.limit.size
     samples, first = float(_last(f).sum()), 0
     seconds = samples * _PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
@@ -252,7 +266,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
             fly(f, first, first + 1)
             seconds, first = perf_counter() - begun, first + 1
     if first < cases:
-        compact = f._replace(laws=_table(f.laws))
+        compact = _compact(f)
         work = samples * _COMPILED
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
 
@@ -261,14 +275,14 @@ def _in_python(f: Flights, laws: LawBatch) -> None:
     """Fly laws that Python must be asked for, all flights of a law at once."""
     stepper, k = Stepper(f), 0
     engage, release = (
-        np.array([getattr(law, name) for law in laws.laws], float)[f.law]
+        np.array([getattr(law, name) for law in laws.laws], float)[f.cases.law]
         for name in ("engage", "release")
     )
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
         while stepper.look(k):
-            going, demand = f.ended < 0, np.zeros(f.limit.size)
+            going, demand = f.now.ended < 0, np.zeros(f.cases.limit.size)
             for place, law in enumerate(laws.laws):
-                mine = np.flatnonzero(going & (f.law == place))
+                mine = np.flatnonzero(going & (f.cases.law == place))
                 if mine.size:
                     demand[mine] = _asked(law, f, mine)
             stepper.advance(k, demand, engage, release)
@@ -282,7 +296,7 @@ class Stepper:
         seconds = float(_last(f).sum()) * _PLAIN / 2.0
         looks, moves = (swiftest(one, seconds) for one in (kernel.look, kernel.advance))
         self._look, self._advance = looks, moves
-        self._flights = f if looks is kernel.look else f._replace(laws=_table(f.laws))
+        self._flights = f if looks is kernel.look else _compact(f)
 
     def look(self, k: int) -> int:
         """Look at all flights at a sample; return how many go on."""
@@ -295,24 +309,26 @@ class Stepper:
 
 def _last(f: Flights) -> IntArray:
     """The samples that flights take at the least."""
-    return np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
+    return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
 
 def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
     """What a law asks for; one flight is told in plain numbers, which take half the time."""
     own = len(law.states[0])
+    states, limit = f.now.states[mine, :own], f.cases.limit[mine]
     if mine.size > 1:
-        measured = Measurement(*f.measured[mine].T)
-        return np.asarray(law.demand(measured, f.states[mine, :own].T, f.limit[mine]), dtype=float)
-    i = int(mine[0])
-    asked = law.demand(Measurement(*f.measured[i].tolist()), f.states[i, :own], float(f.limit[i]))
+        asked = law.demand(Measurement(*f.now.measured[mine].T), states.T, limit)
+    else:
+        measured = Measurement(*f.now.measured[mine[0]].tolist())
+        asked = law.demand(measured, states[0], float(limit[0]))
     return np.asarray(asked, dtype=float)
 
 
-def _table(laws: list[LawNumbers]) -> AnyArray:
-    """The laws as an array with their fields, for machine code."""
+def _compact(f: Flights) -> Flights:
+    """Flights whose laws are an array with their fields, for machine code."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
-    return np.array([tuple(one) for one in laws], dtype=kinds)
+    numbers = np.array([tuple(one) for one in f.laws.numbers], dtype=kinds)
+    return f._replace(laws=f.laws._replace(numbers=numbers))
 
 
 def _places(own: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:

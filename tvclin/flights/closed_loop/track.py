@@ -119,14 +119,14 @@ def _substeps(
     f: Flights, plant: AnyPlant, actuator: Actuator | None, times: FloatArray
 ) -> _Substeps:
     whole = actuated(plant, actuator).select(INPUTS[:1], ())
-    n, N, order = len(plant.states), f.y.shape[1], len(whole.states)
-    limit, track = float(f.limit[0]), _flown(f)
+    n, N, order = len(plant.states), f.now.y.shape[1], len(whole.states)
+    limit, track = float(f.cases.limit[0]), _flown(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
     once, which = np.unique(np.round(u, _DIGITS), return_inverse=True)
     y, (command, last, met) = track[row, :N], track[row, N:-1].T
-    lengths = np.diff(begins, append=f.start[0] + f.lengths[0, 0] * f.ended[0])[row]
+    lengths = np.diff(begins, append=f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
     at = _Substeps(
         onset=float(begins[0]),

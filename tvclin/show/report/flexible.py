@@ -14,6 +14,7 @@ from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, checks
 from tvclin.show.report.figures import inline_svg
+from tvclin.vehicle.filters import cells_of
 from tvclin.vehicle.structure import Structure
 
 _NAME, _TITLE = "flexible", "The flexible vehicle"
@@ -61,7 +62,7 @@ def flexible(found: Findings) -> Section | None:
 
 
 def given(structure: Structure) -> list[Table]:
-    """Return what went in: numbers of modes, of tanks and of the engine, in SI units."""
+    """Return what went in: modes, tanks, the engine and sensors, in SI units."""
     kinds: tuple[tuple[str, str, tuple[Any, ...], dict[str, str]], ...] = (
         ("Bending", "bending", structure.bending, _BENDING),
         ("Slosh", "slosh", structure.slosh, _SLOSH),
@@ -82,7 +83,14 @@ def given(structure: Structure) -> list[Table]:
                 rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
         head = ("quantity", *(f"{name} {k}" for k in range(1, len(every) + 1)))
         tables += [Table(title, head, tuple(rows))] if every else []
-    return tables
+    lags = {"attitude": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
+    sensors = tuple(
+        ((name,), *cells_of(one, f"structure.{name.replace(' ', '_')}"))
+        for name, one in lags.items()
+        if one is not None
+    )
+    head = ("sensor", "zeros", "poles", "gain")
+    return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]
 
 
 def _words(plant: FlexiblePlant) -> Line:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import (
     InputError,
+    array_of,
     between,
     each,
     instance,
@@ -25,6 +26,8 @@ from tvclin.winds.soundings.profile import RANGES, WindProfile
 
 TOO_FEW = "it has fewer than two levels with a height and a wind"
 _MINUTE = "datetime64[m]"
+_STEP = 100.0
+"""Between heights of a mean [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -73,7 +76,7 @@ class Soundings:
         for name, (low, high, unit) in RANGES.items():
             object.__setattr__(self, name, within(name, getattr(self, name), low, high, unit))
         set_ = object.__setattr__
-        set_(self, "offsets", _whole("offsets", self.offsets))
+        set_(self, "offsets", self._whole_offsets())
         set_(self, "times", minutes("times", self.times))
         self._check_shapes()
         text("station", self.station)
@@ -85,6 +88,12 @@ class Soundings:
         set_(self, "why", why)
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
             raise InputError("why must hold a reason for each sounding with fewer than two levels")
+
+    def _whole_offsets(self) -> IntArray:
+        offsets = array_of("offsets", self.offsets, "iu", "a row of integers")
+        if offsets.ndim != 1 or not offsets.size:
+            raise InputError(f"offsets must be a row of integers; got {shown(self.offsets)}")
+        return offsets.astype(np.int64)
 
     def _check_shapes(self) -> None:
         size, offsets = self.height.size, self.offsets
@@ -133,6 +142,33 @@ class Soundings:
             raise InputError(
                 f"an index must be an integer, a slice or a mask; got {shown(index)}"
             ) from None
+
+    def mean(self) -> WindProfile:
+        """Return the mean wind, at every 100 m where at least half of those that can be used go.
+
+        Raises
+        ------
+        InputError
+            Where that is so at fewer than two heights.
+        """
+        each = list(self)
+        top = max((one.height[-1] for one in each), default=0.0)
+        bottom = min((one.height[0] for one in each), default=0.0)
+        height = _STEP * np.arange(np.ceil(bottom / _STEP), np.floor(top / _STEP) + 1.0)
+        total, known = np.zeros((2, height.size)), np.zeros(height.size)
+        for one in each:
+            there = (height >= one.height[0]) & (height <= one.height[-1])
+            total[:, there] += one.at(height[there])
+            known += there
+        often = known >= max(len(each), 1) / 2.0
+        if np.count_nonzero(often) < 2:
+            raise InputError(
+                "a mean wind needs soundings, half of which know the wind at two heights or more;"
+                f" got {len(each)} that can be used"
+            )
+        east, north = total[:, often] / known[often]
+        source = f"the mean of {len(each)} soundings"
+        return WindProfile(height=height[often], east=east, north=north, source=source)
 
     @property
     def counts(self) -> IntArray:
@@ -254,13 +290,3 @@ def minutes(name: str, values: ArrayLike) -> NDArray[np.datetime64]:
         raise InputError(
             f"{name} must be times such as 2024-02-15T12:00, or datetime64; got {shown(values)}"
         ) from None
-
-
-def _whole(name: str, values: ArrayLike | Sequence[int]) -> IntArray:
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "iu" or array.ndim != 1 or not array.size:
-            raise TypeError
-    except Exception:  # whatever a stranger's conversion to an array may raise
-        raise InputError(f"{name} must be a row of integers; got {shown(values)}") from None
-    return array.astype(np.int64)

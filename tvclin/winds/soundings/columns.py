@@ -11,8 +11,7 @@ from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called
 from tvclin.base.units import UNITS
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels, checked_towards
 from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text
 
 _NAMES = {
@@ -50,12 +49,12 @@ class _Column:
     geopotential: bool
 
 
-def find(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[Found]:
     """Return the sounding of a table with units in its header."""
     return [Found(lambda: _read(text, units=True))]
 
 
-def find_openrocket(text: Text) -> list[Found]:
+def openrocket_soundings_in(text: Text) -> list[Found]:
     """Return the sounding of a table altitude,speed,direction in m, m/s and degrees."""
     return [Found(lambda: _read(text, units=False))]
 

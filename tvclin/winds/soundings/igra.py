@@ -11,8 +11,7 @@ import re
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels, checked_towards
 from tvclin.winds.soundings.text import Text
 
 _HEADER = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
@@ -24,7 +23,7 @@ _ABSENT = (-9999.0, -8888.0)
 """Missing, and removed by quality control."""
 
 
-def find(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[Found]:
     """Return the soundings of a station file."""
     headers = [i for i, line in enumerate(text.lines) if line.startswith("#")]
     if not headers:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,28 @@ class Levels:
     geopotential: bool = False
     balloon: bool = False
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Found:
+    """A sounding in a file.
+
+    `read`: reads its levels. `time`: its time, as "2024-01-15 12"; empty where the file does not
+    say. `notes`: notes for its levels.
+    """
+
+    read: Callable[[], Levels]
+    time: str = ""
+    notes: tuple[str, ...] = ()
+
+    def noted(self, note: str) -> Found:
+        """Return the same with a note more."""
+        return replace(self, notes=(*self.notes, note))
+
+    def levels(self) -> Levels:
+        """Return the levels, with the notes."""
+        levels = self.read()
+        return replace(levels, notes=(*levels.notes, *self.notes))
 
 
 def faults(

@@ -146,6 +146,32 @@ class WindProfile(Carded):
         note = f"cut to {bottom:.6g} to {top:.6g} m"
         return self._changed(height, *self.at(height), note)
 
+    def __sub__(self, other: object) -> WindProfile:
+        """Return what is left of the wind if another is taken out of it, where both are known.
+
+        A flight path that is biased for the other wind leaves this to the nozzle.
+
+        Raises
+        ------
+        InputError
+            For profiles without a height in common.
+        """
+        if not isinstance(other, WindProfile):
+            return NotImplemented
+        low = max(self.height[0], other.height[0])
+        high = min(self.height[-1], other.height[-1])
+        if not low < high:
+            raise InputError(
+                f"the wind taken out is known from {other.height[0]:.6g} to"
+                f" {other.height[-1]:.6g} m, and the other one from {self.height[0]:.6g} to"
+                f" {self.height[-1]:.6g} m: no height is in both"
+            )
+        every = np.union1d(self.height, other.height)
+        height = every[(every >= low) & (every <= high)]
+        east, north = (a - b for a, b in zip(self.at(height), other.at(height), strict=True))
+        out = f"without the wind of {other.source}" if other.source else "a mean wind taken out"
+        return self._changed(height, east, north, out)
+
     def smoothed(self, thickness: float) -> Self:
         """Return the running mean over layers of a thickness [m] about each level.
 

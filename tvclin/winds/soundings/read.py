@@ -5,17 +5,16 @@ from os import PathLike
 
 from tvclin.base.errors import InputError, one_of, shown
 from tvclin.winds.soundings import columns, igra, rocketpy, wyoming
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import profile_of
+from tvclin.winds.soundings.levels import Found, profile_of
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text, read_lines
 
 READERS = {
-    "csv": columns.find,
-    "openrocket": columns.find_openrocket,
-    "wyoming": wyoming.find,
-    "igra": igra.find,
-    "rocketpy": rocketpy.find,
+    "csv": columns.soundings_in,
+    "openrocket": columns.openrocket_soundings_in,
+    "wyoming": wyoming.soundings_in,
+    "igra": igra.soundings_in,
+    "rocketpy": rocketpy.soundings_in,
 }
 _SHOWN = 5
 

@@ -15,9 +15,8 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
 from tvclin.winds.soundings import columns
 from tvclin.winds.soundings.archive import Soundings, minutes
-from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.igra_archive import is_station, read_station
-from tvclin.winds.soundings.levels import profile_of
+from tvclin.winds.soundings.levels import Found, profile_of
 from tvclin.winds.soundings.many import Collected, Wanted
 from tvclin.winds.soundings.read import READERS, recognised
 from tvclin.winds.soundings.text import Text, read_lines

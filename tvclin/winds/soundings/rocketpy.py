@@ -11,14 +11,13 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import Levels, levels_in_words
+from tvclin.winds.soundings.levels import Found, Levels, levels_in_words
 from tvclin.winds.soundings.text import Text
 
 _LISTS = ("wind_u", "wind_v")
 
 
-def find(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[Found]:
     """Return the sounding of the lists wind_u and wind_v of (height m, m/s)."""
     return [Found(lambda: _read(text))]
 

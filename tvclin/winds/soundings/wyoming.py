@@ -8,8 +8,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.units import UNITS
-from tvclin.winds.soundings.found import Found
-from tvclin.winds.soundings.levels import Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels, checked_towards
 from tvclin.winds.soundings.text import Text
 
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
@@ -19,7 +18,7 @@ _TITLE = re.compile(r"(.*Observations.* at (\d\d) ?(?:Z|UTC) (\d\d) (\w{3}) (\d{
 _LONG = 300
 
 
-def find(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[Found]:
     """Return the soundings of a text list: one below each header PRES HGHT ..."""
     headers = [i for i, line in enumerate(text.lines) if re.search(r"\bPRES\s+HGHT\b", line)]
     if not headers:

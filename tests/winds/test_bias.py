@@ -1,0 +1,85 @@
+"""A mean wind taken out of another: what a biased flight path leaves to the nozzle."""
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tests.archives import Balloon, jet, write
+from tvclin.cli.app import app
+
+SOUNDINGS = Path(__file__).parents[1] / "soundings"
+LOW = tv.winds.WindProfile(height=[0.0, 1000.0, 9000.0], east=[2.0, 4.0, 20.0], north=[0, 1, 5])
+HIGH = tv.winds.WindProfile(height=[500.0, 3000.0, 12000.0], east=[1.0, 6.0, 9.0], north=[2, 3, 4])
+
+
+def test_what_is_left_is_the_difference_at_every_height_that_both_know():
+    left = LOW - HIGH
+    assert (left.height[0], left.height[-1]) == (500.0, 9000.0)
+    heights = np.linspace(500.0, 9000.0, 301)
+    for got, a, b in zip(left.at(heights), LOW.at(heights), HIGH.at(heights), strict=True):
+        assert got == pytest.approx(a - b, abs=1e-12)
+
+
+def test_the_wind_that_is_met_is_the_difference_of_those_that_are_met():
+    """Eq (B1e) is linear in the wind speed; between fewer levels an angle is straight."""
+    flight = SimpleNamespace(
+        time=np.linspace(0.0, 40.0, 9),
+        height=np.linspace(100.0, 8900.0, 9),
+        speed=np.linspace(50.0, 600.0, 9),
+        flight_path_angle=np.linspace(1.5, 1.0, 9),
+    )
+    times = np.linspace(0.0, 40.0, 81)
+    both = [one.to_wind(flight, azimuth=1.0)(times) for one in (LOW, HIGH)]
+    left = (LOW - HIGH).to_wind(flight, azimuth=1.0)
+    inside = left(times) != 0.0
+    assert np.count_nonzero(inside) > 5
+    knots = np.intersect1d(np.intersect1d(left.time, times), times[inside])
+    there = np.isin(times, knots)
+    assert knots.size > 5
+    assert left(times)[there] == pytest.approx((both[0] - both[1])[there], rel=2e-3)
+
+
+def test_profiles_without_a_common_height_are_refused():
+    with pytest.raises(tv.InputError, match="no height is in both"):
+        LOW.between(0.0, 400.0) - HIGH
+    with pytest.raises(TypeError):
+        LOW - 1.0
+
+
+def test_the_mean_of_an_archive_is_that_of_its_profiles(tmp_path):
+    balloons = [Balloon(f"2023-02-{day:02d}T00", jet(6.0 * day)) for day in range(1, 5)]
+    archive = tv.read_soundings(write(tmp_path / "s-data.txt", balloons))
+    mean = archive.mean()
+    expected = np.mean([one.at(mean.height) for one in archive], axis=0)
+    assert np.array([mean.east, mean.north]) == pytest.approx(expected, abs=1e-9)
+    assert mean.source == "the mean of 4 soundings"
+    with pytest.raises(tv.InputError, match="got 0 that can be used"):
+        archive[:0].mean()
+
+
+def asked(*options):
+    words = ("optimum", "configuration-i", "--winds", SOUNDINGS / "wyoming.txt", *options)
+    return CliRunner().invoke(app, [*map(str, words), "--azimuth-deg", "90", "--json"])
+
+
+def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
+    plain = json.loads(asked().stdout)
+    biased = json.loads(asked("--bias", SOUNDINGS / "table.csv").stdout)
+    assert plain["wind"]["peak_deg"] != biased["wind"]["peak_deg"]
+    station = write(tmp_path / "s-data.txt", [Balloon("2023-02-01T00", jet(6.0))])
+    month = asked("--bias", station, "--bias-month", 2)
+    assert month.exit_code == 0
+    for options, words in (
+        (("--bias", SOUNDINGS / "wyoming.txt"), "zero"),
+        (("--bias", station, "--bias-month", 3), "got 0"),
+        (("--bias", SOUNDINGS / "table.csv", "--bias-month", 2), "station"),
+        (("--bias-month", 2), "--bias"),
+    ):
+        refused = asked(*options)
+        assert refused.exit_code == 2, options
+        assert words in " ".join(refused.output.split())
