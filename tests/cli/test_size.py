@@ -432,7 +432,7 @@ def test_gusts_and_signs_without_meaning_are_refused(given, words) -> None:
 def test_both_planes_stand_beside_each_plane_alone() -> None:
     given = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
     both = run("size", "configuration-i", "--plane", "both", "--stop", "square", *given)
-    assert "pitch is too little by" in " ".join(both.output.split())
+    assert "pitch alone misses" in " ".join(both.output.split())
     document = json.loads(
         run(
             "size", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"

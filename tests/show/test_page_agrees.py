@@ -46,9 +46,10 @@ FLEXIBLE = {
     "nozzle": {"limit_deg": 3.0, "stop": "square", "actuator_frequency_Hz": 10.0},
     "autopilot": {
         **{"design": "poles", "natural_frequency_rad_per_s": 1.5, "damping": 0.8},
-        **{"delay_ms": 10, "sample_rate_Hz": 50.0},
+        **{"delay_ms": 10, "sample_rate_Hz": 100.0},
         "filter": [
-            {"kind": "notch", "frequency_Hz": 5.6, "zero_damping": 0.05, "pole_damping": 0.5}
+            {"kind": "notch", "frequency_Hz": 5.6, "zero_damping": 0.05, "pole_damping": 0.5},
+            {"kind": "low-pass", "frequency_Hz": 12.0, "damping": 0.7},
         ],
     },
     "schedule": {"source": "made-up-launcher"},

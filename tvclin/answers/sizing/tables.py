@@ -71,7 +71,7 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
         tables.append(of_names(caption, frozen, (f"{name} off by [%]",), off))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
-        head = ["time [s]", "both planes", *alone, "pitch is too little by [%]"]
+        head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
         calm = next(
             (counted.removesuffix(x) for x in IN_A.values() if counted.endswith(x)), counted
         )

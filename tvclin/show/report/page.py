@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
-    verdict.asked,
     vehicle.vehicle,
+    verdict.asked,
     sections.boundaries,
     planes.both_planes,
     sections.response,

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
 _SIGNS = {
-    None: "of calm air, and met in a head and a tail wind: the worst counts",
-    "head": "that met in a head wind",
-    "tail": "that met in a tail wind",
-    "frozen": "that of calm air",
+    None: "the worst of calm air, head and tail wind",
+    "head": "met in a head wind",
+    "tail": "met in a tail wind",
+    "frozen": "of calm air",
 }
 _SWITCHES = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 _ABOVE = 1.1
