@@ -36,6 +36,11 @@ def plan(**tables: object) -> tv.answers.StudyPlan:
     return parse_study({"study": HEAD, "wind": WIND} | tables)
 
 
+def test_a_study_names_the_sign_that_counts() -> None:
+    for sign in ("head", "tail", "frozen"):
+        assert parse_study({"study": HEAD | {"sign": sign}, "wind": WIND}).sign == sign
+
+
 def test_the_example_says_what_its_keys_say() -> None:
     found = parse_study(tomllib.loads(example()))
 

@@ -1,6 +1,7 @@
 """`tvclin availability`: on how many days of an archive the nozzle is enough."""
 
 from dataclasses import dataclass
+from math import radians
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +14,7 @@ from tvclin.answers.availability.record import Availability, Today
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
-from tvclin.cli.inputs import note_source, only_with, radians_of
+from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import (
     GROUP,
     GUST,
@@ -114,7 +115,9 @@ class JudgedOptions:
             raise InputError("give --persistence-deg or --persistence-hours, not both")
         if self.persistence_hours is not None:
             return PairGrowth(self.persistence_hours)
-        return radians_of("--persistence-deg", self.persistence_deg, 0.0)
+        if self.persistence_deg is None:
+            return None
+        return radians(within("--persistence-deg", self.persistence_deg, 0.0, 90.0))
 
     @property
     def balloon(self) -> WindProfile | None:

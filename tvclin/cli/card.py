@@ -8,6 +8,7 @@ import typer
 
 from tvclin.answers.nozzle_cards.whole import flight_card
 from tvclin.base.errors import nonnegative, number, one_of
+from tvclin.base.lines import listed
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import (
@@ -36,8 +37,7 @@ def card(
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
     law: str | None = asked(
-        "The law that is flown: autopilot (the gains below), trim, dead-band, half-relief or"
-        " recoverable-attitude.",
+        f"The law that is flown: {listed(LAWS, 'or')}; gains below are of {AUTOPILOT}.",
         shown="that of the study file, or trim",
     ),
     sheet: Given = Given(NOZZLE, at="nozzle"),

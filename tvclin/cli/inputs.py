@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import radians
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.answers.case import Case
 from tvclin.answers.parts import told, wholly_rigid
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
-from tvclin.base.errors import InputError, within
+from tvclin.base.errors import InputError
 from tvclin.base.files import tables_of
 from tvclin.base.lines import listed
 from tvclin.cli.output import say
@@ -90,11 +89,6 @@ def note_source(source: str, question: str) -> None:
         return
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
         case_of(source, told=(question,))
-
-
-def radians_of(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
-    """Return the angle [rad] of an option, at least so many degrees; None without it."""
-    return None if degrees is None else radians(within(name, degrees, lowest, 90.0))
 
 
 def chosen(option: T | None, otherwise: T) -> T:

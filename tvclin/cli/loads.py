@@ -6,6 +6,7 @@ import typer
 from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.lines import listed
 from tvclin.boundary.loads import load_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -33,8 +34,8 @@ def loads(
     limits: Given = BOTH_LIMITS,
     bound: Given = Given("answers.load.LoadBound", "load", "load"),
     law: list[str] | None = asked(
-        "Also fly this law with the limit, and tell its load: autopilot (the gains below), trim,"
-        " dead-band, half-relief or recoverable-attitude. May be given several times.",
+        f"Also fly this law with the limit, and tell its load: {listed(LAWS, 'or')}; gains below"
+        f" are of {AUTOPILOT}. May be given several times.",
         shown="none is flown",
     ),
     samples: Given = SAMPLE_RATE,

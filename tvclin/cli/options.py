@@ -117,10 +117,9 @@ class Given:
             return plan
         if not self.at:
             return replace(plan, **self.values)
-        part = plan.asked if self.at == "design" else getattr(plan, self.at)
-        if part is None:
-            return replace(plan, **{self.at: self._kind(**self.values)})
-        return replace(plan, **{self.at: replace(part, **self.values)})
+        part = getattr(plan, self.at)
+        made = self._kind(**self.values) if part is None else replace(part, **self.values)
+        return replace(plan, **{self.at: made})
 
     def only_with(self, needed: str, *names: str) -> None:
         """Raise `InputError` if options are given that mean nothing without something else."""

@@ -31,7 +31,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     if "cases" in document.get("campaign", {}):
         parse_campaign(document, folder)
     head, drawn = document.get("study", {}), document.get("campaign", {})
-    given = {key: head[key] for key in ("dead_band", "switch", "sign") if key in head}
+    given = {key: head[key] for key in ("dead_band", "switch") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
