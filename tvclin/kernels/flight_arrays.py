@@ -21,10 +21,11 @@ class Steps(NamedTuple):
     terms)``. `fine`: J of a substep of each part, likewise. `substeps`: how many a part has, ``(p,
     parts)``. `ramp`: what the deflection at both ends of a substep does to the vehicle, ``(p,
     parts, n, 2)``; where its acceleration is an input, then what its rates before and after do,
-    ``(p, parts, n, 4)``. `lengths`: of a step, and of its parts [s], ``(p, 1 + parts)``. `quick`:
-    what a nozzle of first order would move in a substep with the rate it begins with, over the way
-    that is left; infinite without one, zero for one of second order, ``(p, parts)``. `late`: whole
-    samples by which a command is late, ``(p,)``.
+    ``(p, parts, n, 4)``. `lengths`: of a step, and of its parts [s], ``(p, 1 + parts)``. `short`:
+    of a substep of each part [s], ``(p, parts)``. `quick`: what a nozzle of first order would move
+    in a substep with the rate it begins with, over the way that is left; infinite without one, zero
+    for one of second order, ``(p, parts)``. `late`: whole samples by which a command is late,
+    ``(p,)``.
     """
 
     joint: FloatArray
@@ -32,6 +33,7 @@ class Steps(NamedTuple):
     substeps: IntArray
     ramp: FloatArray
     lengths: FloatArray
+    short: FloatArray
     quick: FloatArray
     late: IntArray
 

@@ -30,11 +30,11 @@ def raised(peaks: FloatArray, row: int, value: float) -> None:
 def through(f: Flights, i: int, part: int, k: int, c: float, begin: float, end: float) -> None:
     """Move vehicle and nozzle through a part of a step, with the command c."""
     p = f.cases.vehicle[i]
-    length, count = f.steps.lengths[p, 1 + part], f.steps.substeps[p, part]
+    short, count = f.steps.short[p, part], f.steps.substeps[p, part]
     whole = count > 1 and unbounded(f, i, part, c)
     first, steps = begin, 1 if whole else count
     for step in range(steps):
-        last = begin + length * (step + 1) / count if step < steps - 1 else end
+        last = begin + short * (step + 1) if step < steps - 1 else end
         if step > 0:
             about(f, i, first)
         moved(f, i, part, whole, c)
@@ -63,7 +63,7 @@ def unbounded(f: Flights, i: int, part: int, c: float) -> bool:
         widest, quickest = max(widest, abs(later)), max(quickest, abs(later - s))
         s, v = later, rate
     raised(f.now.peaks[i], 2, min(widest, f.cases.limit[i]))
-    raised(f.now.peaks[i], 3, quickest * f.steps.substeps[p, part] / f.steps.lengths[p, 1 + part])
+    raised(f.now.peaks[i], 3, quickest / f.steps.short[p, part])
     return True
 
 
@@ -84,8 +84,7 @@ def moved(f: Flights, i: int, part: int, whole: bool, c: float) -> None:
             jerked(f, i, f.steps.ramp[p, part])
     if f.steps.substeps[p, part] > 1:
         raised(f.now.peaks[i], 2, last)
-        length = f.steps.lengths[p, 1 + part]
-        raised(f.now.peaks[i], 3, (last - first) * f.steps.substeps[p, part] / length)
+        raised(f.now.peaks[i], 3, (last - first) / f.steps.short[p, part])
 
 
 @inlined
@@ -135,7 +134,7 @@ def meets(
     the length of the substep, so that it is compared with what the limited rate covers in it.
     """
     p, most = f.cases.vehicle[i], f.cases.rate_limit[i]
-    reach = most * f.steps.lengths[p, 1 + part] / f.steps.substeps[p, part]
+    reach = most * f.steps.short[p, part]
     if abs(c - s) * f.steps.quick[p, part] > reach or abs(later - s) > reach:
         return True
     if max(abs(later), abs(s)) > _BEYOND * f.cases.limit[i]:
@@ -152,7 +151,7 @@ def held_back(f: Flights, i: int, part: int, c: float) -> bool:
     v, rate = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
     if not meets(f, i, part, c, y[n], v, new[n], rate):
         return False
-    reach = most * f.steps.lengths[p, 1 + part] / f.steps.substeps[p, part]
+    reach = most * f.steps.short[p, part]
     if abs(new[n] - y[n]) > reach:
         new[n] = y[n] + (reach if new[n] > y[n] else -reach)
     if second and max(abs(rate), abs(v)) >= most:

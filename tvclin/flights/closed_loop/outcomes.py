@@ -38,24 +38,14 @@ class Judging(NamedTuple):
 
 def judging(plant: AnyPlant) -> Judging:
     """Return what judges the flights of a batch of plants, flattened."""
-    size = int(np.prod(plant.batch))
-    poles = that_grow(plant.poles)
-    poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
-    columns = np.ascontiguousarray(poles.T)
-    real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
-    count = np.sum(~np.isnan(columns), axis=0)
-    known = real & (count > 0) & (count <= MOST_MODES)
-    s = np.full((MOST_MODES, len(poles)), np.nan)
-    width = min(MOST_MODES, poles.shape[-1])
-    s[:width] = np.real(columns[:width])
-    fast, slow = np.where(known, s[0], 1.0), s[1]
-    two = known & ~np.isnan(slow)
+    fast, slow, reach = _growing(plant)
+    two, B = ~np.isnan(slow), np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
     slow = np.where(two, slow, fast)
-    B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
-    second = np.where(two[:, np.newaxis], _coordinate(plant, slow, B), 0.0)
+    first = _coordinate(plant, fast, B)
+    second = _coordinate(plant, slow, B) if np.any(two) else first
     return Judging(
-        rows=np.stack([_coordinate(plant, fast, B), second], axis=1),
-        reach=1.0 / np.abs(np.where(known, B, np.nan)),
+        rows=np.stack([first, np.where(two[:, np.newaxis], second, 0.0)], axis=1),
+        reach=reach,
         ratio=np.where(two, slow / fast, 0.0),
         settling=SETTLING / fast,
         waiting=WAITING / slow,
@@ -64,8 +54,25 @@ def judging(plant: AnyPlant) -> Judging:
 
 def decidable(plant: AnyPlant) -> BoolArray:
     """Return which plants of a batch have one or two real unstable poles and a moment."""
-    judges = judging(plant)
-    return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)
+    reach = _growing(plant)[-1]
+    return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
+
+
+def _growing(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The fast and the slow real unstable pole, NaN where there is none, and `reach`."""
+    poles = that_grow(plant.poles)
+    size = int(np.prod(plant.batch))
+    poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
+    columns = np.ascontiguousarray(poles.T)
+    real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
+    count = np.sum(~np.isnan(columns), axis=0)
+    known = real & (count > 0) & (count <= MOST_MODES)
+    s = np.full((MOST_MODES, len(poles)), np.nan)
+    width = min(MOST_MODES, poles.shape[-1])
+    s[:width] = np.real(columns[:width])
+    fast, slow = np.where(known, s[0], 1.0), np.where(known, s[1], np.nan)
+    B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
+    return fast, slow, 1.0 / np.abs(np.where(known, B, np.nan))
 
 
 def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:

@@ -196,6 +196,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             substeps=substeps,
             ramp=even_steps(plant, short),
             lengths=lengths,
+            short=short,
             quick=np.where(short > 0.0, pace * short, 0.0),
             late=late.astype(np.int64),
         ),
