@@ -240,3 +240,25 @@ def test_a_sounding_needs_what_a_flight_in_its_air_needs(east: float) -> None:
     for need, name in zip(needed.required, ("K = 1, varying", "K = 0.5, varying"), strict=True):
         assert found[name][0, 0] == pytest.approx(need, rel=1e-3)
         assert (found[name] > bare[name]) == (east < 0.0)
+
+
+def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
+    """Trim and demand meet on one of 64 straight lines: (beta T/64)^2/8, and T is 12 s at most."""
+    vehicle = tv.load_vehicle("configuration-i")
+    gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0)
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust, gust_at=3.0)
+    spread = tv.Dispersions((
+        tv.Dispersion("thrust", "uniform", 0.05),
+        tv.Dispersion("wind_peak", "uniform", 0.2),
+        tv.Dispersion("wind_duration", "uniform", 0.3),
+    ))  # fmt: skip
+    case = tv.Case(vehicle=vehicle, wind=wind)
+    found = tv.answers.disperse_study(tv.Study.of(case), spread, cases=6)
+    for i, needed in enumerate(found.deflection.tolist()):
+        peak, duration, thrust = (
+            float(found.values[name][i]) for name in ("wind_peak", "wind_duration", "thrust")
+        )
+        at = 3.0 + 0.5 * (duration - 7.5)
+        blows = replace(wind, peak=peak, duration=duration, gust_at=at)
+        alone = tv.Study.of(replace(case, vehicle=vehicle.replace(thrust=thrust), wind=blows))
+        assert needed == pytest.approx(alone.required_deflection, rel=2e-3)

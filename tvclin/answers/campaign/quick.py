@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
 from tvclin.answers.campaign.outputs import required_name
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.statistics import (
@@ -16,7 +16,7 @@ from tvclin.answers.campaign.statistics import (
     shares,
     success_probability,
 )
-from tvclin.answers.requirement import covers
+from tvclin.answers.requirement import covers, required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.arrays import AnyArray, FloatArray
@@ -25,7 +25,12 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import WindEnsemble
 
+_QUICK_CASES, _BETWEEN = 2000, 16
+"""Cases of `part_in_a_wind`, and samples of its wind between two knots."""
 _MOST_CASES = 10_000_000
 """Cases that are held in memory at once; a campaign has more."""
 
@@ -46,8 +51,9 @@ class DispersedStudy(Shown):
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        of both planes where the study judges both; NaN where there is none. With the factor that
-        the sign which counts has for the nominal vehicle in a wind of the size of the case.
+        of both planes where the study judges both; NaN where there is none. With the factor of the
+        sign which counts: of each case, or of a wind with a direction that of the nominal vehicle
+        in a wind of its size.
     status : ndarray of str
         Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
     required : Quantile
@@ -188,8 +194,9 @@ def disperse_study(
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
     values = {name: found[name] for name in dispersions.parameters}
-    peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
-    deflection[good] *= study.factors_at(np.abs(peaks[good] / study.blows.peak))
+    if study.case.heading is not None:
+        peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
+        deflection[good] *= study.factors_at(np.abs(peaks[good] / study.blows.peak))
     counted = deflection[good]
     return DispersedStudy(
         nominal=study,
@@ -220,8 +227,33 @@ def _campaign(
         plane=study.plane,
         dead_bands=(study.dead_band,),
         method=method,
+        sign=study.sign if study.case.heading is None else FROZEN,
+    )
+
+
+def part_in_a_wind(
+    vehicle: Vehicle, wind: History, model: str, plane: str, dead_band: float
+) -> float:
+    """Return what default dispersions of a vehicle add in a wind that is none of the standard ones.
+
+    As a part of what the nominal vehicle needs, of 2000 cases, as `DispersedStudy.part`.
+    """
+    times = np.unique(wind.probe_times(_BETWEEN))
+    own = tuple(one for one in DEFAULT_DISPERSIONS.each if one.parameter not in WIND)
+    campaign = Campaign(
+        vehicle=vehicle,
+        wind=WindEnsemble(times, wind(times)[np.newaxis]),
+        dispersions=Dispersions(own),
+        cases=_QUICK_CASES,
+        model=model,
+        plane=plane,
+        dead_bands=(dead_band,),
         sign=FROZEN,
     )
+    needs = evaluate(campaign, 0, campaign.cases)[required_name(dead_band)]
+    nominal = abs(float(required_deflection(campaign.rigid_plant, wind, dead_band).deflection))
+    upper = quantile_bound(needs[~np.isnan(needs)], campaign.probability, campaign.confidence).upper
+    return upper / nominal - 1.0
 
 
 def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:

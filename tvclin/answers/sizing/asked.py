@@ -256,6 +256,10 @@ class SizingAsked:
             stop=case.nozzle.stop or "round",
             progress=progress,
         )
+        if self.soundings and f"K = {found.dead_bands[0]:g}{VARYING}" in found.required:
+            air = "of calm air" if getattr(case, "sign", None) == FROZEN else "that the wind makes"
+            said = f"each K{VARYING} in {', '.join(self.soundings)} has the dynamic pressure {air}"
+            found = replace(found, notes=(*found.notes, said))
         return self._by_sign(case, found)
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
