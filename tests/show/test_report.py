@@ -295,6 +295,7 @@ def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
     schedule = tv.load_schedule("configuration-i")
     found: dict[str, float] = {}
     totals: dict[float, dict[str, float]] = {}
+    ratios: dict[float, dict[str, float]] = {}
     for i, time in enumerate((60.0, 70.0, 80.0, 90.0)):
         vehicle = schedule.at(time)
         plant = tv.Plant.from_vehicle(vehicle, "fixed-path")
@@ -324,8 +325,15 @@ def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
         systematic, random = [*lines.values()][:2], [*lines.values()][2:]
         lines["total"] = sum(systematic) + np.sqrt(np.sum(np.square(random)))
         totals[lines["total"]] = lines
-    worst = totals[max(totals)]
+        taken = lines | {"wind": 5.0 * plant.coefficients.B}
+        offsets = (taken["thrust_offset"], taken["centre_of_gravity_offset"])
+        taken["takes"] = taken["nominal_flight"] + taken["wind"] + np.hypot(*offsets)
+        ratios[taken["takes"]] = taken
+    worst, taken = totals[max(totals)], ratios[max(ratios)]
     found |= {f"total.{name}_deg": value for name, value in worst.items()}
+    parts = ("nominal_flight", "wind", "thrust_offset", "centre_of_gravity_offset", "takes")
+    found |= {f"ratio.{name}_deg": taken[name] for name in parts}
+    found |= {"ratio.limit_deg": 0.4, "ratio.ratio": 0.4 / taken["takes"]}
     return found | {
         "total.reserve_percent": 10.0,
         "total.required_deg": worst["total"] / 0.9,

@@ -118,7 +118,7 @@ def flight_card(
         asked,
         law,
         number("noise", noise, nonnegative, "rad/s"),
-        seed,
+        whole_number("seed", seed),
         number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
     )

@@ -129,9 +129,10 @@ def read_log(
     >>> found.schedule.span, found.wind.time.size
     ((2.0, 8.0), 7)
     """
-    sheet = _sheet(path, columns)
-    named = columns if columns is not None else _by_our_names(sheet)
-    wanted = map_of(named, _KNOWN)
+    wanted = None if columns is None else map_of(columns, _KNOWN)
+    sheet = _sheet(path, None if wanted is None else str(wanted["time"][2]))
+    if wanted is None:
+        wanted = map_of(_by_our_names(sheet), _KNOWN)
     found = mapped_columns(sheet, wanted, _KNOWN)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
     flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
@@ -147,10 +148,9 @@ def read_log(
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][kept], angle=angle[kept]))
 
 
-def _sheet(path: str | PathLike[str], columns: Mapping[str, str | float] | None) -> Sheet:
+def _sheet(path: str | PathLike[str], time: str | None) -> Sheet:
     if a_path("path", path).suffix.lower() == ".mat":
         return matlab_sheet(path)
-    time = None if columns is None else columns.get("time", columns.get("time_s"))
 
     def is_header(found: tuple[Heading, ...]) -> bool:
         if time is not None:

@@ -134,7 +134,7 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
         bare = key if isinstance(key, str) and key in quantities else None
         if bare is None and key not in known:
             raise InputError(
-                f"columns must be among {', '.join(quantities)}, with or without a unit; got"
+                f"columns must be among {', '.join(QUANTITIES)}, with or without a unit; got"
                 f" {shown(key)}"
             )
         name, factor = (bare, None) if bare is not None else known[key]

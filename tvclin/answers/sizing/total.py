@@ -15,6 +15,7 @@ from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
+    between,
     each,
     finite,
     instance,
@@ -37,6 +38,8 @@ _WIDEST = 1e9
 """Deflections beyond this [rad] mean nothing."""
 _SMALL = float(np.radians(0.001))
 """A shortfall below it [rad] would be nothing in three digits behind the point."""
+_RATES = (1e-15, 1e9)
+"""Rates [rad/s] that can be told from none, and from any."""
 KINDS = ("systematic", "random")
 
 
@@ -111,7 +114,7 @@ class DeflectionTotal(Shown):
         if self.time is not None:
             number("time", self.time, unit="s")
         if self.rate_limit is not None:
-            number("rate_limit", self.rate_limit, positive, "rad/s")
+            number("rate_limit", self.rate_limit, between(*_RATES), "rad/s")
 
     _keys = "time_s total_deg reserve limit_deg required_deg"
 
@@ -330,6 +333,8 @@ def worst_total(
     """
     instance("sizing", sizing, Sizing, "see size")
     part = number("dispersion", dispersion, nonnegative)
+    if rate_limit is not None:
+        rate_limit = number("rate_limit", rate_limit, between(*_RATES), "rad/s")
     winds = sizing.at_times(name)
     if np.all(np.isnan(winds)):
         why = "; ".join(sizing.said or sizing.notes)
