@@ -35,6 +35,7 @@ from tvclin.base.errors import (
     number,
     one_of,
     positive,
+    whole_number,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.rates import ramp_rate, ramped_deflection
