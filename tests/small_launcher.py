@@ -1,8 +1,11 @@
 """A made-up launcher of 25 t, from the pad to burnout: vertical at first, then a gravity turn."""
 
+from pathlib import Path
+
 import numpy as np
 
 import tvclin as tv
+from tvclin.base.arrays import FloatArray
 from tvclin.flights.atmosphere import standard_atmosphere
 
 KEYS = (
@@ -12,7 +15,7 @@ KEYS = (
 STEP, ROW, BURNOUT = 0.01, 50, 122.0
 
 
-def rows():
+def rows() -> FloatArray:
     """A row of `KEYS` every half second; in the first the vehicle stands still."""
     mass, speed, path, height, found = 25e3, 0.0, np.pi / 2, 0.0, []
     for k in range(round(BURNOUT / STEP) + 1):
@@ -48,14 +51,14 @@ def rows():
     return np.array(found, dtype=float)
 
 
-def write(path):
+def write(path: Path) -> Path:
     """Write the schedule, with its first row."""
     lines = [",".join(f"{x:.12g}" for x in row) for row in rows()]
     path.write_text("\n".join([KEYS, *lines]) + "\n")
     return path
 
 
-def sounding(strength=1.0):
+def sounding(strength: float = 1.0) -> tv.WindProfile:
     """A wind that blows on the ground too, with a jet at 12 km."""
     height = np.array([0, 50, 200, 500, 1e3, 2e3, 4e3, 6e3, 8e3, 1e4, 12e3, 14e3, 16e3, 2e4, 6e4])
     speed = strength * np.array([6, 8, 10, 12, 14, 18, 26, 35, 45, 55, 58, 50, 35, 15, 10])

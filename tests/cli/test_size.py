@@ -120,7 +120,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
     given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
-    pulse = ("--duration", "7.5", "--gust-at", "3.75")
+    pulse = ("--duration", "7.5", "--gust-at", "3.75", "--sign", "frozen")
     document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
@@ -233,7 +233,7 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
 @pytest.mark.parametrize(
     "more",
     [
-        ("--gust", "1", "2"),
+        pytest.param(("--gust", "1", "2"), marks=pytest.mark.thorough),
         ("--plane", "both", "--wind-direction-deg", "250", "--azimuth-deg", "30"),
     ],
 )
@@ -258,11 +258,6 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
     ("arguments", "words"),
     [
         (("configuration-i", "--count", "trim", "--disperse", *FAST), "--disperse needs a dead"),
-        (("configuration-i", *FLOWN, "--disperse", "--to", "60"), "the worst wind is wyoming.txt"),
-        (
-            ("configuration-i", *FLOWN, "--from", "90"),
-            "K = 1 is not defined at any flight time: wyoming.txt is known from 3.0 km",
-        ),
         (("nowhere.csv",), "nowhere.csv"),
         (
             ("configuration-i", "--from", "90", "--to", "60"),
@@ -292,7 +287,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
             "low.csv: the flight does not reach the wind: it goes from 3045.19",
         ),
         (
-            ("configuration-i", *FLOWN, "--disperse", "--peak-deg", "1", *FAST),
+            ("configuration-i", *FLOWN, "--disperse", "--plane", "both", *FAST),
             "the worst wind is wyoming.txt",
         ),
         (
@@ -417,7 +412,6 @@ def test_a_gust_is_given_by_its_speed_and_stays_at_its_peak() -> None:
         (("--gust", "1", "2", "--gust-speed", "9", "2"), "not both"),
         (("--gust-plateau", "1"), "--gust-plateau needs --gust"),
         (("--gust", "1", "2", "--gust-plateau", "2"), "must be shorter than the gust"),
-        (("--gust-speed", "9", "2", *FLOWN), "has an angle: give it in degrees"),
         (("--sign", "up"), "sign"),
         (("--sign", "head", *FLOWN), "--sign needs a pulse"),
         (("--sign", "head", "--wind-direction-deg", "270", "--azimuth-deg", "90"), "leave sign"),

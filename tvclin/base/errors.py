@@ -35,6 +35,10 @@ class InputError(ValueError):
     """An argument, a key or a file that cannot be used; the message says how to mend it."""
 
 
+class NotKnownError(InputError):
+    """What nothing is known of for one case, as where a wind is too steep; others go on."""
+
+
 @contextmanager
 def naming(what: str) -> Iterator[None]:
     """Let each line of an `InputError` within begin with the file, table or row it is about."""

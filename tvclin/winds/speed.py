@@ -6,7 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, directions, finite, number, positive, together
+from tvclin.base.errors import (
+    InputError,
+    NotKnownError,
+    directions,
+    finite,
+    number,
+    positive,
+    together,
+)
 
 _STEPS = 8
 _AXIS = 1e-12
@@ -40,9 +48,9 @@ def angle_from_speed(
     with np.errstate(over="ignore"):  # an infinite ratio is refused with the others
         sine = speed * np.sin(path) / velocity
     if np.any(np.abs(sine) > 1.0):
-        raise InputError(
-            "speed must stay below velocity / sin(flight_path_angle); got a ratio of"
-            f" {np.abs(sine).max():.6g}"
+        raise NotKnownError(
+            "speed must stay below velocity / sin(flight_path_angle), or none can meet it; got a"
+            f" ratio of {np.abs(sine).max():.6g}"
         )
     return np.arcsin(sine)
 
@@ -97,7 +105,7 @@ def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[floa
         ratio = min(ratio - 0.5 * float((angles @ angles - size**2) / slope), most * (1.0 - _AXIS))
     pitch, yaw = np.copysign(1.0, size) * np.arcsin(ratio * np.array([along, across]))
     if not np.isclose(np.hypot(pitch, yaw), abs(size), rtol=1e-9, atol=0.0):
-        raise InputError(
+        raise NotKnownError(
             f"peak must be an angle that a wind slower than the flight makes; got {size:.6g} rad"
         )
     return float(pitch), float(yaw)
@@ -114,4 +122,6 @@ def angles_from_speed(
     parts = along_and_across(number("heading", heading, directions, "rad"), float(attitude))
     wind = number("speed", speed, unit="m/s")
     pitch, yaw = (float(angle_from_speed(wind * one, velocity, np.pi / 2)) for one in parts)
+    if (size := np.degrees(np.hypot(pitch, yaw))) >= 90.0:
+        raise NotKnownError(f"speed must make a vector of angles below 90 deg; got {size:.4g} deg")
     return pitch, yaw

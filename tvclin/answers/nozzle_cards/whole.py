@@ -23,7 +23,7 @@ from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
-from tvclin.answers.sizing.placing import PlacedWind, WindOf, known_times, place_in
+from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
 from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratio
 from tvclin.base.arrays import FloatArray
@@ -128,10 +128,11 @@ def flight_card(
     unknown = []
     for i, time in enumerate(times.tolist()):
         for j, (name, wind) in enumerate(winds.items()):
-            first, last = known_times(wind)
-            if not first <= time <= last:
+            placed = place_in(flying.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
+            if not all(one.known for one in placed.values()):
                 unknown.append(f"{name} at {time:.6g} s")
-            points += flying.points(i, time, name, wind, j < len(signed) and signed[j])
+            sign = j < len(signed) and signed[j]
+            points += flying.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
                 progress(i * len(winds) + j + 1, len(times) * len(winds))
     duties = tuple(_duties(points, winds, np.diff(flying.edges)))
@@ -157,16 +158,23 @@ class _Flying:
     window: float
     edges: FloatArray
 
+    @property
+    def planes(self) -> tuple[str, ...]:
+        return PLANES if self.case.planes == BOTH else (self.case.plane,)
+
     def points(
-        self, i: int, time: float, name: str, wind: WindOf, signed: bool
+        self,
+        i: int,
+        time: float,
+        name: str,
+        placed: dict[str, PlacedWind],
+        signed: bool,
+        measured: bool,
     ) -> Iterator[CardPoint]:
         """Yield the nozzle at a flight time in a wind, by plane and sign."""
         case, schedule = self.case, self.asked.schedule
-        planes = PLANES if case.planes == BOTH else (case.plane,)
         vehicle = schedule.at(time)
-        placed = place_in(planes, wind, vehicle, time, "peak", 1.0)
         limits = self._limits(vehicle, placed)
-        measured = _measured(wind)
         for plane, one in placed.items():
             if one.calm:
                 continue

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.measured import GustOf, fly_through, gust_of_speed
+from tvclin.answers.sizing.measured import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
-from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
+from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
@@ -22,6 +22,7 @@ from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
+    NotKnownError,
     bearing,
     between,
     each,
@@ -39,6 +40,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
+from tvclin.winds.soundings.passage import LARGEST_ANGLE, not_steep
 from tvclin.winds.soundings.profile import WindProfile
 
 _APART = 1e-9
@@ -277,18 +279,23 @@ class SizingAsked:
         )
 
     def ratio(self, case: Case, found: Sizing) -> ControllabilityRatio | None:
-        """Return the controllability ratio of a sizing; None for a case without a limit."""
+        """Return the controllability ratio of a sizing; None without a limit or any known trim."""
         instance("case", case, Case, "of a wind and a nozzle")
         instance("found", found, Sizing, "see sizing()")
-        if case.nozzle.limit is None:
+        if case.nozzle.limit is None or np.all(np.isnan(found.required[TRIM])):
             return None
-        blows = case.wind
-        assert isinstance(blows, ShapedWind)
-        met = [self._blows(case, self.schedule.at(t), blows) for t in found.times.tolist()]
+        gust = self._gust(case)
+
+        def peak(vehicle: Vehicle) -> float:
+            try:
+                return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
+            except NotKnownError:
+                return float(LARGEST_ANGLE)
+
         return controllability_ratio(
             found,
             case.nozzle.limit,
-            gust=[0.0 if one.gust is None else float(one.gust.peak) for one in met],
+            gust=[peak(self.schedule.at(t)) for t in found.times.tolist()],
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
         )
@@ -305,7 +312,7 @@ class SizingAsked:
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
         factors = {one: np.full((found.times.size, len(found.winds)), np.nan) for one in signs}
         unsigned, why = np.zeros((found.times.size, len(found.winds)), dtype=bool), ""
-        for i, j in np.ndindex(found.times.size, len(pulses)):
+        for i, j in np.argwhere(found.known[:, : len(pulses)]).tolist():
             try:
                 at, K = self.at(case, float(found.times[i]), pulses[j]), float(found.dead_bands[0])
                 along = sign_factors(at, at.history_at(K), K, sign)
@@ -363,6 +370,8 @@ class SizingAsked:
             pulse = pulse.of_speed(self.peak_speed, vehicle, case.plane)
         if self.gust_speed is not None:
             pulse = pulse.gust_of_speed(self.gust_speed, vehicle, case.plane)
+        if self.peak_speed is not None or self.gust_speed is not None:
+            not_steep(abs(pulse.peak) + abs(float(pulse.gust.peak) if pulse.gust else 0.0))
         return pulse
 
     def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
@@ -382,10 +391,14 @@ class SizingAsked:
 
         return met
 
+    def _gust(self, case: Case) -> GustOf | None:
+        """The gust as each vehicle of the flight meets it."""
+        gust: History | None = getattr(case.wind, "gust", None)
+        if self.gust_speed is None or gust is None:
+            return gust
+        return gust_of_speed(gust, self.gust_speed, case.planes)
+
     def _flown(self, case: Case, name: str, sounding: SoundingAsked) -> WindOf:
-        gust: GustOf | None = getattr(case.wind, "gust", None)
-        if self.gust_speed is not None and isinstance(gust, History):
-            gust = gust_of_speed(gust, self.gust_speed, case.planes)
         with naming(name):
             return fly_through(
                 sounding.profile,
@@ -393,7 +406,7 @@ class SizingAsked:
                 azimuth=sounding.azimuth,
                 plane=case.planes,
                 window=self.window,
-                gust=gust,
+                gust=self._gust(case),
                 pressure=getattr(case, "sign", None) != FROZEN,
             )
 

@@ -88,7 +88,7 @@ def in_both_planes(
     slow = np.where(beyond_one_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(
         **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
-        **{name: getattr(pitch, name) for name in ("law", "model", "known_times")},
+        **{name: getattr(pitch, name) for name in ("law", "model", "known_times", "known")},
         required=required,
         plane=BOTH,
         begins=np.fmin(pitch.begins, yaw.begins),

@@ -24,8 +24,9 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import SampledWind
-from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along
+from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along, not_steep
 from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.speed import angle_in_plane
 
 FloatArray = NDArray[np.float64]
 
@@ -110,7 +111,8 @@ class MeasuredWind:
         around = SampledWind(time=times, angle=side * np.maximum(side * angles, -other))
         if self.gust is None:
             return around
-        gust = _gust_at(self.gust, vehicle)
+        gust = gust_at(self.gust, vehicle)
+        not_steep(abs(float(around(time))) + abs(float(gust.peak)))
         return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * side
 
 
@@ -152,7 +154,7 @@ class MeasuredPlanes:
         if found is None or self.gust is None:
             return found
         share = abs(self._largest(vehicle)[plane])
-        return replace(found, gust=_gust_at(self.gust, vehicle) * share) if share else found
+        return replace(found, gust=gust_at(self.gust, vehicle) * share) if share else found
 
     def _largest(self, vehicle: Vehicle) -> dict[str, float]:
         """The largest vector around a vehicle's time, over its size."""
@@ -284,19 +286,20 @@ def _steep(
 def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
     """Return a gust of a wind speed [m/s], at the angle at which each vehicle meets it, eq (B1e).
 
-    At most `LARGEST_ANGLE`; for both planes as if it came across, from where the angle is largest.
+    For both planes as if it came across, from where the angle is largest. Raise
+    `NotKnownError` for a vehicle that meets it at more than `LARGEST_ANGLE`.
     """
 
     def met(vehicle: Vehicle) -> History:
-        across = np.sin(vehicle.attitude) if plane == "pitch" else 1.0
-        most = np.sin(LARGEST_ANGLE) * np.asarray(vehicle.velocity)
-        sine = np.clip(speed * across, -most, most) / vehicle.velocity
-        return gust * (float(np.arcsin(sine)) / float(gust.peak))
+        across = plane if plane == "pitch" else "yaw"
+        angle = float(angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
+        return gust * (not_steep(angle) / float(gust.peak))
 
     return met
 
 
-def _gust_at(gust: GustOf, vehicle: Vehicle) -> History:
+def gust_at(gust: GustOf, vehicle: Vehicle) -> History:
+    """Return the gust that a vehicle meets."""
     return gust if isinstance(gust, History) else gust(vehicle)
 
 

@@ -20,6 +20,18 @@ def notes_of(found: Sizing) -> tuple[str, ...]:
     )
 
 
+def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
+    """Return of each wind at which flight times it is not known, and why at the first of them."""
+    notes = []
+    for j, wind in enumerate(found.winds):
+        times = {float(t): row[j] for t, row in zip(found.times, whys, strict=True) if row[j]}
+        if times:
+            at = " and ".join(f"{t:.6g} s" for t in sorted({min(times), max(times)}))
+            at = f"{len(times)} flight times between {at}" if len(times) > 2 else at
+            notes.append(f"{wind} is not known at {at}: {times[min(times)]}")
+    return notes
+
+
 def _unknown(found: Sizing) -> list[str]:
     begin, end = found.schedule.span
     place = found.schedule.place

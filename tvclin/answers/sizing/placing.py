@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.base.errors import (
     InputError,
+    NotKnownError,
     instance,
     number,
     one_of,
@@ -19,6 +20,7 @@ from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.pulses import TriangularWind
 
 FloatArray = NDArray[np.float64]
 
@@ -43,6 +45,8 @@ class PlacedWind:
         Flight time [s] at its own zero.
     known : bool
         Whether it is known at all; what stands for an unknown wind is calm.
+    why : str
+        Why it is not, where the reason is not that a sounding ends.
     whole : History or None
         The same with what blows to the other side, where the wind blows to both.
     pressure : tuple of ndarray, or None
@@ -52,6 +56,7 @@ class PlacedWind:
     history: History
     zero: float
     known: bool = True
+    why: str = ""
     whole: History | None = None
     pressure: tuple[FloatArray, FloatArray] | None = None
 
@@ -118,6 +123,8 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     ------
     InputError
         For a batch of winds, and one that never ends or is zero.
+    NotKnownError
+        From what gives the wind.
     """
     if isinstance(wind, MeasuredWind):
         first, last = wind.known
@@ -155,6 +162,8 @@ def place_in(
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time by planes: in one as `place`, or as vectors in both.
 
+    What is `NotKnownError` at this time is placed as an unknown one.
+
     Parameters
     ----------
     planes : tuple of str
@@ -168,6 +177,21 @@ def place_in(
     InputError
         As `place`, and for a wind without a direction where both planes are asked for.
     """
+    try:
+        return _placed_in(planes, wind, vehicle, time, placing, window)
+    except NotKnownError as error:
+        none = TriangularWind(peak=1.0, duration=1.0) * 0.0
+        return dict.fromkeys(planes, PlacedWind(none, 0.0, known=False, why=str(error)))
+
+
+def _placed_in(
+    planes: tuple[str, ...],
+    wind: WindOf,
+    vehicle: Vehicle,
+    time: float,
+    placing: str,
+    window: float,
+) -> dict[str, PlacedWind]:
     if len(planes) == 1:
         return {planes[0]: place(wind, vehicle, time, placing, window)}
     if isinstance(wind, MeasuredPlanes):

@@ -88,6 +88,8 @@ class Sizing(Tabled):
     known_times : ndarray
         First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
         its last level. Infinite for others.
+    known : ndarray of bool
+        Where the wind is known, ``(n, m)``.
     covered : ndarray of bool
         Whether the schedule covers the wind; outside, parameters are those of its nearer end.
     slow_mode : ndarray
@@ -120,6 +122,7 @@ class Sizing(Tabled):
     ends: FloatArray
     change: FloatArray
     known_times: FloatArray
+    known: NDArray[np.bool_]
     covered: NDArray[np.bool_]
     slow_mode: FloatArray
     edge: FloatArray
@@ -170,13 +173,6 @@ class Sizing(Tabled):
         title = f"{name}, {self.model}, {IN_WORDS[self.plane]}: {span}"
         head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
         return table(Table(title, head, rows))
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Where the wind is known, ``(n, m)``."""
-        first, last = self.known_times.T
-        times = self.times[:, np.newaxis]
-        return np.asarray((first <= times) & (times <= last))
 
     @property
     def beyond_one_pole(self) -> NDArray[np.bool_]:

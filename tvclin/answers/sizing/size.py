@@ -14,7 +14,7 @@ from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.notes import notes_of
+from tvclin.answers.sizing.notes import notes_of, unknown_rows
 from tvclin.answers.sizing.placing import (
     PlacedWind,
     WindOf,
@@ -157,7 +157,8 @@ def size(
         parts[one] = _sized(asked, vehicles, in_plane, known, varying, told)
     found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
     steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
-    return replace(found, notes=(*steep, *notes_of(found)))
+    whys = [[wind[planes[0]].why for wind in row] for row in placed]
+    return replace(found, notes=(*steep, *unknown_rows(found, whys), *notes_of(found)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,6 +230,7 @@ def _circumstances(
         "begins": span[..., 0],
         "ends": span[..., 1],
         "change": np.array(changes),
+        "known": np.array([[w.known for w in row] for row in placed]),
         "covered": np.array([[_covers(schedule, w) for w in row] for row in placed]),
     }
 

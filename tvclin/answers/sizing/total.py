@@ -79,7 +79,7 @@ class DeflectionTotal(Shown):
     Attributes
     ----------
     lines : tuple of Line
-        What takes deflection.
+        What takes deflection; nothing where that is known at no flight time.
     reserve : float
         Part of the limit that is to stay unused, in [0, 1).
     limit : float or None
@@ -136,7 +136,9 @@ class DeflectionTotal(Shown):
             if self.sufficient is None:
                 known = "NOT KNOWN to be sufficient; where the winds are known "
                 line = (known, *line[1:])
-            if self.sufficient is False:
+            if not self.lines:
+                line = ("NOT KNOWN",)
+            elif self.sufficient is False:
                 lacks = self.required - self.limit
                 short = degrees("total.short", lacks, unit="deg")
                 if lacks < _SMALL:
@@ -170,8 +172,8 @@ class DeflectionTotal(Shown):
 
     @property
     def total(self) -> float:
-        """Systematic and random together [rad]."""
-        return self.systematic + self.random
+        """Systematic and random together [rad]; NaN where nothing is known."""
+        return self.systematic + self.random if self.lines else float("nan")
 
     @property
     def required(self) -> float:
@@ -191,6 +193,8 @@ class DeflectionTotal(Shown):
         """
         if self.limit is None:
             return False if self.too_slow else None
+        if not self.lines:
+            return None
         enough = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
         return None if enough and self.not_sized else enough
 
@@ -329,16 +333,17 @@ def worst_total(
     Raises
     ------
     InputError
-        For an unknown name, numbers out of range, and a requirement that is defined nowhere.
+        For an unknown name, and numbers out of range.
     """
     instance("sizing", sizing, Sizing, "see size")
     part = number("dispersion", dispersion, nonnegative)
     if rate_limit is not None:
         rate_limit = number("rate_limit", rate_limit, between(*_RATES), "rad/s")
     winds = sizing.at_times(name)
+    not_sized = sizing.not_sized(name)
     if np.all(np.isnan(winds)):
-        why = "; ".join(sizing.said or sizing.notes)
-        raise InputError(f"{name} is not defined at any flight time: {why}")
+        reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
+        return DeflectionTotal((), reserve, limit, not_sized=not_sized, rate_limit=rate_limit)
     times = sizing.times[known := ~np.isnan(winds)]
     totals = [
         _at_rate(
@@ -357,7 +362,7 @@ def worst_total(
     ]
     worst = max(totals, key=lambda one: (one.too_slow, one.total))
     needed = max(one.needed_rate for one in totals)
-    return replace(worst, not_sized=sizing.not_sized(name), needed_rate=needed)
+    return replace(worst, not_sized=not_sized, needed_rate=needed)
 
 
 def _at_rate(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
@@ -26,6 +26,8 @@ from tvclin.winds.histories import History
 
 _DURATIONS, _EACH_SWING, _MOST_IN_A_SWING = 41, 16, 2000
 """Durations tried first: over the whole range, in each swing of a mode, and at most for one."""
+_FIRST, _ABOUT = 4, 6
+"""Each so many of them is tried at first, and so many of these show how tall a swing is."""
 _DECAYED = 5.0
 """The swings of a mode are counted until it has fallen to e^-5."""
 _NEAR = 1e-6
@@ -125,7 +127,7 @@ def _worst(deflection: Callable[[float], float], durations: FloatArray) -> Worst
     """The worst of the durations, or what is worse between them."""
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
-    values = np.array([deflection(duration) for duration in durations])
+    durations, values = _tried(deflection, durations)
     top = int(np.argmax(values))
     ends = (0, durations.size - 1)
     worst = WorstDuration(float(durations[top]), float(values[top]), top in ends)
@@ -137,6 +139,29 @@ def _worst(deflection: Callable[[float], float], durations: FloatArray) -> Worst
         if -near.fun > worst.peak_deflection:
             worst = WorstDuration(float(near.x), float(-near.fun), False)
     return worst
+
+
+def _tried(
+    deflection: Callable[[float], float], durations: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Some of the durations and their values; all of them where a swing may be the tallest.
+
+    That is where the highest of those about rises above the rest by as much as they differ.
+    """
+    values = np.full(durations.shape, np.nan)
+
+    def fill(places: IndexArray) -> None:
+        values[places] = [deflection(duration) for duration in durations[places]]
+
+    first = np.unique(np.append(np.arange(0, durations.size, _FIRST), durations.size - 1))
+    fill(first)
+    about = np.pad(values[first], _ABOUT // 2 - 1, mode="edge")
+    about = np.lib.stride_tricks.sliding_window_view(about, _ABOUT)
+    tall = 2.0 * about.max(axis=-1) - about.min(axis=-1) >= values[first].max()
+    between = np.searchsorted(first, np.arange(durations.size), side="right") - 1
+    fill(np.flatnonzero(np.isnan(values) & np.append(tall, False)[between]))
+    known = ~np.isnan(values)
+    return durations[known], values[known]
 
 
 def _summits(x: FloatArray, values: FloatArray) -> list[int]:

@@ -25,8 +25,10 @@ from tvclin.winds.soundings.text import Text, read_lines
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
 
-_NAMED = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_T. ]?(\d\d)(?!\d)")
-"""A date and an hour in the name of a file: 2024-02-15_12, 2024021512."""
+_NAMED = re.compile(
+    r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?:[-_T. ]?(\d\d)(?:\d\d)?)?(?!\d)"
+)
+"""A date, and an hour or noon, in the name of a file: 2024-02-15_12, 2024021512, 2024-02-15."""
 _WRITTEN = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
 _LOOKED_AT = 50
 """Lines below a header, in which a time may stand."""
@@ -200,6 +202,6 @@ def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
             return np.datetime64(f"{written[1]}T{written[2]}", "m")
     named = _NAMED.search(file.stem)
     try:
-        return np.datetime64("{}-{}-{}T{}".format(*named.groups()), "m") if named else None
+        return np.datetime64("{}-{}-{}T{}".format(*named.groups("12")), "m") if named else None
     except ValueError:
         return None
