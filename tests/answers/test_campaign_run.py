@@ -193,6 +193,7 @@ def test_shards_make_up_the_whole(plan, whole, tmp_path):
     same(whole, parts[-1])
 
 
+@pytest.mark.thorough
 def test_a_killed_run_goes_on_where_it_was(plan, whole, tmp_path):
     folder = tmp_path / "results"
     code = f"""
@@ -508,6 +509,7 @@ def test_a_folder_without_a_campaign(tmp_path):
         tv.answers.resume_campaign(file)
 
 
+@pytest.mark.thorough
 def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path):
     if not Path("/proc/self/status").exists():
         pytest.skip("needs Linux, which tells the most memory of a process without its parent's")

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.plots import curves_of, sizing_chart
 
@@ -232,10 +233,13 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
 
 @pytest.mark.parametrize(
     "more",
-    [
-        ("--gust", "1", "2"),
-        ("--plane", "both", "--wind-direction-deg", "250", "--azimuth-deg", "30"),
-    ],
+    usual(
+        [
+            (("--gust", "1", "2"),),
+            (("--plane", "both", "--wind-direction-deg", "250", "--azimuth-deg", "30"),),
+        ],
+        1,
+    ),
 )
 def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
     given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1", *more)
