@@ -121,6 +121,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
     given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
+    given += ("--sign", "frozen")  # in the dynamic pressure of calm air, as the histories
     pulse = ("--duration", "7.5", "--gust-at", "3.75")
     document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
