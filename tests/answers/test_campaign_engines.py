@@ -45,6 +45,7 @@ def same(first, second):
         np.testing.assert_array_equal(first.column(name), second.column(name), err_msg=name)
 
 
+@pytest.mark.thorough
 def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
     plan, whole, tmp_path
 ):
@@ -66,6 +67,7 @@ def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
         same(whole, tv.answers.resume_campaign(tmp_path, executor=pool))
 
 
+@pytest.mark.thorough
 def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
     distributed = pytest.importorskip("distributed")
     killed = []
@@ -137,6 +139,7 @@ def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, mo
     assert not (tmp_path / "chunks").exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found on Linux")
 @pytest.mark.parametrize("whom", ["children", "parent"])
 def test_whoever_is_killed_nothing_is_left_and_no_tracker_complains(tmp_path, whom):

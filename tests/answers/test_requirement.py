@@ -317,7 +317,7 @@ def blowing(rng: np.random.Generator, count: int) -> tv.winds.History:
 
 
 @drawn(
-    7,
+    4,
     25,
     st.integers(0, 2**32 - 1),
     st.sampled_from(["fixed-path", "drift", "drift-exact"]),

@@ -67,6 +67,7 @@ def test_a_sounding_along_the_flight_asks_for_the_same_to_the_last_bit(flight) -
             np.testing.assert_array_equal(both.required[name], values, name)
 
 
+@pytest.mark.thorough
 def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight) -> None:
     """Whatever the azimuth, both planes ask for more than each, and for no more than the sum."""
     height = np.linspace(0.0, 30e3, 31)

@@ -61,7 +61,7 @@ def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
     enough = ("--limit-deg", "0.3")
     one, both = run("study", *JET, *enough), run("study", *JET, *enough, "--stop", "round")
     assert "with a round stop they need 0.339 deg" in " ".join(one.output.split())
-    assert "the pitch plane alone finds 42 % too little" in " ".join(one.output.split())
+    assert "42 % of which the pitch plane alone does not see" in " ".join(one.output.split())
     assert (one.exit_code, both.exit_code) == (0, 1)
     assert "NOT SUFFICIENT" in both.output
 

@@ -161,6 +161,7 @@ def test_with_one_mode_it_is_the_boundary(model, configuration_i):
         assert (found.governs, found.needs[AFTER_TRIM]) == (BOUNDARY, 0.0)
 
 
+@pytest.mark.thorough
 def test_three_modes_are_searched(configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i, "drift-and-speed")
     assert tv.unstable_modes(plant).poles.size == 3

@@ -140,6 +140,7 @@ def test_large_rates_lead_to_the_unlimited_optimum(model):
     assert excess[-1] < 1e-4
 
 
+@pytest.mark.thorough
 @settings(max_examples=12, deadline=None)
 @given(
     rate=st.floats(1.2e-3, 0.1), more=st.floats(1.05, 10.0), model=st.sampled_from(["drift-exact"])

@@ -355,6 +355,7 @@ def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_com
     assert len(loaded) <= 124
 
 
+@pytest.mark.thorough
 def test_a_figure_of_boundaries_needs_pyplot_but_not_control(tmp_path: Path) -> None:
     commands = ["boundary --plot b.png", "optimum --plot o.png"]
 

@@ -191,10 +191,13 @@ def test_each_option_of_a_command_has_a_value_to_try(command):
     assert options_of(command).keys() <= {*VALUES, *SHOWN, *SLOW}
 
 
-def test_an_option_changes_the_answer_or_is_refused():
+@pytest.mark.parametrize(
+    "count", [12, pytest.param(80, marks=pytest.mark.thorough)], ids=["few", "many"]
+)
+def test_an_option_changes_the_answer_or_is_refused(count):
     wrong = {
         f"{command} {' '.join((*start, *given(command, option, value)))}: {said}"
-        for command, start, option, value in draws(1, 40)
+        for command, start, option, value in draws(1, count)
         if (said := ignored(command, start, option, value))
     }
     assert not wrong, "\n".join(sorted(wrong))

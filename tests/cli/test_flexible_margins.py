@@ -145,6 +145,7 @@ def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
     assert "rigid" not in run(command, "configuration-i").stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     """Each line below a command of the page is a line of its output, but for spaces."""

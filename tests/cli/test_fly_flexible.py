@@ -88,6 +88,7 @@ def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
     assert "no limit in the range survives" in without.stderr
 
 
+@pytest.mark.thorough
 def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
     asked = ("margins", mine, *GAINS, *NOTCH, "--flown", "--limit-deg", "0.5", "--json")
     result = CliRunner().invoke(app, list(asked))

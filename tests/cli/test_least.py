@@ -107,6 +107,7 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
     assert words in " ".join(found.output.split())
 
 
+@pytest.mark.thorough
 def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
     given = ("autopilot", "made-up-launcher", "--delay-ms", "10")

@@ -121,7 +121,14 @@ def asked(question, vehicle, station, *options):
 BY_FILE = ("study", "report", "campaign")
 
 
-@pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in BY_FILE])
+def tried(questions):
+    """Return the questions; those that search in flights are left to the thorough tests."""
+    slow = {"margins", "nozzle", "loads", "card"}
+    mark = pytest.mark.thorough
+    return [pytest.param(one, marks=mark) if one in slow else one for one in questions]
+
+
+@pytest.mark.parametrize("question", tried(q for q in QUESTIONS if q not in BY_FILE))
 def test_every_part_is_computed_told_or_refused(question, files):
     base = asked(question, files.plain, files.station, *BASE.get(question, ()))
     assert base.exit_code in (0, 1), base.output
@@ -228,7 +235,7 @@ OF_ONE_TIME = {
 }
 
 
-@pytest.mark.parametrize("question", OF_ONE_TIME)
+@pytest.mark.parametrize("question", tried(OF_ONE_TIME))
 def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     folder = files.plain.parent
 

@@ -96,7 +96,7 @@ def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
     rows = np.genfromtxt(file, delimiter=",", skip_header=2)
     assert np.abs(rows[:, 1]).max() <= 90.0 + 1e-6
     assert rows[-1, 0] == pytest.approx(end)
-    assert ("lets go" in run(*asked).output) == (why == "let go")
+    assert ("An autopilot lets go" in run(*asked).output) == (why == "let go")
 
 
 def test_the_peak_is_the_one_that_the_report_quotes():

@@ -106,6 +106,7 @@ def test_a_study_file_and_python_make_the_same_case(file):
     assert plan.hardware == CASE.hardware
 
 
+@pytest.mark.thorough
 def test_every_command_answers_for_the_case_of_the_study(file):
     found, study = find(tv.load_study(file)), tv.Study.of(CASE, 0.5)
     required = np.degrees(study.required_deflection)

@@ -352,6 +352,7 @@ def flight(vehicle):
     return np.asarray(flown.outputs)
 
 
+@pytest.mark.thorough
 def test_repeats_are_equal_bit_for_bit_also_in_other_processes(configuration_i):
     once = flight(configuration_i)
     case, wind = SixDof(configuration_i), triangle(configuration_i)

@@ -72,6 +72,7 @@ def numbers_in(text):
     return re.findall(r"(?<![\w^.])-?\d+(?:\.\d+)?(?![\w^])", text)
 
 
+@pytest.mark.thorough
 def test_the_page_in_docs_is_what_the_package_computes():
     found = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
     if found != page():

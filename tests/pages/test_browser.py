@@ -49,6 +49,7 @@ def test_pages_run_without_threads_processes_compiler_and_extras(tmp_path: Path)
     run_poorly(tmp_path, *(str(ROOT / name) for name in ("README.md", "docs/start.md")))
 
 
+@pytest.mark.thorough
 def test_the_panel_runs_without_threads_processes_compiler_and_extras(browser, tmp_path) -> None:
     pytest.importorskip("ipywidgets")
     run_poorly(tmp_path, browser.PANEL)

@@ -336,6 +336,7 @@ def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     assert out.stdout.strip() == "[]"
 
 
+@pytest.mark.thorough
 def test_a_figure_drawn_before_control_is_imported_is_still_its_plot():
     code = (
         "import sys, tvclin.plots as plots\n"

@@ -17,6 +17,7 @@ from urllib.request import Request, urlopen
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 
@@ -150,6 +151,7 @@ def gone(kernels: list[Any]) -> bool:
     return not any(one.is_running() and one.status() != "zombie" for one in kernels)
 
 
+@pytest.mark.thorough
 @needs_a_browser
 def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -> None:
     def until(what: Any) -> Any:
@@ -195,7 +197,7 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     assert gone(kernels)
 
 
-@pytest.mark.parametrize("ended", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("ended", usual([signal.SIGINT, signal.SIGTERM], 0))
 def test_a_signal_ends_jupyterlab_and_its_kernels(
     in_a_terminal: Started, ended: signal.Signals
 ) -> None:

@@ -154,7 +154,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     assert run("study", many, "--limit-deg", 3).exit_code == 1  # 39 of 40 are not 99 % for sure
     assert json.loads(run("study", many, "--limit-deg", 3, "--json").stdout)["questions"][1][
         "why"
-    ].startswith("39 of 39 flown")
+    ].startswith("too few soundings to tell whether 99 % of days fly; 39 of 39 flown")
     pytest.importorskip("jinja2")
     pytest.importorskip("latex2mathml")
     assert run("report", few, "-o", tmp_path / "a.html").exit_code == 0
@@ -237,7 +237,7 @@ def test_the_table_of_the_page_is_read(folder) -> None:
     page = (Path(__file__).parents[2] / "docs" / "availability.md").read_text()
     (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
     table = tomllib.loads(text)["availability"]
-    known = {*AVAILABILITY_TABLE.words, *AVAILABILITY_TABLE.lists}
+    known = {*AVAILABILITY_TABLE.words, *AVAILABILITY_TABLE.lists} - {"dates"}  # in a comment
     known |= {name for name, _ in AVAILABILITY_TABLE.keys.values()} - {"persistence_hours"}
     assert known == {key.removesuffix("_deg").removesuffix("_m") for key in table}
     table |= {"archive": "s-data.txt", "station": "ZZM00088801"}

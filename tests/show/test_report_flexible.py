@@ -94,6 +94,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
     assert [one.margin for one in plan.criteria.requirements][-1] == "mode_gain_margin_dB"
 
 
+@pytest.mark.thorough
 def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     autopilot = plan.autopilot

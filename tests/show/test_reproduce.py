@@ -33,6 +33,7 @@ def everything(tmp_path_factory, no_flights):
     return output, run("--output", output)
 
 
+@pytest.mark.thorough
 def test_all_files_are_written_and_told(everything):
     output, result = everything
     expected = {f"{name}.{kind}" for name in NAMES for kind in ("png", "csv")}

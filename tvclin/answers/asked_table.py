@@ -37,9 +37,16 @@ def _worst_first(one: Question) -> tuple[int, float]:
 def _row(one: Question, answer: str) -> tuple[Line, ...]:
     cells: tuple[Line, ...] = (("",),) * 3
     if one.measure is not None:
-        key = f"asked.{one.name.replace(' ', '_')}"
-        cells = tuple(_shown(f"{key}.{name}", name, one.measure) for name in HEAD[2:5])
+        cells = measured(f"asked.{one.name.replace(' ', '_')}", one.measure)
     return ((one.name,), (answer,), *cells, one.line)
+
+
+def measured(key: str, measure: Measure) -> tuple[Line, ...]:
+    """Return what is needed, there and left, with units; nothing is left where none is enough."""
+    shown = [_shown(f"{key}.{name}", name, measure) for name in HEAD[2:4]]
+    if np.isinf(measure.needed):
+        return (("none is enough",), shown[1], ("",))
+    return (*shown, _shown(f"{key}.left", "left", measure))
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:

@@ -196,11 +196,12 @@ def _flight(found: Findings) -> Question:
     line: Line = (whole, reserve)
     if total.sufficient is None:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
-    if total.too_slow:
+    limit = found.study.limit
+    if total.too_slow and (limit is None or covers(limit, total.required)):  # the angle is enough
         needed, there = np.degrees([total.needed_rate, total.rate_limit or np.nan])
         line = (f"the least rate with which the limit is enough for {whole}", reserve)
         measure = Measure(float(needed), float(there), "deg/s")
-        return Question(name, False, line, measure=measure)
+        return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
 
 
@@ -226,7 +227,10 @@ def _availability(found: Findings, least: float) -> Question:
     a = found.availability
     whole = a.part()
     measure = Measure(100.0 * least, 100.0 * whole.part, "%", 1)
-    return Question("availability", a.reaches(least), (str(whole),), measure=measure)
+    yes, line = a.reaches(least), str(whole)
+    if yes is None:
+        line = f"too few soundings to tell whether {100.0 * least:g} % of days fly; {line}"
+    return Question("availability", yes, (line,), measure=measure)
 
 
 def _probability(found: Findings, limit: float) -> Question:
@@ -290,18 +294,13 @@ def _margins(found: Findings) -> Question:
     if worst is None:
         return Question("margins", met, line)
     of = f" of {worst.band}" if worst.band else ""
-    line += (f"; the {_margin_name(worst)}{of} has least to spare",)
+    line += (f"; the {worst.requirement.name}{of} has least to spare",)
     return Question("margins", met, line, measure=_measured(worst))
 
 
 def _spare(one: Judgement) -> float:
     """How much of what is asked is left over."""
     return float(one.surplus) / one.requirement.limit if one.requirement.limit else np.inf
-
-
-def _margin_name(one: Judgement) -> str:
-    """What a requirement is called in words: its key without the unit."""
-    return one.requirement.margin.rsplit("_", 1)[0].replace("_", " ")
 
 
 def _measured(one: Judgement) -> Measure:

@@ -316,9 +316,11 @@ class Study(Shown):
 
     @property
     def slanting(self) -> ShapedWind | None:
-        """The wind with its direction, where that is known; `wind` is its part in the plane."""
+        """The wind with its direction, where that is known, its gust at its time."""
         wind = self.case.wind
-        return wind if isinstance(wind, ShapedWind) and wind.heading is not None else None
+        if not isinstance(wind, ShapedWind) or wind.heading is None:
+            return None
+        return replace(wind, gust_at=self.blows.gust_at)
 
     @property
     def in_both(self) -> bool:
@@ -463,7 +465,7 @@ class Study(Shown):
             **picked(self, "forecast_free minimum_deg=minima notes"),
             "verdict": picked(
                 self,
-                "model dead_band required_deflection_deg governed_by=governs"
+                "model dead_band switch sign required_deflection_deg governed_by=governs"
                 " requirements_deg=requirement.needs frozen_deflection_deg sign_factors limit_deg"
                 " sufficient"
                 " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of",

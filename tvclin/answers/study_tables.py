@@ -37,6 +37,14 @@ _FIELDS = {
     "damping": "pitch_damping",
 }
 """What files call the quantities of a vehicle, where it is not the same."""
+AIR = {
+    None: "the worst of calm air, head and tail wind",
+    "head": "met in a head wind",
+    "tail": "met in a tail wind",
+    "frozen": "of calm air",
+}
+LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
+"""What the dynamic pressure is, and what leaves the dead band, in words."""
 _NOT_STABLE = ("none (stable)",)
 _VERDICT = " (verdict)"
 
@@ -162,7 +170,9 @@ def _judged(s: Study) -> dict[str, tuple[float, float]]:
 def verdict(s: Study) -> Iterator[Line]:
     """Yield what is required, and whether the limit in question is enough."""
     needed = least(degrees("verdict.required", s.required_deflection, unit="deg"))
-    basis = f" (model {s.model}, dead band {s.dead_band:g}), {_governed(s)}"
+    left = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
+    air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
+    basis = f" (model {s.model}, dead band {s.dead_band:g}{left}{air}), {_governed(s)}"
     yield ("Required deflection: ", *needed, basis)
     if s.limit is None or s.survivable_peak is None:
         return

@@ -5,13 +5,15 @@ A table is declared once, beside the value that is made of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeVar
 
-from tvclin.base.errors import Faults, InputError, number, shown
+from tvclin.base.errors import Faults, InputError, naming, number, shown
 from tvclin.base.units import UNITS, written
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +54,13 @@ class FileTable:
     def spelled(self, name: str) -> str:
         """Return the keys by which a name is given, the SI unit first."""
         return " or ".join(key for key, (of, _) in self.keys.items() if of == name) or name
+
+    def made(self, document: Mapping[str, Any], make: Callable[[dict[str, Any]], _T]) -> _T | None:
+        """Return what is made of the table of a document, if it is there; faults name the table."""
+        if self.name not in document:
+            return None
+        with naming(self.heading):
+            return make(self.one(document))
 
     def one(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Return the table of a document as it stands, empty where it is not there.

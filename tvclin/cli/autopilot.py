@@ -128,7 +128,10 @@ class _Found:
             "boundaries_deg": bounds,
             **picked(found, "minimum_deg wind_gain"),
             "worst_duration": self.worst,
-            "criteria": {"name": self.case.held_to.name, "met": self.criteria_met},
+            "criteria": {
+                **picked(self.case.held_to, "name requirements"),
+                "met": self.criteria_met,
+            },
             "limit_deg": self.limit,
             "within_limit": None if self.limit is None else self.within,
             **picked(self, "met notes=compared.notes"),
@@ -156,7 +159,7 @@ class _Found:
 
     def _judge(self) -> None:
         word = "MET" if self.criteria_met else "NOT MET (tvclin margins says by how much)"
-        say(f"Criteria {self.case.held_to.name}: {word}")
+        say(f"Criteria {self.case.held_to.name}: {word} ({self.case.held_to.words})")
         if self.limit is None:
             return
         word = "ENOUGH" if self.within else "NOT ENOUGH for this autopilot"

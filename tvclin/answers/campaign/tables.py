@@ -122,7 +122,7 @@ def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
 
 def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
     """Return what the table [nozzle] says."""
-    return Nozzle.from_table(NOZZLE_TABLE.one(document))
+    return NOZZLE_TABLE.made(document, Nozzle.from_table) or Nozzle()
 
 
 def _vehicle(source: Any, folder: Path, where: str) -> AnyVehicle:
@@ -141,9 +141,7 @@ def beside(source: str, folder: Path) -> str | Path:
 
 def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
     """Return what the table [autopilot] asks for; None without it."""
-    if AUTOPILOT_TABLE.name not in document:
-        return None
-    return AutopilotDesign.from_table(AUTOPILOT_TABLE.one(document))
+    return AUTOPILOT_TABLE.made(document, AutopilotDesign.from_table)
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

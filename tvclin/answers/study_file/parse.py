@@ -1,6 +1,6 @@
 """The tables of a study file: from a document to its plan."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,12 @@ from tvclin.answers.campaign.tables import (
     question_of,
     subject_of,
 )
-from tvclin.answers.document import Document
+from tvclin.answers.document import DOCUMENT_TABLE, Document
 from tvclin.answers.load import LOAD_TABLE, LoadBound
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
-from tvclin.base.errors import one_of
+from tvclin.base.errors import Faults, one_of
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import winds_of, with_gust
 
@@ -33,25 +33,31 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     head, drawn = document.get("study", {}), document.get("campaign", {})
     given = {key: head[key] for key in ("dead_band", "switch") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
+    parts: dict[str, Callable[[], Any]] = {
+        "wind": lambda: _wind(document, folder, subject),
+        "sizing": lambda: sizing_of(document, folder),
+        "availability": lambda: availability_of(document, folder),
+        "laws": lambda: LAWS_TABLE.made(document, lambda one: LawsAsked(**LAWS_TABLE.read(one))),
+        "nozzle": lambda: nozzle_of(document),
+        "load": lambda: LOAD_TABLE.made(document, lambda one: LoadBound(**LOAD_TABLE.read(one))),
+        "design": lambda: design_of(document),
+        "criteria": lambda: CRITERIA_TABLE.made(document, _criteria),
+        "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),
+    }
     if "dispersion" in document:
-        given["dispersions"] = dispersions_of(document)
-    plane = subject.get("plane", "pitch")
-    wind: Any = with_gust(document, winds_of(document, folder)[0], subject["vehicle"], plane)
-    question = question_of(document)
-    return StudyPlan(
-        **subject,
-        wind=wind,
-        sizing=sizing_of(document, folder),
-        availability=availability_of(document, folder),
-        laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
-        nozzle=nozzle_of(document),
-        load=LoadBound(**LOAD_TABLE.read(document["load"])) if "load" in document else None,
-        design=design_of(document),
-        criteria=_criteria(document["criteria"]) if "criteria" in document else None,
-        document=Document.from_table(document["document"]) if "document" in document else None,
-        **question,
-        **given,
-    )
+        parts["dispersions"] = lambda: dispersions_of(document)
+    faults, found = Faults(), {}
+    for name, make in parts.items():
+        with faults.kept():
+            found[name] = make()
+    faults.tell()
+    return StudyPlan(**subject, **found, **question_of(document), **given)
+
+
+def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
+    """Return the wind of a study, with its gust."""
+    wind, plane = winds_of(document, folder)[0], subject.get("plane", "pitch")
+    return with_gust(document, wind, subject["vehicle"], plane)
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:

@@ -5,7 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.base.documents import picked
+from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     InputError,
     each,
@@ -59,6 +59,8 @@ class Requirement:
     limit: float
     source: str
 
+    as_dict = keyed("margin limit source")
+
     def __post_init__(self) -> None:
         one_of("margin", self.margin, _UNITS)
         text("source", self.source)
@@ -74,6 +76,11 @@ class Requirement:
         """The limit in the unit that tables show, and that unit."""
         unit = "ms" if self.unit == "s" else self.unit
         return factor_to(unit) * self.limit, unit
+
+    @property
+    def name(self) -> str:
+        """What is asked for, in words."""
+        return self.margin.removesuffix("_dB").removesuffix("_deg").replace("_", " ")
 
     @property
     def at_most(self) -> bool:
@@ -181,8 +188,15 @@ class Criteria:
         """
         if not limits:
             return self
-        held = {one.margin: one.limit for one in self.requirements}
-        return Criteria.own(f"{self.name}, changed by {source}", source, **(held | limits))
+        name = f"{self.name}, changed by {source}"
+        each = (*self.requirements, *Criteria.own(name, source, **limits).requirements)
+        return Criteria(name, tuple({one.margin: one for one in each}.values()))
+
+    @property
+    def words(self) -> str:
+        """Every requirement with its number, in one line."""
+        each = [(one.name, *one.shown) for one in self.requirements]
+        return ", ".join(f"{name} {limit:g} {unit}".rstrip() for name, limit, unit in each)
 
     @property
     def of_modes(self) -> bool:

@@ -11,6 +11,8 @@ from tvclin.answers.study import outlasts_one_pole
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import Check
+from tvclin.show.report.verdict import SURVIVES
+from tvclin.vehicle.vehicle import Vehicle
 
 _LINEAR = float(np.radians(10.0))
 """Angles of attack [rad] up to which a slender body's forces are about linear."""
@@ -62,13 +64,20 @@ def _linear(found: Findings) -> Iterator[Check]:
         state, line = "doubt", (*line, f"; beyond about {edge} they are not")
     elif _LINEAR < survived < np.inf:
         state = "doubt"
-        line += (f'. Beyond about {edge} they are not: read "enough in winds up to" as {edge}',)
+        line += (f'. Beyond about {edge} they are not: read "{SURVIVES}" as {edge}',)
     yield Check(state, (*line, "."))
 
 
 def _slow(found: Findings) -> Iterator[Check]:
     """Whether the slow mode of the flight path may be neglected."""
     s = found.study
+    if not isinstance(s.vehicle, Vehicle):
+        words = (
+            "The flight path is held fixed: the vehicle's coefficients do not tell how it drifts"
+            " with the wind."
+        )
+        yield Check("reader", (words,))
+        return
     edge = float(single_pole_validity(s.coefficients))
     if np.isnan(edge):
         words = (
@@ -91,25 +100,30 @@ def _slow(found: Findings) -> Iterator[Check]:
 def _frozen(found: Findings) -> Iterator[Check]:
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if found.flight is None:
-        yield Check("reader", (f"{still}; a flight ([schedule]) would say how much they change.",))
+        whole = isinstance(found.study.vehicle, Vehicle)
+        more = "; a flight ([schedule]) would say how much they change" * whole
+        yield Check("reader", (f"{still}{more}.",))
         return
     s, total = found.flight
     if total.time is None:
         return
     i = int(np.argmin(np.abs(s.times - total.time)))
-    percent = number("rests.change_percent", 100.0 * float(np.nanmax(s.change[i])), 1, "%")
-    by: Line = (" at the worst flight time beta or B changes by up to ", *percent)
     kept = f"K = {s.dead_bands.max():g}"
-    if kept not in s.freezing_error:
-        state = "doubt" if np.nanmax(s.change[i]) > STEADY else "ok"
+    counted = kept in s.freezing_error
+    each = s.required[f"{kept}{VARYING}" if counted else kept][i]
+    j = int(np.nanargmax(each))
+    changes = float(s.change[i, j])
+    percent = number("rests.change_percent", 100.0 * changes, 1, "%")
+    by: Line = (" at the worst flight time beta or B changes by up to ", *percent)
+    if not counted:
+        state = "doubt" if changes > STEADY else "ok"
         yield Check(state, (f"{still};", *by, ", which is not counted."))
         return
-    varying, frozen = (float(np.nanmax(s.required[one][i])) for one in (f"{kept}{VARYING}", kept))
+    varying, frozen = float(each[j]), float(s.required[kept][i, j])
     needs = degrees("rests.varying", varying, unit="deg")
     would = degrees("rests.frozen", frozen, unit="deg")
-    counted = ". The whole flight counts their change:"
-    line: Line = (still, counted, *by, ", and the wind needs ", *needs, " there, and frozen ")
-    yield Check("ok", (*line, *would, "."))
+    line: Line = (still, ". The whole flight counts their change:", *by, "; the wind needs ")
+    yield Check("ok", (*line, *needs, " with it, and ", *would, " without."))
 
 
 def _rigid(found: Findings) -> Iterator[Check]:

@@ -25,13 +25,6 @@ if TYPE_CHECKING:
 
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
-_SIGNS = {
-    None: "the worst of calm air, head and tail wind",
-    "head": "met in a head wind",
-    "tail": "met in a tail wind",
-    "frozen": "of calm air",
-}
-_SWITCHES = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
 
@@ -46,18 +39,19 @@ def inputs(found: Findings) -> Section:
         ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
         ("wind duration", significant("wind.duration", wind.duration, 6, "s")),
         ("dead band of the verdict, K", significant("question.dead_band", plan.dead_band)),
-        ("left when K times the limit is", (_SWITCHES[plan.switch],)),
+        ("left when K times the limit is", (tables.LEFT_WHEN[plan.switch],)),
     ]
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         case.insert(4, ("it blows from, off the flight", heading))
     if s.sign_factors or s.sign is not None:
-        case.append(("dynamic pressure", (_SIGNS[s.sign],)))
-    if s.gust is not None:
+        case.append(("dynamic pressure", (tables.AIR[s.sign],)))
+    gust = (s.slanting or s.blows).placed_gust
+    if gust is not None:
         case += [
-            ("gust on top: peak", _typed("gust.peak_deg", s.gust.peak)),
-            ("it begins", significant("gust.begins", s.gust.onset, 6, "s")),
-            ("it ends", significant("gust.ends", s.gust.end, 6, "s")),
+            ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),
+            ("it begins", significant("gust.begins", gust.onset, 6, "s")),
+            ("it ends", significant("gust.ends", gust.end, 6, "s")),
         ]
     if plan.nozzle.limit is not None:
         case.append(("deflection limit", degrees("question.limit", plan.nozzle.limit, unit="deg")))

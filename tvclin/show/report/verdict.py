@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tvclin.answers.asked_table import asked_table
+from tvclin.answers.asked_table import asked_table, measured
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import (
     Question,
@@ -15,9 +15,12 @@ from tvclin.answers.study_notes import TRUSTS
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section
+from tvclin.winds.shaped import ShapedWind
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
 _NONE = "Not enough: no limit is, with this dead band, see Assumptions."
+SURVIVES = "survives this wind up to"
+"""How the largest peak is called that limit and autopilot survive, whatever else is asked."""
 _SENSIBLE = 1000.0
 """Above this many percent a percentage says nothing."""
 _LEAST_SHOWN = 0.001
@@ -37,7 +40,11 @@ def sentence(found: Findings) -> Line:
     if study.limit is not None and worst is not None and (failed or not unknown):
         return _beside(worst, study.limit, not failed)
     word = "Not enough" if failed else "Not shown to be enough"
-    said = f"{word}: {asked[0].text.partition('; ')[0]}"
+    first = asked[0]
+    said = f"{word}: {first.text.partition('; ')[0]}"
+    if first.measure is not None and first.whose and np.isnan(first.needs):  # it needs a rate
+        needed, there = measured("verdict", first.measure)[:2]
+        return (f"{word}: {first.whose} ", *needed, " and has ", *there, ".")
     if study.limit is None:
         return (f"{said}.",)
     have = degrees("verdict.limit", study.limit, unit="deg")
@@ -59,7 +66,7 @@ def _beside(worst: Question, limit: float, enough: bool) -> Line:
     if not worst.needs:
         return (_NOTHING,)
     if np.isinf(worst.needs):
-        return (_NONE,)
+        return (_NONE if worst.name == "wind" else f"Not enough: {worst.text}.",)
     needed = degrees("verdict.required", worst.needs, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
     apart = abs(limit - worst.needs)
@@ -92,10 +99,10 @@ def basis(found: Findings) -> Line:
         f"The verdict rests on the {s.model} model in {_planes(s)} and on a dead band of K = ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
-        *significant("basis.peak_deg", np.degrees(_peak(s)), unit="deg"),
+        *significant("basis.peak_deg", np.degrees(_blows(s).peak), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
-        f"{s.blows.gust_words}.",
+        f"{_blows(s).gust_words}.",
         *_meets_the_stop(found),
     )
     if s.required_deflection and s.governs != BOUNDARY and asked(found) is None:
@@ -136,9 +143,9 @@ def _planes(s: Study) -> str:
     return "both planes with one stop" if s.in_both else f"the {s.plane} plane"
 
 
-def _peak(s: Study) -> float:
-    """The peak of the wind on which the verdict rests [rad]: of both planes that of the vector."""
-    return float(s.slanting.peak if s.in_both and s.slanting is not None else s.wind.peak)
+def _blows(s: Study) -> ShapedWind:
+    """The wind on which the verdict rests: of both planes the vector."""
+    return s.slanting if s.in_both and s.slanting is not None else s.blows
 
 
 def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
@@ -156,7 +163,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
             min(1.0, s.required_deflection / stop) if stop else 1.0
         )  # flights scale with the wind
         survived = degrees("facts.survivable_peak", part * abs(s.survivable_peak), unit="deg")
-        rows.append(("enough in winds up to", survived))
+        rows.append((SURVIVES, survived))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append(("ideal trim takes", trim))
