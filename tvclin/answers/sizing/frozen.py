@@ -108,12 +108,17 @@ def frozen_need(
     two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
     minimum = asked(lambda: float(least_peaks(two, wind)), np.nan)
     required = np.maximum(asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum)))
+    no_forecast = np.nan
+    if paired:
+        said.append("no bound of laws without a forecast is known where two modes grow as a pair")
+    else:
+        no_forecast = asked(lambda: _no_forecast(plant, wind, law), np.nan)
     counted = np.isfinite(alone) & (alone > 0.0) & np.isfinite(required)
     beyond = np.divide(required, alone, out=np.ones(dead_bands.shape), where=counted)
     return FrozenNeed(
         trim=abs(float(plant.coefficients.B * wind.peak)),
         required=required,
-        no_forecast=asked(lambda: _no_forecast(plant, wind, law), np.nan),
+        no_forecast=no_forecast,
         minimum=minimum,
         slow_mode=slow,
         said=tuple(dict.fromkeys(said)),

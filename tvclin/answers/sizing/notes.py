@@ -1,9 +1,13 @@
 """What a reader of a sizing should know before believing its numbers."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from tvclin.answers.sizing.record import STEADY, Sizing
 
+_FEW = 2
+"""Flight times that are named each."""
 _SAME = 1e-9
 """What is not larger by this part is as large."""
 
@@ -26,10 +30,18 @@ def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
     for j, wind in enumerate(found.winds):
         times = {float(t): row[j] for t, row in zip(found.times, whys, strict=True) if row[j]}
         if times:
-            at = " and ".join(f"{t:.6g} s" for t in sorted({min(times), max(times)}))
-            at = f"{len(times)} flight times between {at}" if len(times) > 2 else at
-            notes.append(f"{wind} is not known at {at}: {times[min(times)]}")
+            notes.append(f"{wind} is not known at {flight_times(times)}: {times[min(times)]}")
     return notes
+
+
+def flight_times(times: Collection[float]) -> str:
+    """Return in words at which flight times [s]."""
+    ends = [f"{t:.6g} s" for t in sorted({min(times), max(times)})]
+    return (
+        f"{len(times)} flight times, {' to '.join(ends)}"
+        if len(times) > _FEW
+        else " and ".join(ends)
+    )
 
 
 def _unknown(found: Sizing) -> list[str]:

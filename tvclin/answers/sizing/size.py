@@ -14,7 +14,7 @@ from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.notes import notes_of, unknown_rows
+from tvclin.answers.sizing.notes import flight_times, notes_of, unknown_rows
 from tvclin.answers.sizing.placing import (
     PlacedWind,
     WindOf,
@@ -190,7 +190,7 @@ def _sized(
     ]
     required = _frozen_columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
-    said = [one for row in needs for need in row for one in need.said]
+    said = _said(asked.times, needs)
     if varying is not False:
         try:
             mode = _growing(schedule, model, plane, placed)
@@ -212,6 +212,18 @@ def _sized(
         known_times=known,
         **_circumstances(schedule, plane, vehicles, placed),
     )
+
+
+def _said(times: FloatArray, needs: list[list[FrozenNeed]]) -> list[str]:
+    """What is said of the needs, each once, with the flight times where it is not said of all."""
+    at: dict[str, list[float]] = {}
+    for time, row in zip(times.tolist(), needs, strict=True):
+        for one in dict.fromkeys(one for need in row for one in need.said):
+            at.setdefault(one, []).append(time)
+    return [
+        one if len(when) == times.size else f"at {flight_times(when)}: {one}"
+        for one, when in at.items()
+    ]
 
 
 def _circumstances(

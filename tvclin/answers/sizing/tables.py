@@ -1,7 +1,6 @@
 """A sizing as tables over flight time, and what stands in their columns, in words."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -55,21 +54,25 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     marks = [_doubts(s, i, wind) for i in range(s.times.size)]
 
     def of_names(
-        caption: str, names: list[str], last: Sequence[str], more: list[list[Line]]
+        caption: str,
+        times: list[Line],
+        names: list[str],
+        last: Sequence[str],
+        more: list[list[Line]],
     ) -> Table:
-        heads = [_short(name) for name in names]
-        rows = [(*row, *cells) for row, cells in zip(_required(s, names, wind), more, strict=True)]
-        return Table(f"{caption} [deg]{of}", ("time [s]", *heads, *last), tuple(rows))
+        head = ("time [s]", *map(_short, names), *last)
+        each = zip(times, _required(s, names, wind), more, strict=True)
+        rows = tuple((time, *needs, *cells) for time, needs, cells in each)
+        return Table(f"{caption} [deg]{of}", head, rows)
 
-    table = of_names("Required deflection", first, doubts, marks)
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
-    rows = tuple((key, *row[1:]) for key, row in zip(keys, table.rows, strict=True))
-    tables = [replace(table, rows=rows)]
+    tables = [of_names("Required deflection", keys, first, doubts, marks)]
     if s.freezing_error:
         name = f"K = {s.dead_bands[0]:g}"
         off = [[_off(s, name, i, wind)] for i in range(s.times.size)]
         caption = "The same with the vehicle frozen at each flight time"
-        tables.append(of_names(caption, frozen, (f"{name} off by [%]",), off))
+        times = [_time(time) for time in s.times]
+        tables.append(of_names(caption, times, frozen, (f"{name} off by [%]",), off))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
         head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
@@ -113,8 +116,8 @@ def _first(s: Sizing) -> list[str]:
 def _required(s: Sizing, names: Sequence[str], wind: int | None) -> list[tuple[Line, ...]]:
     found = {k: s.at_times(k) if wind is None else s.required[k][:, wind] for k in names}
     return [
-        (_time(time), *(degrees(f"{_key(i, wind)}.{k}", found[k][i]) for k in names))
-        for i, time in enumerate(s.times)
+        tuple(degrees(f"{_key(i, wind)}.{k}", found[k][i]) for k in names)
+        for i in range(s.times.size)
     ]
 
 
