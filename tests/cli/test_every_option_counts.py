@@ -203,6 +203,20 @@ def test_an_option_changes_the_answer_or_is_refused(count):
     assert not wrong, "\n".join(sorted(wrong))
 
 
+@pytest.mark.parametrize(
+    ("command", "start", "option", "value"),
+    [
+        ("card", STARTS["card"][0], "seed", "3"),
+        ("card", STARTS["card"][0], "window", "15"),
+        ("card", (*STARTS["card"][0], "--plane", "yaw"), "sign", "tail"),
+        ("size", (*STARTS["size"][0], "--plane", "yaw"), "sign", "tail"),
+        ("fly", (*STARTS["fly"][0], "--peak-speed", "21"), "rate_limit_deg", "0.3"),
+    ],
+)
+def test_what_was_once_ignored_counts(command, start, option, value):
+    assert not ignored(command, start, option, value)
+
+
 def test_the_starts_are_answered():
     for command, starts in STARTS.items():
         for start in starts:

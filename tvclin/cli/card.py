@@ -10,7 +10,7 @@ from tvclin.answers.nozzle_cards.whole import flight_card
 from tvclin.base.errors import nonnegative, number, one_of
 from tvclin.base.lines import listed
 from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import note_left_out
+from tvclin.cli.inputs import note_left_out, only_with
 from tvclin.cli.options import (
     GROUP,
     MODEL,
@@ -27,7 +27,7 @@ from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
-_FLIGHT = "start stop every window dead_bands"
+_FLIGHT = "start stop every window"
 """What a card asks of a flight as a sizing does."""
 
 
@@ -44,7 +44,7 @@ def card(
     noise_deg: float = asked(
         "Noise of the rate gyro, rms for each sample: it makes travel.", 0.0, metavar="DEG/S"
     ),
-    seed: int = asked("Seed of the noise.", 0),
+    seed: int | None = asked("Seed of the noise.", shown="0"),
     steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
     question: Given = Given("answers.sizing.asked.SizingAsked", _FLIGHT, "sizing"),
     model: Given = MODEL,
@@ -71,17 +71,25 @@ def card(
     Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
     flight; 2: bad input.
     """
-    changes = [one.over for one in (sheet, samples, model, sign, question, gains, loop)]
-    case = flight_asked("card", source, blows, *changes, plane=plane, stop=stop)
+    changes = (sign, sheet, samples, model, gains, loop)
+    case = flight_asked("card", source, blows, question, *changes, plane=plane, stop=stop)
     assert case.sizing is not None
     flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
     if flies != AUTOPILOT:
         gains.only_with(f"--law {AUTOPILOT}")
         note_left_out(case, f"card without the law {AUTOPILOT}")
     noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
+    if not noise:
+        only_with("--noise-deg", seed=seed)
     with bar("flight times and winds") as progress:
         found = flight_card(
-            case, case.sizing, flies, noise=noise, seed=seed, window=steady, progress=progress
+            case,
+            case.sizing,
+            flies,
+            noise=noise,
+            seed=seed or 0,
+            window=steady,
+            progress=progress,
         )
     notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]
     if csv is not None:

@@ -96,6 +96,8 @@ def _compared(
 ) -> Compared:
     """A flight and its boundaries, where they were asked for, beside those of the rigid vehicle."""
     both, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
+    rate = case.case.nozzle.rate_limit
+    turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
         case=case,
         flight=flight,
@@ -105,11 +107,12 @@ def _compared(
         boundary=(abs(least[0].deflection), abs(least[-1].deflection)) if least else None,
         heads=[case.title],
         ends=list(_ends(case, flight, least or ())),
-        title=f"Limit {np.degrees(limit):.3f} deg",
+        title=f"Limit {np.degrees(limit):.3f} deg{turning}",
         facts={
             "flexible": case.bends,
             "linear_model": case.plant.model,
             "sample_rate_Hz": case.case.hardware["sample_rate"],
+            "rate_limit_deg_per_s": None if rate is None else float(np.degrees(rate)),
             "delay_s": case.case.asked.delay,
             "status": dict(zip(both, flight.status, strict=True)),
             "peak_deflection_rate_deg_s": dict(zip(both, rates, strict=True)),

@@ -1,6 +1,6 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -22,6 +22,7 @@ from tvclin.answers.study_file.read import load_sizing
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
+from tvclin.cli.gains import LoopOptions
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -149,14 +150,11 @@ def size(
     """
     from tvclin import plots
 
-    changes = [one.over for one in (limits, model, sign, question)]
-    case = flight_asked("size", source, blows, *changes, plane=plane, stop=stop)
+    case = flight_asked(
+        "size", source, blows, question, sign, limits, model, plane=plane, stop=stop
+    )
     asked = case.sizing
     assert asked is not None
-    if not asked.soundings:
-        question.only_with("a sounding, --winds or [[wind]] with one", "window")
-    if not (asked.pulse or asked.others or case.sign == FROZEN):
-        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
@@ -227,22 +225,33 @@ def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
 
 
 def flight_asked(
-    question: str,
+    command: str,
     source: str,
     blows: FlightOptions,
-    *changes: Callable[[StudyPlan], StudyPlan],
+    question: Given,
+    sign: Given,
+    *changes: Given | LoopOptions,
     plane: str | None,
     stop: str | None,
 ) -> StudyPlan:
     """Return the case of a flight that a file and options ask for."""
     soundings = blows.soundings()
-    note_source(source, question)
+    note_source(source, command)
     case = load_sizing(source, soundings)
-    for change in changes:
-        case = change(case)
+    for one in (question, sign, *changes):
+        case = one.over(case)
     case = changed(case, plane=None if plane == BOTH else plane)
     case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
-    return blows.over(case)
+    case = blows.over(case)
+    asked = case.sizing
+    assert asked is not None
+    if not asked.soundings:
+        question.only_with("a sounding, --winds or [[wind]] with one", "window")
+        if case.planes == "yaw" and case.heading is None:
+            sign.only_with("--plane pitch: it is that of a wind along the path")
+    elif not (asked.pulse or asked.others or case.sign == FROZEN):
+        sign.only_with("a pulse: a sounding has its own sign, or is frozen")
+    return case
 
 
 def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:

@@ -21,11 +21,12 @@ from tvclin.answers.nozzle_cards.motion import Motion
 from tvclin.answers.nozzle_cards.record import CardPoint, Duty, FlightCard
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
+from tvclin.answers.sizing.air_met import in_air
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
 from tvclin.answers.sizing.record import IN_A
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratio
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratios
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
@@ -113,7 +114,10 @@ def flight_card(
         callable_for("progress", progress, "of how many are done and how many there are")
     winds, times = asked.winds(case), asked.times(case)
     if case.nozzle.limit is None:
-        raise InputError("the card of a flight needs a deflection limit, the stop of the nozzle")
+        raise InputError(
+            "the card of a flight needs the stop of the nozzle: --limit-deg, limit_deg in [nozzle],"
+            " or Nozzle(limit=...)"
+        )
     flying = _Flying(
         case,
         asked,
@@ -183,11 +187,7 @@ class _Flying:
                 yield CardPoint(time, name, plane, 0.0, 0.0, limits[plane], "", None)
                 continue
             share = self.edges[i : i + 2] if measured else None
-            if not signed or case.planes == BOTH:
-                blows = [(name, vehicle, (one.whole or one.history).shift(one.zero))]
-            else:
-                blows = list(self._signed(name, vehicle, one))
-            for called, met, history in blows:
+            for called, met, history in self._met(name, vehicle, one, placed, share, signed):
                 point = CardPoint(time, called, plane, 0.0, 0.0, limits[plane], "", None)
                 yield self._flown(point, met, history, share)
 
@@ -205,27 +205,38 @@ class _Flying:
         whole = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
         return {plane: limit * size / whole for plane, size in sizes.items()} if whole else sizes
 
-    def _signed(
-        self, name: str, vehicle: Vehicle, placed: PlacedWind
+    def _met(
+        self,
+        name: str,
+        vehicle: Vehicle,
+        placed: PlacedWind,
+        planes: dict[str, PlacedWind],
+        share: FloatArray | None,
+        signed: bool,
     ) -> Iterator[tuple[str, Vehicle, History]]:
-        """A pulse by its sign: a head wind with the dynamic pressure at its peak throughout."""
-        wind, asked = placed.in_flight, getattr(self.case, "sign", None)
-        if self.case.plane != "pitch" or asked == FROZEN:
-            yield name, vehicle, wind
+        """Yield a wind by its sign, and the vehicle in the largest dynamic pressure met in it."""
+        wind, asked = (placed.whole or placed.history).shift(placed.zero), self.sign
+        along, angle = planes.get("pitch"), np.zeros(())
+        if share is not None:  # a measured wind, which knows its own unless it is frozen
+            ratio = 1.0 if placed.pressure is None else _largest(*placed.pressure, share)
+            yield name, in_air(vehicle, ratio), wind
             return
-        peak = abs(float(wind.peak))
-        try:
-            ratio = float(pressure_ratio(vehicle, np.array([-peak]))[0])
-        except InputError:
+        if along is not None and not along.calm and asked != FROZEN:
+            angle = np.asarray(along.history.peak)
+        ratio = float(pressure_ratios(vehicle.attitude, -np.abs(angle)))
+        if not angle or np.isnan(ratio):
             yield name, vehicle, wind
-            return
-        for sign in SIGNS if asked is None else (asked,):
-            factor = ratio if sign == "head" else 1.0
-            forces = (np.asarray(vehicle.normal_force_slope), np.asarray(vehicle.axial_force))
-            met = vehicle.replace(
-                normal_force_slope=forces[0] * factor, axial_force=forces[1] * factor
-            )
-            yield f"{name}{IN_A[sign]}", met, wind * (SIGNS[sign] * np.sign(float(wind.peak)))
+        elif not signed:  # it has a direction
+            yield name, in_air(vehicle, ratio) if angle < 0.0 else vehicle, wind
+        else:
+            for sign in SIGNS if asked is None else (asked,):
+                met = in_air(vehicle, ratio) if sign == "head" else vehicle
+                yield f"{name}{IN_A[sign]}", met, wind * float(SIGNS[sign] * np.sign(angle))
+
+    @property
+    def sign(self) -> str | None:
+        """The sign of pulses that is asked for, of a study."""
+        return getattr(self.case, "sign", None)
 
     def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:
         """A point with its flight."""
@@ -264,6 +275,12 @@ class _Flying:
         span = float(motion.times[-1] - motion.times[0]) if share is None else 0.0
         alone = _spent(card) - quiet * span
         return replace(point, status=flight.status, card=card, said=said, alone=alone, quiet=quiet)
+
+
+def _largest(times: FloatArray, ratios: FloatArray, share: FloatArray) -> float:
+    """The largest of ratios at times within a share of the flight."""
+    within = times[(times > share[0]) & (times < share[1])]
+    return float(np.interp(np.concatenate([share, within]), times, ratios).max())
 
 
 def _spent(card: NozzleCard) -> FloatArray:
@@ -325,6 +342,11 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
         yield (
             "a measured wind is counted from the middle between two flight times to the next, so"
             " that nothing counts twice"
+            + (
+                ""
+                if flying.sign == FROZEN
+                else "; the vehicle meets the largest dynamic pressure there"
+            )
         )
     if any(IN_A["head"] in one.wind for one in points):
         yield (

@@ -223,9 +223,13 @@ class SizingAsked:
         Raises
         ------
         InputError
-            As `fly_through`, with the name of the sounding.
+            As `fly_through`, with the name of the sounding, and for the sign of a pulse with a
+            direction.
         """
-        return {self._pulse_name(one): self._met(case, one) for one in self.pulses(case)} | {
+        pulses = self.pulses(case)
+        if getattr(case, "sign", None) in SIGNS and any(one.heading is not None for one in pulses):
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        return {self._pulse_name(one): self._met(case, one) for one in pulses} | {
             name: self._flown(case, name, one) for name, one in self.soundings.items()
         }
 
@@ -308,8 +312,6 @@ class SizingAsked:
         """
         sign, pulses = getattr(case, "sign", None), self.pulses(case)
         signs = [one for one in SIGNS if sign in (None, one)]
-        if sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
-            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
         factors = {one: np.full((found.times.size, len(found.winds)), np.nan) for one in signs}
         unsigned, why = np.zeros((found.times.size, len(found.winds)), dtype=bool), ""
         for i, j in np.argwhere(found.known[:, : len(pulses)]).tolist():
