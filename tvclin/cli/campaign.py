@@ -143,7 +143,8 @@ def replay(
 ) -> None:
     """Compute one case again and print it in full, with its exact response.
 
-    The response is that on its boundary: trim until the dead band is left, then the limit held.
+    The response is that on its boundary: trim until the dead band is left, then the limit held. A
+    case that is lost has the limit of the campaign in place of what it needs.
 
     Exit code 0: answered; 2: bad input.
     """

@@ -88,6 +88,22 @@ class Replay:
         )
 
     @property
+    def capability(self) -> float:
+        """The limit over what it needs, where it is lost with the limit of the campaign; else one.
+
+        What it needs counts the dynamic pressure met in its wind. A case that is flown by a law is
+        judged by its flight.
+        """
+        limit, needs = self.campaign.nozzle.limit, self._needs
+        if limit is None or "flight_survived" in self.outputs or not limit < needs < np.inf:
+            return 1.0
+        return limit / needs
+
+    @property
+    def _needs(self) -> float:
+        return self.outputs.get(required_name(self.dead_band), abs(self.required))
+
+    @property
     def fate(self) -> str:
         """What becomes of the case at the limit of the campaign, in words; empty without one."""
         limit = self.campaign.nozzle.limit
@@ -97,8 +113,7 @@ class Replay:
             known = {1.0: "survives", 0.0: "lost"}
             word = known.get(self.outputs["flight_survived"], "neither survives nor is lost")
         else:
-            needs = self.outputs.get(required_name(self.dead_band), abs(self.required))
-            word = "survives" if needs <= limit else "lost"
+            word = "survives" if self._needs <= limit else "lost"
         return f"{word} with a limit of {np.degrees(limit):.4g} deg"
 
     @property
@@ -108,8 +123,11 @@ class Replay:
 
     @property
     def extremes(self) -> dict[str, float]:
-        """What is largest in `response` [deg], and its end [s]; nothing where there is none."""
-        return _extremes(self.response, ("attitude", "angle_of_attack"))
+        """What is largest in `response` [deg], and its end [s]; nothing where there is none.
+
+        It has as much of what it needs as the limit, where it is lost, and else all.
+        """
+        return _extremes(lambda: self.response(self.capability), ("attitude", "angle_of_attack"))
 
     @property
     def extremes_flown(self) -> dict[str, float]:
@@ -131,12 +149,15 @@ class Replay:
             (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
             for k, v in self.inputs.items()
         )
+        part = "on the boundary"
+        if self.plant is not None and self.capability < 1.0:
+            part = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
         every = (
             quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
             quantities("It needs", _angles(needs)),
             quantities("Flown with the limit", _plain(self.extremes_flown)),
             quantities("Margins of the autopilot", _plain(margins)),
-            quantities(f"Response on the boundary, K = {self.dead_band:g}", _plain(self.extremes)),
+            quantities(f"Response {part}, K = {self.dead_band:g}", _plain(self.extremes)),
         )
         return tuple(one for one in every if one.rows)
 
