@@ -126,6 +126,15 @@ def test_what_runs_does_not_depend_on_what_was_called_before(monkeypatch):
         assert choice.swiftest(small_roots, 0.01) is small_roots
 
 
+def test_calls_alike_are_worth_together_what_one_is_not(monkeypatch):
+    monkeypatch.setattr(choice, "available", lambda: True)
+    monkeypatch.setattr(choice, "machine_code", lambda _: "compiled")
+    with choice.repeated(1000):
+        assert choice.swiftest(small_roots, 0.01) == "compiled"
+        assert choice.swiftest(small_roots, 1e-6) is small_roots
+    assert choice.swiftest(small_roots, 0.01) is small_roots
+
+
 def test_little_work_does_not_load_the_compiler():
     code = (
         "import sys, numpy as np\n"

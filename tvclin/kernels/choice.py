@@ -1,8 +1,8 @@
 """How a kernel runs: as plain Python, or as machine code of the same where that pays.
 
 Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
-on a machine, and half a second to load from then on. It is taken where the work of the call is
-worth that, whatever was called before. Nobody above the kernels knows.
+on a machine, and half a second to load from then on. It is taken where the work of the call, or of
+all that are alike, is worth that, whatever was called before. Nobody above the kernels knows.
 """
 
 import os
@@ -30,6 +30,8 @@ not kept; and of which somebody without numba is told."""
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 _waits: ContextVar[bool] = ContextVar("_waits", default=True)
 """Whether somebody waits until a kernel is compiled."""
+_alike: ContextVar[int] = ContextVar("_alike", default=1)
+"""How many calls there are of each, about."""
 
 
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
@@ -46,8 +48,9 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
             stacklevel=2,
         )
     if wanted is None:
-        compiles = _waits.get() and seconds > _COMPILING
-        wanted = compiles or (seconds > _LOADING and _is_kept(function))
+        every = seconds * _alike.get()
+        compiles = _waits.get() and every > _COMPILING
+        wanted = compiles or (every > _LOADING and _is_kept(function))
     return machine_code(function) if wanted and available() else function
 
 
@@ -122,6 +125,16 @@ def pinned(compiled: bool) -> Iterator[None]:
         yield
     finally:
         _pinned.reset(token)
+
+
+@contextmanager
+def repeated(calls: int) -> Iterator[None]:
+    """Choose for so many calls alike, which together are worth what one is not."""
+    token = _alike.set(calls)
+    try:
+        yield
+    finally:
+        _alike.reset(token)
 
 
 @contextmanager

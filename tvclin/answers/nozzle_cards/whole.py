@@ -45,6 +45,7 @@ from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES
+from tvclin.kernels.choice import repeated
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -130,15 +131,17 @@ def flight_card(
     points: list[CardPoint] = []
     signed = [pulse.heading is None for pulse in asked.pulses(case)]
     unknown = []
-    for i, time in enumerate(times.tolist()):
-        for j, (name, wind) in enumerate(winds.items()):
+    every = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
+    with repeated(len(every)):
+        for done, (i, j, name) in enumerate(every, 1):
+            time, wind = float(times[i]), winds[name]
             placed = place_in(flying.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
             if not all(one.known for one in placed.values()):
                 unknown.append(f"{name} at {time:.6g} s")
             sign = j < len(signed) and signed[j]
             points += flying.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
-                progress(i * len(winds) + j + 1, len(times) * len(winds))
+                progress(done, len(every))
     duties = tuple(_duties(points, winds, np.diff(flying.edges)))
     return FlightCard(
         vehicle=asked.schedule.vehicle.name,
