@@ -37,6 +37,31 @@ WINDS: dict[str, tuple[str, ...]] = {
     "a gust on it": ("--winds", "wind.csv", "--gust-speed", "9", "2", "--plane", "both"),
 }
 
+PAGE = """
+[study]
+vehicle = "made-up-launcher"
+[[wind]]
+shape = "triangular"
+peak_deg = 5.0
+duration_s = 3.0
+[[wind]]
+sounding = "{folder}/wind.csv"
+azimuth_deg = 90
+[gust]
+peak_speed_m_per_s = 9
+duration_s = 2.0
+[nozzle]
+limit_deg = 3.0
+[schedule]
+source = "{schedule}"
+[size]
+every_s = 30.0
+[availability]
+archive = "{folder}"
+azimuth_deg = 90
+least_part = 0.9
+"""
+
 
 @pytest.fixture(scope="module")
 def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
@@ -112,6 +137,19 @@ def test_each_sounding_is_judged_or_said_to_be_unknown(
     (found,) = asked("availability", sources[schedule], *where, *part)["towards"]
     assert found["flown"] <= found["judged"]
     assert found["judged"] + found["unknown"] == 3
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("schedule", SCHEDULES[2:])
+def test_the_page_of_a_flight_is_written(
+    sources: dict[str, str], schedule: str, tmp_path: Path
+) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(PAGE.format(folder=sources["folder"], schedule=sources[schedule]))
+    page = tmp_path / "page.html"
+    result = CliRunner().invoke(app, ["report", str(study), "-o", str(page)])
+    assert result.exit_code in (0, 1), result.output
+    assert ("NOT SIZED" in page.read_text()) == (schedule != "openrocket")
 
 
 def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(

@@ -320,16 +320,20 @@ class Judge:
                 if held and self.strength:
                     most = np.interp(height, self.heights, self.strength[plane, azimuth])
                     strong = np.maximum(strong, there * most)
+                alike = not held and self.gust is None and self.growth is None
+                each = flown and not alike  # the same wind to both sides is flown once
                 sides = [
                     self._side(
-                        tables, height, times, np.where(hidden, strong, blows), fine, rows, flown
+                        tables, height, times, np.where(hidden, strong, blows), fine, rows, each
                     )
                     for blows in (wind, -wind)
                 ]
-                alike = not held and self.gust is None and self.growth is None
                 winds = sides[0][1] + ([] if alike else sides[1][1])
                 calm = [need for need, _ in sides]
                 need = np.maximum(*calm)
+                if flown and alike:
+                    need = _flown(tables.mode, *winds[0], need)
+                    calm = [need, need]
                 if self.pressure:
                     other = blow["pitch" if plane == "yaw" else "yaw"]
                     factors = [
@@ -408,14 +412,22 @@ class Judge:
         fast = tables.at(found.at).drifts_fast
         part = np.where(found.returns, _RETURNS, np.where(fast, _DRIFTS_FAST, 1.0))
         part = np.where(tables.order > 0, part, 1.0)
-        low, high, doubted = found.limit.copy(), part * found.limit, part > 1.0
-        if flown and np.any(doubted):
-            steps = flight_steps(tables.mode)
-            both = np.broadcast_to(steps, (int(doubted.sum()), steps.size))
-            winds = on_lines(times[doubted], angle[doubted], both)
-            low[doubted] = trim_law_needs(tables.mode, steps, winds, found.limit[doubted])
-            high[doubted] = low[doubted]
-        return np.stack([low, high]), found.at
+        need = np.stack([found.limit, part * found.limit])
+        return (_flown(tables.mode, times, angle, need) if flown else need), found.at
+
+
+def _flown(mode: GrowingMode, times: FloatArray, angle: FloatArray, need: FloatArray) -> FloatArray:
+    """The least and the most needs ``(2, n)`` in wind angles [rad], flown where they differ."""
+    doubted = need[1] > need[0]
+    if not np.any(doubted):
+        return need
+    steps = flight_steps(mode)
+    winds = on_lines(
+        times[doubted], angle[doubted], np.broadcast_to(steps, (int(doubted.sum()), steps.size))
+    )
+    found = need.copy()
+    found[:, doubted] = trim_law_needs(mode, steps, winds, need[0, doubted])
+    return found
 
 
 @lru_cache(maxsize=8)
