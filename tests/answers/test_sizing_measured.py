@@ -101,7 +101,7 @@ def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flig
     rises = tv.FlightSchedule(vehicle.replace(time=[40.0, 90.0], aerodynamic_arm=[5.0, 9.0]))
     still = tv.FlightSchedule(vehicle.replace(time=[40.0, 90.0]))
 
-    assert falls.notes[-1].startswith("largest at the first flight time, 60 s; before it, more")
+    assert falls.notes[-1].startswith("largest at the first flight time, 60 s; before it, these")
     assert "after it" in tv.size(rises, wind, times=[50.0, 60.0]).notes[-1]
     for none in (tv.size(still, wind, times=[50.0, 60.0]), tv.size(flight, wind, times=60.0)):
         assert not [note for note in none.notes if "largest at" in note]

@@ -138,7 +138,7 @@ def test_on_the_boundary_the_attitude_is_that_of_equation_13():
     assert found["attitude"]["against_wind"] is None
     assert found["attitude"]["back_at_zero"] is None
     assert found["verdict"]["stable"] is True
-    assert "held attitude error" in found["verdict"]["left_over"]
+    assert "constant attitude error" in found["verdict"]["left_over"]
 
 
 def test_trim_throughout_leaves_nothing():
@@ -220,7 +220,7 @@ def test_the_figure_is_written_and_closed(tmp_path, kind):
 def test_the_table_says_it_in_words():
     enough, short = (run("--capability", part).output for part in (1.1, 0.9))
 
-    for words in ("-0.829", "8.138", "1.1 times that: SUFFICIENT", "not stable by (4b)"):
+    for words in ("-0.829", "8.138", "1.1 times that: SUFFICIENT", "not stable by condition (4b)"):
         assert words in enough
     assert "lets go" in enough
     assert "0.9 times that: NOT SUFFICIENT" in short

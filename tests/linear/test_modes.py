@@ -167,7 +167,7 @@ def test_on_a_fixed_path_the_held_deflection_leaves_y_times_the_wind(configurati
     left = judge(plant, on_the_boundary(plant, wind), wind).left_over
     assert left.offset == pytest.approx(-y * wind.peak, rel=1e-13)  # the final value theorem
     assert left.rate == 0.0
-    assert f"a held attitude error of {np.degrees(-y * wind.peak):.4g} deg" == str(left)
+    assert f"a constant attitude error of {np.degrees(-y * wind.peak):.4g} deg" == str(left)
 
 
 def test_with_drift_the_held_deflection_leaves_a_ramp(configuration):
@@ -202,7 +202,7 @@ def test_of_a_batch_the_first_that_keeps_an_error_or_a_ramp_is_named():
     held = tvclin.linear.HeldDeflection(limit=0.01) * [0.0, 1.0, 2.0]
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
     # In the end 0 = mu_alpha theta - mu_delta delta: -0.02 rad.
-    assert "a held attitude error of -1.146 deg" in str(judge(stable, held, wind).left_over)
+    assert "a constant attitude error of -1.146 deg" in str(judge(stable, held, wind).left_over)
     drifting = Plant.from_coefficients(Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1), "drift")
     # The slope at rest: mu_delta b1/mu_alpha delta = 0.008 rad/s.
     assert "a ramp of 0.4584 deg/s" in str(judge(drifting, held, wind).left_over)

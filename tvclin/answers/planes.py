@@ -27,7 +27,7 @@ from tvclin.winds.shaped import ShapedWind, part_in
 FloatArray = NDArray[np.float64]
 
 PARTS, VECTOR = (
-    "the plane that needs most of its part of the stop",
+    "the plane that needs the larger part of the stop",
     "the boundary of both planes together",
 )
 _LARGEST = 1e99

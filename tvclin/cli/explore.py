@@ -19,6 +19,9 @@ def explore(
 ) -> None:
     """Write explore-VEHICLE.ipynb, unless it is there, and open and run it in JupyterLab.
 
+    The panel in it moves vehicle, wind, limit, law and gains by hand. What it leaves out (gusts,
+    both planes, filters) it names; a study file, which it writes, has room for that.
+
     JupyterLab ends with "End" in the panel, with Ctrl-C here, and some minutes after its last page
     was closed (not with --no-browser).
 

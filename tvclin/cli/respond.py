@@ -96,10 +96,10 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
     needed = f"Required {np.degrees(case.required):.3f} deg by {case.governs}"
     say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {word}")
     verdict = case.verdict
-    stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
+    stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
-        stable = "stable by (4b) but for the slow mode of the flight path"
-    say(f"If the deflection is held for ever it is {stable}: it leaves {verdict.left_over}.")
+        stable = "by condition (4b) only the slow mode of the flight path is not stable"
+    say(f"Held for ever, the deflection leaves {verdict.left_over}: {stable}.")
     if case.sufficient and not verdict.stable:
         say("SUFFICIENT means for a control that lets go of the limit in time.")
     if shown.why == LET_GO:

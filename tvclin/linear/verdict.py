@@ -73,20 +73,20 @@ class LeftOver:
 
     def __str__(self) -> str:
         times = (f"{time:.4g} s" for time in np.ravel(self.e_folding_times) if np.isfinite(time))
-        parts = [
-            f"a growing exponential with an e-folding time of {time}"
-            for time in dict.fromkeys(times)
-        ]
+        each = [*dict.fromkeys(times)]
+        parts = [f"a growing mode with an e-folding time of {time}" for time in each[:1]]
+        if each[1:]:
+            parts = [f"growing modes with e-folding times of {' and '.join(each)}"]
         ramps, errors = (np.degrees(_known(array)) for array in (self.rate, self.offset))
         if ramps.size:
             parts.append(f"a ramp of {ramps[0]:.4g} deg/s")
         elif errors.size:
-            parts.append(f"a held attitude error of {errors[0]:.4g} deg")
+            parts.append(f"a constant attitude error of {errors[0]:.4g} deg")
         if np.any(np.isnan(self.rate)):
             parts.append("what several poles at zero make of the deflection")
         if np.any(self.oscillates):
             parts.append("an undamped oscillation")
-        return ", ".join(parts) or "nothing"
+        return " and ".join(parts) or "nothing"
 
 
 def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:

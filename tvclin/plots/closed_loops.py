@@ -12,7 +12,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
+from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import (
     ANGLES,
@@ -20,6 +20,7 @@ from tvclin.plots.style import (
     QUANTITIES,
     WARM,
     Look,
+    broken,
     control_plot,
     draw,
     fine_grid,
@@ -143,7 +144,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
         times = np.union1d(_times(start, max(stop, 1.1 * when), wind, count), when)
     words = loop_words(autopilot, plant)
     curves = _wind_curves(answer, plant, wind, times, f"{words}; {VERDICTS[status]}")
-    title = f"Autopilot in a wind: {VERDICTS[status]}\n{broken(words)}"
+    title = f"Autopilot in a wind: {VERDICTS[status]}\n{words}"
     plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
     if peak is not None:
         trim = float(curves.column(_TRIM, "deflection")[0])

@@ -1,7 +1,6 @@
 """What the figures of a loop are drawn from: its samples, its phase, and its verdict in words."""
 
 from dataclasses import dataclass
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import literal
+from tvclin.plots.style import broken, literal
 
 if TYPE_CHECKING:
     import control
@@ -35,8 +34,6 @@ VERDICTS = {
 _LIGHT, _TURN = 0.2, np.tan(np.radians(np.arange(-88.0, 89.0, 2.0)))
 """Around roots of less damping than the first, frequencies in half-widths between which the term of
 the root turns by equal angles, 4 degrees."""
-_WIDE = 90
-"""Letters in a line of a title."""
 _ORDER = 4
 """Of the approximation of the delay of a loop that no autopilot comes with."""
 
@@ -203,11 +200,6 @@ def _own_words(loop: Loop) -> str:
 def title(what: str, samples: LoopSamples, more: str = "") -> str:
     """Return the title of a figure: what it is, the verdict, and what the loop is made of."""
     return literal(f"{what}: {samples.verdict}{more}\n{broken(samples.words)}")
-
-
-def broken(words: str) -> str:
-    """Return what a loop is made of in lines that a title has room for, broken at commas alone."""
-    return fill(words.replace(" ", "\u00a0").replace(",\u00a0", ", "), _WIDE)
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -25,6 +26,8 @@ WARM = "#b4541a"
 COLOURS = ("#1b4f9c", "#2a8a8a", "#7a6a12", WARM, "#8a2255")
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), ":")
 MARKS = ("o", "s", "^", "D")
+_WIDE, _NARROW = 90, 64
+"""Letters in a line of a title over several panels, and over one with its legend beside it."""
 
 Style = dict[str, Any]
 QUANTITIES: dict[str, Style] = {
@@ -91,9 +94,9 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
     for empty in axes[len(panels) :]:
         empty.set_axis_off()
     if len(panels) > 1:
-        axes[0].figure.suptitle(pretty(literal(look.title)))
+        axes[0].figure.suptitle(pretty(literal(broken(look.title))))
     else:
-        axes[0].set_title(pretty(literal(look.title)))
+        axes[0].set_title(pretty(literal(broken(look.title, _NARROW))))
     first = {line.get_label(): line for line in reversed(lines)}
     handles = [first[label] for label in dict.fromkeys(line.get_label() for line in lines)]
     axes[0].figure.legend(handles=handles, title=pretty(look.legend), loc="outside right center")
@@ -125,6 +128,12 @@ def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
         box = {"facecolor": "white", "edgecolor": "0.6", "boxstyle": "round,pad=0.3"}
         place: Style = {"ha": "right", "va": "bottom", "transform": axes.transAxes, "bbox": box}
         axes.text(0.97, 0.04, pretty(text), fontsize=9, **place)
+
+
+def broken(words: str, width: int = _WIDE) -> str:
+    """Return words in lines that a title has room for, broken at commas alone."""
+    lines = words.replace(" ", "\u00a0").replace(",\u00a0", ", ").split("\n")
+    return "\n".join(fill(line, width) for line in lines).replace("\u00a0", " ")
 
 
 def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:

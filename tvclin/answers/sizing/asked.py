@@ -264,7 +264,8 @@ class SizingAsked:
         )
         if self.soundings and f"K = {found.dead_bands[0]:g}{VARYING}" in found.required:
             air = "of calm air" if getattr(case, "sign", None) == FROZEN else "that the wind makes"
-            said = f"each K{VARYING} in {', '.join(self.soundings)} has the dynamic pressure {air}"
+            names = ", ".join(self.soundings)
+            said = f"each K{VARYING} counts the dynamic pressure {air} in {names}"
             found = replace(found, notes=(*found.notes, said))
         return self._by_sign(case, found)
 

@@ -65,8 +65,8 @@ def _beyond_one_pole(found: Sizing) -> list[str]:
             holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
             notes.append(
                 f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
-                f" theory, which holds for {holds} there: the minimum is the two-pole result, and"
-                " each dead band needs at least that"
+                f" theory, which holds for {holds} there: the minimum counts two poles, and"
+                " every dead band needs at least as much"
             )
     return notes
 
@@ -107,6 +107,6 @@ def _at_the_ends(found: Sizing) -> list[str]:
         if values[-1] > (1.0 + _SAME) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
     return [
-        f"largest at the {end} it, more may be needed: {'; '.join(names)}"
+        f"largest at the {end} it, these may be larger: {'; '.join(names)}"
         for end, names in ends.items()
     ]

@@ -187,7 +187,10 @@ class Sizing(Tabled):
     @property
     def law_words(self) -> str:
         """What stands for laws without a forecast, in words."""
-        words = {"bound": "the bound of all such laws", "flown": "the recoverable-attitude law"}
+        words = {
+            "bound": "a bound for every law without a forecast",
+            "flown": "the recoverable-attitude law",
+        }
         return words[self.law]
 
     @property

@@ -114,7 +114,7 @@ class Detuned:
             if shown:
                 line = shown[0] if len(shown) == 1 else (*shown[0], " and ", *shown[1])
                 said.append((f"{edge.name}: unstable at ", *line, " of its frequency"))
-        return tuple(said) or (("Between these frequencies the loop becomes unstable nowhere.",),)
+        return tuple(said) or (("The loop becomes unstable at no frequency between these.",),)
 
     def _repr_html_(self) -> str:
         return table(self.table(), self.said)

@@ -27,6 +27,10 @@ from tvclin.winds.shaped import PULSES
 _PEAK = 5.0
 _TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
 _WIDE = {"description_width": "115px"}
+_LEFT_OUT = (
+    "Not in this panel: gusts, both planes with one stop, filters and samples of the autopilot, a"
+    " rate limit. Write a study file, add them there, and ask tvclin report."
+)
 _WAIT = 0.3
 """A picture waits so long [s] for its curve; the rest is drawn as it is found."""
 
@@ -125,7 +129,7 @@ class Panel:
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(found))
         bends = _bends(self._vehicles[self.controls["vehicle"].value], found.choices.plane)
-        self.notes.value = _paragraphs(*found.notes, *bends)
+        self.notes.value = _paragraphs(*found.notes, *bends, _LEFT_OUT)
         self.image.value = self._picture.png(found)
 
     def _set_canonical_gains(self, _button: Any) -> None:

@@ -56,14 +56,14 @@ def _apart(found: Findings) -> str:
     least = f"{stop:.3f} deg" if np.isfinite(stop) else "any limit"
     apart = ["the gust"] if found.study.gust is not None else []
     if plan.vehicle.structure is None:
-        apart += [f"{one} of the nozzle" for one in ("actuator", "delay")]
+        apart += ["actuator", "delay"]
     own = plan.hardware["sample_rate"]
-    rates = f" and {own:g} samples a second in place of {rate:g}" if own != rate else ""
-    added = f" with {', '.join(apart)}" if apart else ""
-    both = ", and counts both planes" if found.study.in_both else ""
+    apart += [f"{own:g} samples a second in place of {rate:g}"] if own != rate else []
+    apart += ["both planes counted"] if found.study.in_both else []
+    added = f", flown with {', '.join(apart)}" if apart else ""
     return (
-        f" The autopilot has the gains of Autopilot and margins here too. There it needs {least},"
-        f" flown{added}{rates}{both}."
+        f" The autopilot flies here with the gains of Autopilot and margins. There it needs {least}"
+        f"{added}."
     )
 
 
@@ -177,11 +177,11 @@ def _of_both(found: Findings, stop: float | None) -> list[Block]:
     if not s.in_both:
         return []
     line: Line = (
-        "Both planes together take ",
+        "Both planes together need ",
         *number("both.factor", s.of_both, 3),
-        f" times what the {s.plane} plane takes of the stop",
+        f" times the stop that the {s.plane} plane needs alone",
     )
     if stop is not None and np.isfinite(stop):
         needs = degrees("both.stop", stop * s.of_both, unit="deg")
-        line += (": with that this autopilot needs ", *needs, " as a stop, flown")
+        line += (". With that factor this autopilot needs a stop of ", *needs, ", flown")
     return [Paragraph((*line, "."))]

@@ -28,10 +28,10 @@ def both_planes(found: Findings) -> Section | None:
         "The wind blows from ",
         *number("planes.heading_deg", heading, 1, "deg"),
         ", clockwise from the direction of flight. It asks for deflection in pitch and in yaw, and"
-        f" the nozzle has one stop for both; here it is {stop}. Of what both need a study of the"
-        " pitch plane alone would miss ",
+        f" the nozzle has one stop for both; here it is {stop}. What both need is set by"
+        f" {planes.governs}; a study of the pitch plane alone would miss ",
         *missing,
-        f". What both need is set by {planes.governs}. The verdict is on {judged}.",
+        f" of it. The verdict is on {judged}.",
     )
     table = Table(
         f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}",
