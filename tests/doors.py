@@ -710,6 +710,16 @@ def doors(folder: Path) -> dict[str, Door]:
         "ReportControl": Door(tv.flights.ReportControl, {"dead_band": 0.5}),
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
+        "AccelerometerLaw": Door(
+            tv.control.AccelerometerLaw,
+            {
+                "autopilot": tv.control.half_relief_gains(slow),
+                "vehicle": slow,
+                "station": 5.0,
+                "bandwidth": 100.0,
+                "plane": "pitch",
+            },
+        ),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
         "SaturatedLaw.of": Door(tv.SaturatedLaw.of, {"autopilot": autopilot}),
         "ShapedWind": Door(

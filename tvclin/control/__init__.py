@@ -5,8 +5,9 @@
   `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`; by a rule of a file `AutopilotDesign`.
 - Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
   `detuned`; what is asked of them: `Criteria`, `CRITERIA`.
-- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, and around
-  them `FilteredLaw`, `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.
+- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, without a
+  vane `AccelerometerLaw`, and around them `FilteredLaw`, `EstimatedLaw` with a `WindEstimator`; by
+  name `design_law`; your own: `Law`.
 - Beside trim: `compare_with_trim`, `worst_duration`.
 """
 

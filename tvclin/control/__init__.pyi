@@ -17,6 +17,7 @@ from .comparison.duration import WorstDuration as WorstDuration
 from .comparison.duration import worst_duration as worst_duration
 from .comparison.trim import TrimComparison as TrimComparison
 from .comparison.trim import compare_with_trim as compare_with_trim
+from .laws.accelerometer import AccelerometerLaw as AccelerometerLaw
 from .laws.attitude import SaturatedLaw as SaturatedLaw
 from .laws.dead_band import DeadBandLaw as DeadBandLaw
 from .laws.estimated import EstimatedLaw as EstimatedLaw

@@ -1,0 +1,137 @@
+"""Load relief by an accelerometer on the body, in the place of a vane.
+
+At a station x ahead of the centre of gravity the body feels, without gravity,
+
+    n = (N alpha + T delta)/m + x theta'' = n_alpha alpha + n_delta delta - x d theta',
+
+with n_alpha = N/m + x mu_alpha, n_delta = T/m - x mu_delta and the vehicle's own damping d. At the
+centre of percussion of the nozzle, x = T/(m mu_delta), it feels the angle of attack alone. Ahead of
+it or behind, the deflection that it felt goes round in a loop of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, instance, number, one_of, positive, single
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.law import Chains, Law, Measurement
+from tvclin.kernels.control_laws import LawNumbers
+from tvclin.vehicle.coefficients import PLANES, Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class AccelerometerLaw(Law):
+    """The feedback of an autopilot that feels an acceleration in place of the angle of attack.
+
+    Its gains make of an ideal nozzle and an ideal sensor what those of the autopilot make with a
+    vane: with g on the acceleration, a0, a1 and b0 are those over 1 - g n_delta.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One, with a gain b0 on the angle of attack and none on the integral, as `half_relief_gains`.
+    vehicle : Vehicle
+        One, by whose numbers the gains are made.
+    station : float
+        Where the accelerometer is, ahead of the centre of gravity [m]; negative behind it.
+    bandwidth : float
+        Of the accelerometer, a lag of first order [rad/s].
+    plane : {"pitch", "yaw"}
+        The plane that it feels.
+
+    Raises
+    ------
+    InputError
+        As `SaturatedLaw`, for an autopilot without b0 or with an integral, and for a station at
+        which the law would feel more of its own deflection than of the wind.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> gains = tv.control.half_relief_gains(vehicle)
+    >>> law = tv.control.AccelerometerLaw(gains, vehicle, station=10.0)
+    >>> round(float(np.degrees(law.gain)), 3)  # deg for each m/s2
+    7.381
+    """
+
+    autopilot: Autopilot
+    vehicle: Vehicle
+    station: float = 0.0
+    bandwidth: float = 100.0
+    plane: str = "pitch"
+
+    _keys = "autopilot station_m bandwidth_rad_per_s plane"
+
+    def __post_init__(self) -> None:
+        SaturatedLaw(self.autopilot)
+        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        single("vehicle", self.vehicle.batch)
+        one_of("plane", self.plane, PLANES)
+        object.__setattr__(self, "station", number("station", self.station, unit="m"))
+        wide = number("bandwidth", self.bandwidth, positive, "rad/s")
+        object.__setattr__(self, "bandwidth", wide)
+        if not self.autopilot.alpha_gain or self.autopilot.integral_gain:
+            raise InputError(
+                "autopilot must have a gain on the angle of attack, which an accelerometer stands"
+                " for, and none on the integral; see half_relief_gains"
+            )
+        alpha, deflection, _ = self.felt
+        if alpha <= 0.0 or alpha + float(self.autopilot.alpha_gain) * deflection <= 0.0:
+            raise InputError(
+                f"station {self.station:g} m is no place for the accelerometer: it would feel less"
+                " of the wind than of the deflection that it asks for"
+            )
+
+    @property
+    def felt(self) -> tuple[float, float, float]:
+        """What it feels: n_alpha and n_delta [m/s2/rad], and of the attitude rate [m/s]."""
+        v, x = self.vehicle, self.station
+        c = Coefficients.from_vehicle(v, self.plane)
+        alpha = v.normal_force_slope / v.mass + x * c.mu_alpha
+        deflection = v.control_force / v.mass - x * c.mu_delta
+        return float(alpha), float(deflection), float(-x * c.damping)
+
+    @property
+    def gain(self) -> float:
+        """Gain on the acceleration [rad s2/m]."""
+        alpha, deflection, _ = self.felt
+        b0 = float(self.autopilot.alpha_gain)
+        return b0 / (alpha + b0 * deflection)
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """The acceleration that is measured [m/s2]."""
+        alpha, deflection, rate = self.felt
+        seen = np.array([[0.0, rate, 0.0, alpha, deflection]])
+        return np.array([[-self.bandwidth]]), self.bandwidth * seen
+
+    @property
+    def chains(self) -> Chains:
+        """The filters of the autopilot."""
+        return SaturatedLaw(self.autopilot).chains
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """The gains, of which that on the acceleration is on its own state."""
+        _, deflection, rate = self.felt
+        whole = 1.0 - self.gain * deflection
+        return LawNumbers(
+            attitude=float(self.autopilot.attitude_gain) * whole,
+            attitude_rate=float(self.autopilot.rate_gain) * whole - self.gain * rate,
+            first_state=self.gain,
+        )
+
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
+        """Return a0 theta + a1 theta' + g times the acceleration [rad]."""
+        del limit
+        own = self.numbers
+        asked = own.attitude * measured.attitude + own.attitude_rate * measured.attitude_rate
+        return asked + own.first_state * states[0]
