@@ -175,6 +175,7 @@ def doors(folder: Path) -> dict[str, Door]:
     schedule = tv.load_schedule("configuration-i", step=5.0)
     study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01, model="fixed-path")
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
+    calm = tv.WindProfile(height=[0.0, 40e3], east=[0.0, 5.0], north=[0.0, 0.0])
     archive = tv.winds.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
     days_asked = tv.answers.AvailabilityAsked(flight=schedule, soundings=archive, azimuth=1.5)
@@ -770,7 +771,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Soundings.local": Door(archive.local, {"utc_offset": -5.0}),
         "Soundings.of": Door(archive.of, {"month": 2, "year": 2024, "hour": 0}),
-        "SoundingAsked": Door(tv.answers.SoundingAsked, {"profile": west, "azimuth": 1.5}),
+        "SoundingAsked": Door(
+            tv.answers.SoundingAsked, {"profile": west, "azimuth": 1.5, "bias": calm}
+        ),
         "Study.from_vehicle": Door(
             tv.Study.from_vehicle,
             {
@@ -1102,6 +1105,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "pitch",
                 "window": 20.0,
                 "gust": gust,
+                "bias": calm,
             },
         ),
         "forecast_free_limit": Door(

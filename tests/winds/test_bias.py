@@ -83,3 +83,29 @@ def test_a_biased_path_leaves_less_to_the_nozzle(tmp_path):
         refused = asked(*options)
         assert refused.exit_code == 2, options
         assert words in " ".join(refused.output.split())
+
+
+def test_the_dynamic_pressure_is_that_of_all_that_blows():
+    """Against the air speed itself: the flight less the whole wind, as vectors."""
+    flight = tv.load_schedule("configuration-i")
+    height = np.linspace(0.0, 40e3, 9)
+    mean = tv.WindProfile(height=height, east=-40.0 + 0.0 * height, north=0.0 * height)
+    whole = tv.WindProfile(
+        height=height, east=np.linspace(-50.0, -45.0, 9), north=5.0 + 0.0 * height
+    )
+    met = tv.fly_through(whole, flight, azimuth=np.radians(90.0), bias=mean)
+    left = tv.fly_through(whole - mean, flight, azimuth=np.radians(90.0))
+    assert met.wind.angle == pytest.approx(left.wind.angle, abs=1e-15)
+    time = met.wind.time
+    speed, climb = (
+        np.interp(time, flight.time, one) for one in (flight.speed, flight.flight_path_angle)
+    )
+    east = np.interp(np.interp(time, flight.time, flight.height), height, whole.east)
+    air = np.array([speed * np.cos(climb) - east, 0.0 * time - 5.0, speed * np.sin(climb)])
+    assert met.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
+    found = [tv.size(flight, one, times=[66.0]).required for one in (met, left)]
+    frozen, varying = (
+        [float(one[name].max()) for one in found] for name in ("K = 1", "K = 1, varying")
+    )
+    assert frozen[0] == pytest.approx(frozen[1], rel=1e-9)  # of calm air
+    assert varying[0] > 1.04 * varying[1]

@@ -72,7 +72,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 "--azimuth-deg is for soundings and for a wind with a direction; name one with"
                 " --winds, or give --wind-direction-deg"
             )
-        azimuth = azimuth_of(degrees) if files else 0.0
+        azimuth, mean = (azimuth_of(degrees), self.mean_wind) if files else (0.0, None)
         if not files:
             only_with("a sounding, --winds", bias=self.bias, bias_month=self.bias_month)
         if len(times) not in (0, len(files)):
@@ -88,7 +88,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 name = str(file)
             if name in found:
                 raise InputError(f"--winds gives {name} twice")
-            found[name] = SoundingAsked(self.unbiased(read_sounding(file, time=time)), azimuth)
+            found[name] = SoundingAsked(read_sounding(file, time=time), azimuth, mean)
         return found
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:

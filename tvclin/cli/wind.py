@@ -124,20 +124,21 @@ class BiasOptions(PulseOptions):
     )
     bias_month: int | None = asked("The month whose mean it is, from 1 to 12.", shown="all")
 
-    def unbiased(self, profile: "WindProfile") -> "WindProfile":
-        """Return what is left of a wind."""
+    @property
+    def mean_wind(self) -> "WindProfile | None":
+        """The wind for which the flight path is biased."""
         from tvclin.winds.soundings.igra_archive import is_station
         from tvclin.winds.soundings.read import read_sounding
         from tvclin.winds.soundings.read_soundings import read_soundings
 
         if self.bias is None:
             only_with("--bias", bias_month=self.bias_month)
-            return profile
+            return None
         if is_station(self.bias):
             months = None if self.bias_month is None else [self.bias_month]
-            return profile - read_soundings(self.bias, months=months).mean()
+            return read_soundings(self.bias, months=months).mean()
         only_with("--bias, the file of a station", bias_month=self.bias_month)
-        return profile - read_sounding(self.bias)
+        return read_sounding(self.bias)
 
 
 @dataclass(frozen=True)
@@ -232,12 +233,13 @@ class BlowingOptions(BiasOptions):
 
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
-            self.unbiased(noted_sounding(self.winds, self.winds_time)),
+            noted_sounding(self.winds, self.winds_time),
             load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
             azimuth=azimuth,
             plane=plan.plane,
             window=length,
             gust=gust,
+            bias=self.mean_wind,
         )
 
 

@@ -59,14 +59,19 @@ class SoundingAsked:
         The wind; see `read_sounding`.
     azimuth : float
         Direction of flight [rad], from north, clockwise.
+    bias : WindProfile, optional
+        The mean wind for which the flight path is biased, as of `fly_through`.
     """
 
     profile: WindProfile
     azimuth: float
+    bias: WindProfile | None = None
 
     def __post_init__(self) -> None:
         instance("profile", self.profile, WindProfile, "see read_sounding")
         object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
+        if self.bias is not None:
+            instance("bias", self.bias, WindProfile, "see read_sounding")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -411,6 +416,7 @@ class SizingAsked:
                 window=self.window,
                 gust=self._gust(case),
                 pressure=getattr(case, "sign", None) != FROZEN,
+                bias=sounding.bias,
             )
 
     def _pulse_name(self, pulse: ShapedWind) -> str:

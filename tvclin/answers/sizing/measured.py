@@ -179,6 +179,7 @@ def fly_through(
     window: float | None = None,
     gust: GustOf | None = None,
     pressure: bool = True,
+    bias: WindProfile | None = None,
 ) -> MeasuredWind | MeasuredPlanes:
     """Return the wind that a flight through a sounding meets, as `size` takes it.
 
@@ -196,6 +197,9 @@ def fly_through(
         As of `MeasuredWind`, or of `MeasuredPlanes`.
     pressure : bool
         Whether the dynamic pressure that is met counts, or that of calm air.
+    bias : WindProfile, optional
+        The mean wind for which the flight path is biased: taken out of the angles, and not of the
+        dynamic pressure, which is that of the whole wind.
 
     Raises
     ------
@@ -220,9 +224,10 @@ def fly_through(
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     _checked_gust(gust)
-    across = {"pitch": profile.in_plane(azimuth), "yaw": profile.cross_plane(azimuth)}
+    left = profile if bias is None else profile - bias
+    across = {"pitch": left.in_plane(azimuth), "yaw": left.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
-    met = {k: angles_along(schedule, profile.height, across[k], k, LARGEST_ANGLE) for k in planes}
+    met = {k: angles_along(schedule, left.height, across[k], k, LARGEST_ANGLE) for k in planes}
     first, last = (f(time[k] for time, _ in met.values()) for f, k in ((max, 0), (min, -1)))
     most = max(float(np.abs(angle).max()) for _, angle in met.values())
     blows = {
@@ -232,7 +237,7 @@ def fly_through(
     }
     if not blows:
         raise InputError("the wind must blow along the flight; it is zero throughout there")
-    notes = _steep(profile, schedule, float(first), float(last))
+    notes = _steep(left, schedule, float(first), float(last))
     flag("pressure", pressure)
     met_air = {
         k: _pressure(profile, schedule, azimuth, one.time) if pressure else None
