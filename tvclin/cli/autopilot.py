@@ -57,12 +57,12 @@ def autopilot(
     """
     changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid)
-    with waiting("seeking gains"):
+    with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
-    wind = case.history
-    loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
-    compared = compare_with_trim(case.plant, loop_of, wind)
-    found = _Found(case, compared, _worst(compared, case.blows), sought)
+        wind = case.history
+        loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
+        compared = compare_with_trim(case.plant, loop_of, wind)
+        found = _Found(case, compared, _worst(compared, case.blows), sought)
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)

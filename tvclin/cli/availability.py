@@ -1,6 +1,6 @@
 """`tvclin availability`: on how many days of an archive the nozzle is enough."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 from pathlib import Path
 from typing import Annotated, Any
@@ -151,7 +151,7 @@ def availability(
     ],
     limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
     model: Given = MODEL,
-    sign: Given = SIGN,
+    sign: Given = replace(SIGN, shown={"sign": "that of each sounding"}),
     question: Given = Given(
         "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
     ),
