@@ -317,3 +317,16 @@ def test_flown_margins_need_a_limit_that_is_enough():
     )
     assert unstable.exit_code == 1
     assert "NO MARGINS" in unstable.output
+
+
+def test_an_autopilot_says_by_what_it_is_judged() -> None:
+    given = ("autopilot", "configuration-i", "--gain-db", "4", "--delay-margin-ms", "20")
+    printed, told = run(*given), json.loads(run(*given, "--json").stdout)["criteria"]
+
+    asked = {one["margin"]: (one["limit"], one["source"]) for one in told["requirements"]}
+    assert asked["delay_margin"] == (0.02, "the command line")
+    assert asked["gain_increase_dB"] == (4.0, "the command line")
+    assert asked["phase_margin_deg"][0] == 30.0
+    assert asked["phase_margin_deg"][1] != "the command line"  # it was not changed
+    words = "(aero margin 4 dB, gain increase 4 dB, phase margin 30 deg, delay margin 20 ms)"
+    assert words in " ".join(printed.output.split())

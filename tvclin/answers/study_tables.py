@@ -74,8 +74,11 @@ def coefficients(s: Study) -> Table:
     units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
     path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
     rows: list[Row] = []
-    for name, unit in (units | (path if "drift-exact" in s.modes else {})).items():
+    drifts = "drift-exact" in s.modes
+    for name, unit in (units | (path if drifts else {})).items():
         label = "pole p" if name == "pole" else name
+        if name == "K1" and not drifts:
+            continue
         if name in ("damping", "pole") and not (c.damping and (grows or name == "damping")):
             continue
         if name in ("beta", "K1") and not grows:
