@@ -8,6 +8,7 @@ import pytest
 import tvclin as tv
 from tvclin.answers.findings import find
 from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
 from tvclin.answers.questions import questions
 from tvclin.control.laws.filtered import NoisyLaw
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
@@ -195,6 +196,15 @@ def test_the_worst_line_heads_the_verdict(sheet, worst, enough):
     assert worst in found.words
     for one in found.needs:
         assert one.left is None or one.left == pytest.approx(one.there - one.needed)
+
+
+def test_of_a_limit_that_is_reached_nothing_is_left():
+    reached, beyond = (
+        NozzleVerdict.of(NOZZLE, {"limit": DEG * (1.0 + over)}).needs[0] for over in (1e-15, 1e-9)
+    )
+    assert (reached.enough, reached.left) == (True, 0.0)
+    assert not beyond.enough
+    assert beyond.left < 0.0
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():

@@ -68,9 +68,10 @@ BEYOND = {
     ("BangBang", "limit"), ("HeldDeflection", "limit"), ("fly_beside", "boundary"),
     ("flown_margins", "limit"), ("fly_many", "deflection_limit"), ("fly_many", "rate_limit"),
     ("total_deflection", "dispersion"), ("total_deflection", "wind"),
+    ("Nozzle", "travel_limit"),
 }  # fmt: skip
 """What the package has computed may be more, where the trim of a wind takes more; a limit that is
-never met; and rates."""
+never met; rates; and a travel, which is a sum."""
 
 
 def angles(call: Any) -> set[str]:

@@ -66,7 +66,10 @@ class Need(Shown):
     @property
     def left(self) -> float | None:
         """What is left; negative where it is too little."""
-        return None if self.there is None else self.there - self.needed
+        if self.there is None:
+            return None
+        left = self.there - self.needed
+        return max(left, 0.0) if self.enough else left  # a stop that is reached, but for rounding
 
     @property
     def enough(self) -> bool | None:

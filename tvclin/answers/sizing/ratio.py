@@ -16,7 +16,7 @@ from tvclin.answers.sizing.total import DeflectionTotal, total_deflection
 from tvclin.answers.sizing.total import Line as Part
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, finite, instance, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, number, positive, small_angle
 from tvclin.base.lines import Inline, Line, Table, degrees, significant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 
@@ -136,7 +136,7 @@ def controllability_ratio(
     instance("sizing", sizing, Sizing, "see size")
     most = number("limit", limit, small_angle("a deflection", positive), "rad")
     trims = sizing.at_times(TRIM)
-    gusts = np.abs(finite("gust", gust, "rad"))
+    gusts = np.abs(small_angle("a wind angle")("gust", gust, "rad"))
     if gusts.shape not in ((), trims.shape):
         raise InputError(f"gust must be one number or {trims.size}, as times; got {gusts.shape}")
     if np.all(np.isnan(trims)):
