@@ -91,9 +91,10 @@ def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None
     found = tv.size(schedule, turns, times=[60.0])
     with pytest.raises(InputError, match="did you mean 'K = 1'"):
         tv.worst_total(found, "K=1")
-    nowhere = tv.worst_total(found, "K = 1", limit=1.0)
+    nowhere = tv.worst_total(found, "K = 1", limit=1.0, rate_limit=0.1)
     assert (nowhere.lines, nowhere.not_sized, nowhere.sufficient) == ((), ("at 60 s",), None)
     assert np.isnan(nowhere.total)
+    assert (nowhere.verdict[0][-1], nowhere.verdict[-1][-1]) == ("NOT KNOWN", "NOT KNOWN")
     with pytest.raises(InputError, match="kind must be one of"):
         Line("a", 0.1, "sometimes")
 

@@ -92,7 +92,7 @@ class DeflectionTotal(Shown):
     rate_limit : float or None
         Of the nozzle [rad/s].
     needed_rate : float
-        The least deflection rate [rad/s], at the limit or else at any.
+        The least deflection rate [rad/s], at the limit or else at any; NaN where it is not known.
     """
 
     lines: tuple[Line, ...]
@@ -156,6 +156,7 @@ class DeflectionTotal(Shown):
             needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
             word = "NOT SUFFICIENT, " if self.too_slow else ""
             line = (*needed, " needed") if np.isfinite(self.needed_rate) else ("no rate is enough",)
+            line = ("NOT KNOWN",) if np.isnan(self.needed_rate) else line
             said.append(("Rate limit ", *there, f": {word}", *line))
         return tuple(said)
 
@@ -343,7 +344,7 @@ def worst_total(
     not_sized = sizing.not_sized(name)
     if np.all(np.isnan(winds)):
         reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
-        return DeflectionTotal((), reserve, limit, not_sized=not_sized, rate_limit=rate_limit)
+        return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
     times = sizing.times[known := ~np.isnan(winds)]
     totals = [
         _at_rate(
