@@ -43,6 +43,7 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> "Con
             lines += _mark_poles(axes, found[model], model, row, (least, radius))
     panels[0].set_title("Poles, and residues of attitude per deflection [1/s]")
     panels[1].set_title("Near the origin")
+    panels[1].locator_params(axis="x", nbins=6)  # small numbers are long
     if coefficients.name:
         panels[0].figure.suptitle(literal(coefficients.name))
     panels[0].legend(loc="lower center", ncols=2)
