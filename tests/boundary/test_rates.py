@@ -152,6 +152,23 @@ def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
     assert rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
 
 
+def test_the_verdict_says_whether_a_forecast_would_help():
+    wind = triangle(FIXED, 10.0)
+    front = rate_front(FIXED, wind)
+    blind = front.needed  # at any rate, which is more than the known wind's
+    assert blind > 1.2 * front.least_deflection
+    for limit, rate, words in (
+        (0.9 * blind, None, "without a forecast"),
+        (0.9 * blind, 20.0 * front.least_rate, "without a forecast"),
+        (0.9 * front.least_deflection, None, "whatever the control"),
+        (None, 1.1 * front.least_rate, "without a forecast"),
+        (1.1 * front.least_deflection, 1.1 * front.least_rate, "whatever the control"),
+    ):
+        found = rate_front(FIXED, wind, limit=limit, rate_limit=rate)
+        assert found.enough is False
+        assert found.verdict == f"NOT enough, {words}"
+
+
 def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
     wind = triangle(FIXED, 4.0)
     front = rate_front(FIXED, wind)

@@ -130,12 +130,20 @@ class RateFront(Shown):
         return self.limit >= self.needed
 
     @property
+    def _known(self) -> bool:
+        """Whether it would be enough for who knows the wind; a faster nozzle needs no more."""
+        fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
+        can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
+        free = self.rate_limit is None and limit is not None and self.least_deflection < limit
+        return free or bool(np.any(can & (self.rates <= fastest)))
+
+    @property
     def verdict(self) -> str:
         """Whether that is enough, in words."""
         if self.enough is None:
             return "nothing is asked; give a limit and a rate limit"
         if not self.enough:
-            return "NOT enough, whatever the control"
+            return f"NOT enough, {'without a forecast' if self._known else 'whatever the control'}"
         lacks = {"limit": self.limit, "rate limit": self.rate_limit}
         with_it = [f", with the {name} needed" for name, there in lacks.items() if there is None]
         return "".join(["enough by theory", *with_it])

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from tvclin.answers.nozzle_cards.whole import flight_card
-from tvclin.base.errors import nonnegative, number, one_of
+from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import note_left_out, only_with
@@ -79,6 +79,7 @@ def card(
         gains.only_with(f"--law {AUTOPILOT}")
         note_left_out(case, f"card without the law {AUTOPILOT}")
     noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
+    length = number("--steady", steady, positive, "s")
     if not noise:
         only_with("--noise-deg", seed=seed)
     with bar("flight times and winds") as progress:
@@ -88,7 +89,7 @@ def card(
             flies,
             noise=noise,
             seed=seed or 0,
-            window=steady,
+            window=length,
             progress=progress,
         )
     notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]

@@ -224,6 +224,8 @@ def fly_through(
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     _checked_gust(gust)
+    if bias is not None:
+        instance("bias", bias, WindProfile, "see read_sounding")
     left = profile if bias is None else profile - bias
     across = {"pitch": left.in_plane(azimuth), "yaw": left.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
