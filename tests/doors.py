@@ -115,6 +115,7 @@ TOLD = {
     "triangle_error": ("",),
     "single_pole_validity": ("",),
     "judge": (".left_over.offset", ".left_over.rate"),
+    "DeflectionTotal": (".needed_rate",),
     "compare_with_trim": (".peak_flight_path_angle",),
 }
 """Where NaN is the answer, as the docstrings say: of poles that are repeated, or not there."""
@@ -480,6 +481,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.01,
                 "time": 66.0,
                 "not_sized": ("above 12 km",),
+                "rate_limit": 0.1,
+                "needed_rate": 0.05,
             },
         ),
         "Dispersion": Door(
@@ -1190,6 +1193,15 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "SimulatedFlight.write_wind": Door(
             tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
+        ),
+        "FlownLoad.of": Door(
+            tv.answers.FlownLoad.of,
+            {
+                "case": carded,
+                "name": "trim",
+                "law": law,
+                "bound": tv.answers.LoadBound(load=0.05),
+            },
         ),
         "flight_card": Door(
             tv.answers.flight_card,

@@ -11,7 +11,7 @@ from tvclin.answers.case import Case
 from tvclin.base.cards import Shown
 from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, nonzero, positive, small_angle
+from tvclin.base.errors import InputError, instance, nonzero, positive, small_angle
 from tvclin.boundary.loads import LoadFront, load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.many import SURVIVED
@@ -119,9 +119,32 @@ class FlownLoad(Shown):
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
-        """Return the load of a law in the wind of a case, with its nozzle, which has a limit."""
+        """Return the load of a law in the wind of a case, with its nozzle, which has a limit.
+
+        Parameters
+        ----------
+        case : Case
+            The vehicle, the wind, and the nozzle with its deflection limit.
+        name : str
+            What the law is called.
+        law : Law
+            It is flown with the stop of the nozzle.
+        bound : LoadBound, optional
+            What the structure bears.
+
+        Raises
+        ------
+        InputError
+            For another kind of value, a nozzle without a limit, and as `fly_many`.
+        """
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("law", law, Law, "such as TrimLaw")
+        instance("name", name, str, "of the law")
+        if bound is not None:
+            instance("bound", bound, LoadBound, "of what the structure bears")
         limit, most = case.nozzle.limit, None if bound is None else bound.bound
-        assert limit is not None
+        if limit is None:
+            raise InputError("case must have a deflection limit, the stop of its nozzle")
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         if not flight.times.size:
             return cls(name, flight.status, np.inf, np.nan, most)

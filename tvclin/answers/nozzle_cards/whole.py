@@ -30,9 +30,9 @@ from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratios
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
+    between,
     callable_for,
     instance,
-    nonnegative,
     number,
     one_of,
     positive,
@@ -52,6 +52,8 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
+_LOUDEST = 0.1
+"""Noise [rad/s] of a gyro, a hundred times that of a poor one."""
 _SETTLED, _AFTER = 7.5, 15.0
 """Times of the fast mode after a wind between which only noise is left."""
 
@@ -123,7 +125,7 @@ def flight_card(
         case,
         asked,
         law,
-        number("noise", noise, nonnegative, "rad/s"),
+        number("noise", noise, between(0.0, _LOUDEST), "rad/s"),
         whole_number("seed", seed),
         number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),

@@ -115,6 +115,7 @@ class DeflectionTotal(Shown):
             number("time", self.time, unit="s")
         if self.rate_limit is not None:
             number("rate_limit", self.rate_limit, between(*_RATES), "rad/s")
+        instance("needed_rate", self.needed_rate, float, "in rad/s")
 
     _keys = "time_s total_deg reserve limit_deg required_deg"
 
