@@ -77,6 +77,7 @@ OTHERWISE = {
     ("loads", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
+    ("availability", "head wind"): (*BASE["availability"], "--sign", "frozen"),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
     ("availability", "head wind"): (*BASE["availability"], "--sign", "frozen"),
     ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 45),
@@ -124,7 +125,7 @@ BY_FILE = ("study", "report", "campaign")
 
 def tried(questions):
     """Return the questions; those that search in flights are left to the thorough tests."""
-    slow = {"margins", "nozzle", "loads", "card"}
+    slow = {"margins", "nozzle", "loads", "card", "size"}
     mark = pytest.mark.thorough
     return [pytest.param(one, marks=mark) if one in slow else one for one in questions]
 
