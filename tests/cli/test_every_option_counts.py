@@ -217,6 +217,7 @@ def test_what_was_once_ignored_counts(command, start, option, value):
     assert not ignored(command, start, option, value)
 
 
+@pytest.mark.thorough
 def test_the_starts_are_answered():
     for command, starts in STARTS.items():
         for start in starts:

@@ -201,6 +201,7 @@ def changed_by(base, change):
     return base | {k: base.get(k, {}) | v if isinstance(v, dict) else v for k, v in change.items()}
 
 
+@pytest.mark.thorough
 def test_every_part_of_a_study_is_computed_or_told(files):
     folder = files.plain.parent
 

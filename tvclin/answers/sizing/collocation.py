@@ -8,7 +8,6 @@ y that it begins with, so that only y at the mesh itself is followed from step t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -16,6 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
@@ -26,13 +27,25 @@ _POINTS = 6
 _STEP = 0.25
 """Of the mesh, over the time of the fastest rate: between its times the polynomials of degree 6 are
 off by a part of _STEP^7 1e-7, at its times by less."""
+_MOST = 20_000
+"""Steps of a mesh."""
 
 
 def mesh(times: FloatArray, rate: float) -> FloatArray:
-    """Return increasing times [s] and even ones between, as many as a rate [1/s] asks for."""
+    """Return increasing times [s] and even ones between, as many as a rate [1/s] asks for.
+
+    `InputError` for more of them than memory and patience take.
+    """
+    counts = np.maximum(np.ceil(np.diff(times) * rate / _STEP), 1.0)
+    if not counts.sum() <= _MOST:
+        raise InputError(
+            f"varying parameters can be followed for at most {_MOST * _STEP:.4g} times that of the"
+            f" fastest motion, {1.0 / rate:.4g} s; this asks for {times[-1] - times[0]:.4g} s:"
+            " shorten the winds, or let the vehicle be frozen"
+        )
     between = [
-        np.linspace(a, b, max(math.ceil((b - a) * rate / _STEP), 1), endpoint=False)
-        for a, b in pairwise(times)
+        np.linspace(a, b, int(count), endpoint=False)
+        for (a, b), count in zip(pairwise(times), counts, strict=True)
     ]
     return np.concatenate([*between, times[-1:]])
 
