@@ -10,9 +10,8 @@ import re
 import tempfile
 from collections.abc import Callable
 from contextlib import contextmanager
-from inspect import signature
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 import typer
@@ -26,7 +25,7 @@ from tests.studies import FLIGHT as FLIGHT_STUDY
 from tests.turns import drawn
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
-from tvclin.cli.app import app, function_of
+from tvclin.cli.app import app
 from tvclin.vehicle.file import vehicle_text
 
 SOUNDINGS = Path(__file__).parents[1] / "soundings"
@@ -182,30 +181,22 @@ DEAR = {
 """Commands that take a second or more, with options to make them short."""
 
 
-COMMANDS = {name: signature(function_of(name)) for name in (*CHEAP, *DEAR)}
-
-
 def _options(name: str) -> dict[str, Any]:
-    """The types of the options of a command by the name that they have in a shell."""
-    found = {}
-    for parameter in COMMANDS[name].parameters.values():
-        kind, info = get_args(parameter.annotation)
-        if isinstance(info, typer.models.OptionInfo):
-            named = [one for one in info.param_decls or () if one.startswith("--")]
-            found[named[0] if named else f"--{parameter.name.replace('_', '-')}"] = kind
-    return {name: kind for name, kind in found.items() if name not in ("--plot", "--csv")}
+    """The options of a command by the name that they have in a shell."""
+    command = typer.main.get_command(app).commands[name]
+    options = {one.opts[-1]: one for one in command.params if one.param_type_name == "option"}
+    return {said: one for said, one in options.items() if said not in ("--plot", "--csv")}
+
+
+OPTIONS = {name: _options(name) for name in (*CHEAP, *DEAR)}
 
 
 @st.composite
 def one_option(draw: Callable, name: str) -> list[str]:
-    """An option with a value that may be of its kind."""
-    every = _options(name)
-    option = draw(st.sampled_from(sorted(every)))
-    kind = str(every[option])
-    if "bool" in kind:
-        return [option]
-    chosen = numbers if "float" in kind or "int" in kind else words
-    return [option, *(draw(chosen) for _ in range(2 if "tuple" in kind else 1))]
+    """An option with a value, more often a number than a word."""
+    option = draw(st.sampled_from(sorted(OPTIONS[name])))
+    taken = 0 if OPTIONS[name][option].is_flag else OPTIONS[name][option].nargs
+    return [option, *(draw(st.one_of(numbers, numbers, words)) for _ in range(taken))]
 
 
 @st.composite

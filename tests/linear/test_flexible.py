@@ -30,7 +30,7 @@ def precise(vehicle, structure, model, plane, s):
     """
     number = lambda x: mp.mpf(float(x))  # noqa: E731
     v = {name: number(getattr(vehicle, name)) for name in vehicle.__dataclass_fields__ if name
-         not in {"name", "time", "control_force_slope", "structure"}}  # fmt: skip
+         not in {"name", "numbers_from", "time", "control_force_slope", "structure"}}  # fmt: skip
     g, s = mp.mpf("9.80665"), mp.mpc(s)
     m, T, F, N = v["weight"] / g, v["thrust"], v["axial_force"], v["normal_force_slope"]
     a, modes, tanks = (T - F) / m, structure.bending, structure.slosh

@@ -225,7 +225,8 @@ def _course(
 ) -> tuple[FloatArray, FloatArray]:
     """Trim, and the limit that is enough when it is held from then on [rad], ``(ends, n)``."""
     both = met.equations(ratio)
-    m, count, cases = both.shape[1], len(times), wind.shape[1]
+    m, count = both.shape[1], len(times)
+    cases = max(wind.shape[1], both.shape[-1])
     both = np.broadcast_to(both, (count, *both.shape[1:]))
     others = [*range(2, m), m + 1]
     trims = both[:, 1, others] / both[:, 1, [m]]
@@ -241,7 +242,7 @@ def _course(
         blows = np.einsum("ij...,j...->i...", path[j, :, :-1], x)
         return np.asarray(blows + path[j, :, -1] * wind[j])
 
-    end = np.broadcast_to(met.end, (m + 1, max(cases, met.end.shape[1])))
+    end = np.broadcast_to(met.end, (m + 1, cases))
     end = np.concatenate([end, 0.0 * end[:1]])
     order = range(count - 1, -1, -1)
     rest = np.stack(list(_walked(ahead, times, order, end, slice(m))))[::-1]
