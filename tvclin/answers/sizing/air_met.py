@@ -9,7 +9,6 @@ ideal trim. What counts is the ratio to the same in calm air, in which errors of
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.sizing.collocation import mesh
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
@@ -29,8 +29,8 @@ FloatArray = NDArray[np.float64]
 
 _MORE = 0.2
 """Of the dynamic pressure, over which what it adds is taken as linear."""
-_STEP, _LONGEST, _FEWEST = 0.25, 1.0, 32
-"""Of the time of the fastest mode, and in s, the longest step along a flight; and how many."""
+_SLOWEST, _FEWEST = 0.25, 32
+"""The slowest rate [1/s] that sets the steps along a flight, of 1 s; and how many there are."""
 _SLACK = 1e-9
 
 
@@ -174,8 +174,8 @@ def flight_ratio(
 
 def even_steps(mode: GrowingMode, span: tuple[float, float]) -> FloatArray:
     """Return ends and middles of even steps over a span [s], ``(k,)``, half the fastest mode's."""
-    count = math.ceil((span[1] - span[0]) * max(mode.quickest / _STEP, 1.0 / _LONGEST))
-    return np.linspace(*span, 2 * max(count, _FEWEST) + 1)
+    ends = mesh(np.array(span), max(mode.quickest, _SLOWEST))
+    return np.linspace(*span, 2 * max(ends.size - 1, _FEWEST) + 1)
 
 
 def _need(
