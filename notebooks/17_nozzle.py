@@ -126,3 +126,11 @@ for name, one in (("quiet", card), ("with noise", loud)):
 
 # %%
 loud.verdict
+
+# %% [markdown]
+# **Try:** a gyro with a tenth of this noise, or a nozzle twice as stiff: which line of the data
+# sheet heads it then?
+
+# %%
+answer = f"The data sheet: {loud.verdict.words}."
+print(answer)

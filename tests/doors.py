@@ -1253,6 +1253,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "acceleration_limit": 5.0,
             },
         ),
+        "FlownLoad.of": Door(
+            tv.answers.FlownLoad.of,
+            {"case": carded, "name": "trim", "law": law, "bound": tv.answers.LoadBound(load=0.1)},
+        ),
         "load_front": Door(
             tv.boundary.load_front,
             {
