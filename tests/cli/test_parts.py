@@ -79,7 +79,6 @@ OTHERWISE = {
     ("size", "gust"): ("--gust", 1.5, 1.0),
     ("availability", "head wind"): (*BASE["availability"], "--sign", "frozen"),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
-    ("availability", "head wind"): (*BASE["availability"], "--sign", "frozen"),
     ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 45),
     ("availability", "shape of the stop"): (
         *("--limit-deg", 0.35, "--azimuth-deg", 45),
