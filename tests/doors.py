@@ -655,7 +655,13 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(
             tv.answers.MeasuredWind,
-            {"wind": sampled, "window": 20.0, "gust": gust, "notes": ("calm",)},
+            {
+                "wind": sampled,
+                "window": 20.0,
+                "gust": gust,
+                "notes": ("calm",),
+                "pressure": np.ones(sampled.time.shape),
+            },
         ),
         "MeasuredWind.__call__": Door(tv.answers.MeasuredWind(sampled), {"vehicle": booster}),
         "MeasuredWind.samples": Door(
@@ -822,6 +828,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": asked,
                 "availability": days_asked,
                 "document": tv.answers.Document(project="Booster 1"),
+                "load": tv.answers.LoadBound(load=0.1),
             },
         ),
         "StudyPlan.of_study": Door(tv.answers.StudyPlan.of_study, {"study": study}),
@@ -1253,9 +1260,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "acceleration_limit": 5.0,
             },
         ),
-        "FlownLoad.of": Door(
-            tv.answers.FlownLoad.of,
-            {"case": carded, "name": "trim", "law": law, "bound": tv.answers.LoadBound(load=0.1)},
+        "LoadBound.front": Door(
+            tv.answers.LoadBound(load=0.1).front, {"case": carded, "part": 0.9}
         ),
         "load_front": Door(
             tv.boundary.load_front,
