@@ -655,7 +655,13 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(
             tv.answers.MeasuredWind,
-            {"wind": sampled, "window": 20.0, "gust": gust, "notes": ("calm",)},
+            {
+                "wind": sampled,
+                "window": 20.0,
+                "gust": gust,
+                "notes": ("calm",),
+                "pressure": np.ones(sampled.time.size),
+            },
         ),
         "MeasuredWind.__call__": Door(tv.answers.MeasuredWind(sampled), {"vehicle": booster}),
         "MeasuredWind.samples": Door(
@@ -1193,6 +1199,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "SimulatedFlight.write_wind": Door(
             tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
+        ),
+        "LoadBound.front": Door(
+            tv.answers.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}
         ),
         "FlownLoad.of": Door(
             tv.answers.FlownLoad.of,
