@@ -814,6 +814,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "yaw",
                 "wind": slanting,
                 "dead_band": 0.5,
+                "load": tv.answers.LoadBound(load=0.05),
                 "switch": "report",
                 "sign": "frozen",
                 "nozzle": tv.Nozzle(limit=0.01, stop="square"),
