@@ -660,7 +660,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "window": 20.0,
                 "gust": gust,
                 "notes": ("calm",),
-                "pressure": np.ones(sampled.time.shape),
+                "pressure": np.ones(sampled.time.size),
             },
         ),
         "MeasuredWind.__call__": Door(tv.answers.MeasuredWind(sampled), {"vehicle": booster}),
@@ -814,6 +814,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "yaw",
                 "wind": slanting,
                 "dead_band": 0.5,
+                "load": tv.answers.LoadBound(load=0.05),
                 "switch": "report",
                 "sign": "frozen",
                 "nozzle": tv.Nozzle(limit=0.01, stop="square"),
@@ -828,7 +829,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sizing": asked,
                 "availability": days_asked,
                 "document": tv.answers.Document(project="Booster 1"),
-                "load": tv.answers.LoadBound(load=0.1),
             },
         ),
         "StudyPlan.of_study": Door(tv.answers.StudyPlan.of_study, {"study": study}),
@@ -1201,6 +1201,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "SimulatedFlight.write_wind": Door(
             tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
+        "LoadBound.front": Door(
+            tv.answers.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}
+        ),
         "FlownLoad.of": Door(
             tv.answers.FlownLoad.of,
             {
@@ -1259,9 +1262,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_limit": 0.1,
                 "acceleration_limit": 5.0,
             },
-        ),
-        "LoadBound.front": Door(
-            tv.answers.LoadBound(load=0.1).front, {"case": carded, "part": 0.9}
         ),
         "load_front": Door(
             tv.boundary.load_front,

@@ -11,15 +11,7 @@ from tvclin.answers.case import Case
 from tvclin.base.cards import Shown
 from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    between,
-    instance,
-    nonzero,
-    number,
-    positive,
-    small_angle,
-)
+from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
 from tvclin.boundary.loads import LoadFront, load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.many import SURVIVED
@@ -88,21 +80,8 @@ class LoadBound:
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
     def front(self, case: Case, part: float = 1.0) -> LoadFront:
-        """Return the front of a case, whose stop may leave its plane a part of the limit.
-
-        Parameters
-        ----------
-        case : Case
-            One vehicle in a wind, and its nozzle.
-        part : float
-            Of the limit, in (0, 1].
-
-        Raises
-        ------
-        InputError
-            For a part out of range, and as `load_front`.
-        """
-        instance("case", case, Case, "of a vehicle, a wind and a nozzle")
+        """Return the front of a case, whose stop may leave its plane a part of the limit."""
+        instance("case", case, Case, "of a wind and a nozzle")
         part = number("part", part, between(1e-9, 1.0))
         limit, rate = case.nozzle.limit, case.nozzle.rate_limit
         return load_front(
