@@ -1116,6 +1116,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "window": 20.0,
                 "gust": gust,
                 "bias": calm,
+                "pressure": True,
             },
         ),
         "forecast_free_limit": Door(
