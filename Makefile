@@ -16,7 +16,8 @@ test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint beside them
 	$(MAKE) --no-print-directory -j2 lint suite
 
-SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
+# A worker that dies fails the run at once; begun anew, it leaves the others waiting for ever.
+SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart 0 -q
 
 suite:
 	$(SUITE) -m "not thorough"
