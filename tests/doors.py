@@ -1241,7 +1241,14 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "LoadBound": Door(
             tv.answers.LoadBound,
-            {"moment": 1e6, "alpha_moment": 2e7, "deflection_moment": 1e7},
+            {
+                "load": None,
+                "q_alpha": None,
+                "dynamic_pressure": None,
+                "moment": 1e6,
+                "alpha_moment": 2e7,
+                "deflection_moment": 1e7,
+            },
         ),
         "NozzleData": Door(
             tv.answers.NozzleData,
@@ -1304,6 +1311,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "model": "drift-exact",
                 "persistence": 0.001,
                 "gust": gust,
+                "sign": "frozen",
                 "known_to": 12e3,
                 "utc_offset": -5.0,
                 "confidence": 0.9,
