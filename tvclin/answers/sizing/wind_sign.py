@@ -50,7 +50,7 @@ _JUMP = 1e-6
 
 def own_sign(sign: str | None) -> bool:
     """Return whether measured winds count with their own sign; `InputError` for another one."""
-    if sign in SIGNS:
+    if isinstance(sign, str) and sign in SIGNS:
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
     return sign is None or one_of("sign", sign, (FROZEN,)) != FROZEN
 
