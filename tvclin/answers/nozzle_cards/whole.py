@@ -109,7 +109,7 @@ def flight_card(
     >>> asked = tv.answers.SizingAsked(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
     >>> card = tv.answers.flight_card(case, asked)
     >>> card.verdict.enough, round(card.largest["rate_deg_per_s"], 1)
-    (True, 0.5)
+    (True, 0.3)
     """
     instance("asked", asked, SizingAsked, "see load_sizing")
     one_of("law", law, LAWS)
