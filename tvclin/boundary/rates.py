@@ -235,7 +235,7 @@ def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> Float
 
     d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (least, pole, deflection)))
     with np.errstate(invalid="ignore", divide="ignore"):
-        over = d / d0
+        over = np.maximum(d / d0, 1.0)
         x = over + np.real(lambertw(-over * np.exp(-over)))
         return np.where(d0 <= 0.0, 0.0, np.where(over > 1.0, p * d / x, np.inf))
 

@@ -188,7 +188,7 @@ class Criteria:
         """
         if not limits:
             return self
-        name = f"{self.name}, changed by {source}"
+        name = f"{self.name}, changed by {text('source', source)}"
         each = (*self.requirements, *Criteria.own(name, source, **limits).requirements)
         return Criteria(name, tuple({one.margin: one for one in each}.values()))
 
