@@ -135,7 +135,8 @@ for degrees in (0.0, 45.0, 90.0):
 
 # %% [markdown]
 # **3.** The sine of the angle is proportional to the wind, and for small angles the need to the
-# angle; a root of the whole chain says it without "small".
+# angle; a root of the whole chain says it without "small", and with the dynamic pressure that the
+# wind makes.
 
 # %%
 rows = [line.split(",") for line in levels.splitlines()[1:]]
