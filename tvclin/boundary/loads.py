@@ -47,7 +47,7 @@ from tvclin.winds.histories import History, Piecewise, linear_pieces
 
 _POINTS = 10
 """Of a front, unless loads are given."""
-_MOST_NODES, _LESS = 400, 0.95
+_MOST_NODES, _LESS = 1000, 0.95
 _GAP = 1e-4
 """A limit so near to its bound, relative, is found."""
 _AIMED = (0.125, 0.25, 0.5, 1.0)
