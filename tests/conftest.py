@@ -16,23 +16,23 @@ LONGEST = 10.0
 """Seconds of flights and responses in plain Python beyond which a test waits for numba."""
 
 
-class _Work(dict):
-    """What `kernels.choice` counts, the seconds of work that each kernel was asked for."""
-
-    def __setitem__(self, kernel, seconds):
-        super().__setitem__(kernel, seconds)
-        if sum(self.values()) > LONGEST:
-            pytest.skip(f"needs numba: plain Python takes more than {LONGEST:g} s")
-
-
 @pytest.fixture(autouse=True)
 def _what_plain_python_can_carry(monkeypatch):
     """Skip a test whose kernels take minutes in plain Python; they are the same source with numba.
 
     tests/kernels holds the two against each other, and what is shorter runs here as well.
     """
-    if not choice.available():
-        monkeypatch.setattr(choice, "_asked", _Work())
+    if choice.available():
+        return
+    asked, swiftest = [], choice.swiftest
+
+    def counted(function, seconds):
+        asked.append(seconds)
+        if sum(asked) > LONGEST:
+            pytest.skip(f"needs numba: plain Python takes more than {LONGEST:g} s")
+        return swiftest(function, seconds)
+
+    monkeypatch.setattr(choice, "swiftest", counted)
 
 
 @pytest.fixture(autouse=True)

@@ -20,7 +20,7 @@ from math import prod
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
-from tvclin.kernels.choice import swiftest
+from tvclin.kernels import choice
 from tvclin.kernels.pieces import Pieces, flat, spread
 from tvclin.kernels.response_cases import MARGINAL, respond, room
 from tvclin.kernels.threads import in_slices
@@ -87,7 +87,7 @@ def responses(
     out = np.empty((which.shape[1], plants[2].shape[-1], times.size))
     near = np.zeros(len(out), dtype=bool)
     seconds = len(out) * (_PLAIN[0] + _PLAIN[1] * out[0].size)
-    kernel = swiftest(respond, seconds)
+    kernel = choice.swiftest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
         memory = room(kind, plants[2].shape[1:], first, second)

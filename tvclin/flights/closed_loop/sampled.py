@@ -30,8 +30,8 @@ from tvclin.flights.closed_loop.step_matrices import (
     sensed_rows,
     substeps_of,
 )
+from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
-from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import (
     MEASURED,
@@ -262,7 +262,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
     samples, first = float(_last(f).sum()), 0
     seconds = samples * _PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-        while first < cases and (fly := swiftest(kernel.fly, seconds)) is kernel.fly:
+        while first < cases and (fly := choice.swiftest(kernel.fly, seconds)) is kernel.fly:
             begun = perf_counter()  # one that stays open takes longer than was thought
             fly(f, first, first + 1)
             seconds, first = perf_counter() - begun, first + 1
@@ -295,7 +295,7 @@ class Stepper:
 
     def __init__(self, f: Flights) -> None:
         seconds = float(_last(f).sum()) * _PLAIN / 2.0
-        looks, moves = (swiftest(one, seconds) for one in (kernel.look, kernel.advance))
+        looks, moves = (choice.swiftest(one, seconds) for one in (kernel.look, kernel.advance))
         self._look, self._advance = looks, moves
         self._flights = f if looks is kernel.look else _compact(f)
 
