@@ -8,7 +8,7 @@ all that are alike, is worth that, whatever was called before. Nobody above the 
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from functools import cache
 from hashlib import sha1
@@ -117,31 +117,25 @@ def available() -> bool:
     return find_spec("numba") is not None
 
 
-@contextmanager
-def pinned(compiled: bool) -> Iterator[None]:
+def pinned(compiled: bool) -> AbstractContextManager[None]:
     """Take the one or the other whatever the size: for campaigns, and for tests."""
-    token = _pinned.set(compiled)
-    try:
-        yield
-    finally:
-        _pinned.reset(token)
+    return _within(_pinned, compiled)
 
 
-@contextmanager
-def repeated(calls: int) -> Iterator[None]:
+def repeated(calls: int) -> AbstractContextManager[None]:
     """Choose for so many calls alike, which together are worth what one is not."""
-    token = _alike.set(calls)
-    try:
-        yield
-    finally:
-        _alike.reset(token)
+    return _within(_alike, calls)
+
+
+def compiling_nothing() -> AbstractContextManager[None]:
+    """Take machine code only where it is there already: for whom nobody waits until it is."""
+    return _within(_waits, False)
 
 
 @contextmanager
-def compiling_nothing() -> Iterator[None]:
-    """Take machine code only where it is there already: for whom nobody waits until it is."""
-    token = _waits.set(False)
+def _within(variable: ContextVar[Any], value: Any) -> Iterator[None]:
+    token = variable.set(value)
     try:
         yield
     finally:
-        _waits.reset(token)
+        variable.reset(token)

@@ -53,7 +53,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
 _LOUDEST = 0.1
-"""Noise [rad/s] of a gyro, a hundred times that of a poor one."""
+"""The largest noise of a gyro [rad/s] that is taken."""
 _SETTLED, _AFTER = 7.5, 15.0
 """Times of the fast mode after a wind between which only noise is left."""
 

@@ -72,9 +72,8 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
         mass, thrust = float(vehicle.mass), float(vehicle.thrust)
         ahead = (thrust - float(vehicle.axial_force)) / mass
         force = float(vehicle.normal_force_slope) * motion.angle_of_attack
-        aside = (force + float(vehicle.control_force) * motion.angle) / mass - float(
-            vehicle.control_arm
-        ) * motion.swing
+        force = force + float(vehicle.control_force) * motion.angle
+        aside = force / mass - float(vehicle.control_arm) * motion.swing
         felt = inertia * motion.swing - moment * aside
         stiffness += moment * ahead
         steady = float(engine.mass) * ahead * nozzle.offset + thrust * nozzle.thrust_offset
