@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
-    from tvclin.boundary.loads import LoadFront
-    from tvclin.boundary.rates import RateFront
+    from tvclin.boundary.fronts.load_record import LoadFront
+    from tvclin.boundary.fronts.rate_record import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -311,7 +311,7 @@ def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
 
 
 def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
-    from tvclin.boundary.rates import rate_front
+    from tvclin.boundary.fronts.rates import rate_front
 
     assert plan.nozzle.limit is not None
     limit = plan.nozzle.limit / study.of_both  # the stop leaves this plane its part

@@ -17,7 +17,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import callable_for, different, each, instance, one_of, within
 from tvclin.base.lines import Line, Table, degrees
-from tvclin.boundary.rates import RateFront, rate_front
+from tvclin.boundary.fronts.rate_record import RateFront
+from tvclin.boundary.fronts.rates import rate_front
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary

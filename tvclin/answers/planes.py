@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.requirement import required_deflection
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import ROUNDING
 from tvclin.boundary.stops import CircularStop, Stop
@@ -23,8 +24,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, part_in
-
-FloatArray = NDArray[np.float64]
 
 PARTS, VECTOR = (
     "the plane that needs the larger part of the stop",

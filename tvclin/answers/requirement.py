@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.trim_flown import (
     can_fly,
@@ -25,6 +25,7 @@ from tvclin.answers.trim_flown import (
     path_counts,
     trim_law_flown,
 )
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
 from tvclin.boundary.limit import (
@@ -39,8 +40,6 @@ from tvclin.boundary.limit import (
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import Nozzle
@@ -24,6 +24,7 @@ from tvclin.answers.study_notes import (
     slow_or_paired,
     undamped,
 )
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
@@ -120,7 +121,7 @@ class Study(Shown):
     modes: dict[str, Modes]
     trim_deflection: float
     boundaries: dict[str, BoundaryLimit]
-    dead_bands: NDArray[np.float64]
+    dead_bands: FloatArray
     dead_band: float
     requirement: RequiredDeflection
     sign_factors: dict[str, float]
@@ -353,7 +354,7 @@ class Study(Shown):
         name = max(every, key=lambda one: every[one])
         return name, every[name]
 
-    def factors_at(self, sizes: ArrayLike) -> NDArray[np.float64]:
+    def factors_at(self, sizes: ArrayLike) -> FloatArray:
         """Return the factor of the sign that counts in winds of so many times this size.
 
         Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
@@ -484,7 +485,7 @@ def pulse_of(case: Case) -> ShapedWind:
 
 
 def _needed(
-    plants: dict[str, Plant], wind: History, dead_bands: NDArray[np.float64], switch: str
+    plants: dict[str, Plant], wind: History, dead_bands: FloatArray, switch: str
 ) -> dict[str, Any]:
     """What each model needs: with dead bands, without a forecast, and with a complete one."""
     best = _where_defined(_optimum, plants, wind)

@@ -11,9 +11,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.base import lines
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import (
@@ -35,8 +35,6 @@ from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
-
-FloatArray = NDArray[np.float64]
 
 WINDS = (
     *("triangle", "sawtooth, stops dead", "sawtooth, jumps first", "1 - cosine", "trapezoid"),

@@ -5,15 +5,13 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.limit import COMPARABLE, ROUNDING, leading_pole
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
@@ -35,9 +33,7 @@ _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
 
 
-def trim_law_flown(
-    plant: Plant, wind: History, flies: NDArray[np.bool_], least: FloatArray
-) -> FloatArray:
+def trim_law_flown(plant: Plant, wind: History, flies: BoolArray, least: FloatArray) -> FloatArray:
     """Return what the trim law needs flown [rad], at least `least`, where it flies; else 0.
 
     The law is not limited by the largest trim deflection. With b1 < 0 trim itself grows without
@@ -57,7 +53,7 @@ def trim_law_flown(
     grows = np.broadcast_to(np.asarray(c.b1) < 0.0, which.shape)
     high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * winds.peak)), high)
 
-    def lost(limits: FloatArray) -> NDArray[np.bool_]:
+    def lost(limits: FloatArray) -> BoolArray:
         return lost_flown(some, winds, limits, np.ones(limits.shape, dtype=bool))
 
     edge, never = edges_above_losses(lost, low, np.maximum(high * (1.0 + _MORE), low))
@@ -65,13 +61,13 @@ def trim_law_flown(
     return found
 
 
-def can_fly(plant: Plant) -> NDArray[np.bool_]:
+def can_fly(plant: Plant) -> BoolArray:
     """Return whether flights of the trim law can be judged: something grows, and no pair does."""
     rate, paired = leading_pole(plant)
     return np.asarray(~paired & ~np.isnan(rate))
 
 
-def comes_back(wind: History) -> NDArray[np.bool_]:
+def comes_back(wind: History) -> BoolArray:
     """Return whether a wind rises again after it has fallen: the trim law has let go meanwhile."""
     size = np.abs(wind.peak)[..., np.newaxis]
     change = np.diff(np.abs(wind.looked_at), axis=-1)
@@ -79,7 +75,7 @@ def comes_back(wind: History) -> NDArray[np.bool_]:
     return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 
 
-def path_counts(plant: Plant) -> NDArray[np.bool_]:
+def path_counts(plant: Plant) -> BoolArray:
     """Return whether the path has a say beside the fastest mode: in a second, or by its pace."""
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:
@@ -92,9 +88,7 @@ def path_counts(plant: Plant) -> NDArray[np.bool_]:
     return np.asarray(counts)
 
 
-def lost_flown(
-    plant: Plant, wind: History, limit: FloatArray, asked: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def lost_flown(plant: Plant, wind: History, limit: FloatArray, asked: BoolArray) -> BoolArray:
     """Return which of the trim laws that are asked for are lost with limits [rad]."""
     lost = np.array(asked)
     for samples in (_COARSE, _SAMPLES):
@@ -105,7 +99,7 @@ def lost_flown(
 
 def _survives(
     plant: Plant, wind: History, limit: FloatArray, samples: float = _SAMPLES
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Whether delta = B alpha + b gain (theta + theta'/(p + d)) survives with limits [rad].
 
     b is |B| with the sign of mu_delta, so that the feedback brings the attitude back, and p + d the

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import boundary_alone, open_loop_needs
 from tvclin.linear.plant import Plant
 from tvclin.winds.shaped import ShapedWind
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    pass
 
 _COARSE, _FINE = 16, 64
 """Steps over the wind, at least and at most: two in each duration of the gust."""
@@ -50,7 +51,7 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     alone, K = replace(wind, gust=None).history({}), np.asarray(dead_band)
     own = 0.5 * (float(gust.onset) + float(gust.end))
 
-    def needed(at: NDArray[np.float64]) -> NDArray[np.float64]:
+    def needed(at: FloatArray) -> FloatArray:
         blows = alone + gust.shift(at - own)
         (boundary,) = boundary_alone(plant, blows, K, True)
         return np.max(list(open_loop_needs(plant, blows, K, boundary).values()), axis=0)

@@ -6,11 +6,13 @@ from .clusters import Cluster as Cluster
 from .clusters import ClusterEngine as ClusterEngine
 from .forecast_free import ForecastFreeLimit as ForecastFreeLimit
 from .forecast_free import forecast_free_limit as forecast_free_limit
+from .fronts.load_record import LoadFront as LoadFront
+from .fronts.loads import load_front as load_front
+from .fronts.rate_record import RateFront as RateFront
+from .fronts.rates import rate_front as rate_front
 from .limit import BoundaryLimit as BoundaryLimit
 from .limit import boundary_limit as boundary_limit
 from .limit import triangle_error as triangle_error
-from .loads import LoadFront as LoadFront
-from .loads import load_front as load_front
 from .optimum.minimum_peak import Optimum as Optimum
 from .optimum.minimum_peak import optimum_deflection as optimum_deflection
 from .optimum.rate_limit import RateLimitedOptimum as RateLimitedOptimum
@@ -20,8 +22,6 @@ from .planes.limit import PlaneLimit as PlaneLimit
 from .planes.limit import plane_limit as plane_limit
 from .planes.optimum import PlaneOptimum as PlaneOptimum
 from .planes.optimum import plane_optimum as plane_optimum
-from .rates import RateFront as RateFront
-from .rates import rate_front as rate_front
 from .stops import CircularStop as CircularStop
 from .stops import EllipticStop as EllipticStop
 from .stops import PolygonStop as PolygonStop

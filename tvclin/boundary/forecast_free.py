@@ -43,8 +43,6 @@ from tvclin.winds.histories import History
 EXACT = "exact"
 BOUND = "bound of the fast mode"
 BEFORE_THE_END = "bound: a turn at the end of the wind may need a little more"
-_ROUNDING = 1e-12
-"""What a wind of one sign may be beyond zero, over its peak."""
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 """About what a breakpoint of a case takes, in plain Python and as machine code."""
 
@@ -161,8 +159,7 @@ def forecast_free_limit(
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
-    low, high = wind.extent
-    if np.any(np.minimum(-low, high) > _ROUNDING * np.abs(peak)):
+    if not np.all(wind.one_sign):
         raise InputError(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"

@@ -302,9 +302,8 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
 
 def _check_wind(wind: History) -> None:
-    low, high = wind.extent
-    slack = 1e-12 * np.maximum(-low, high)
-    if np.any((low < -slack) & (high > slack)):
+    if not np.all(wind.one_sign):
+        low, high = wind.extent
         raise InputError(
             "wind must not change its sign for a boundary limit; got values from"
             f" {low.min():.6g} to {high.max():.6g} rad"

@@ -7,7 +7,7 @@ from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import listed
-from tvclin.boundary.loads import load_front
+from tvclin.boundary.fronts.loads import load_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with

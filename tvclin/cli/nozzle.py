@@ -5,7 +5,8 @@ from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import listed
-from tvclin.boundary.rates import RateFront, rate_front
+from tvclin.boundary.fronts.rate_record import RateFront
+from tvclin.boundary.fronts.rates import rate_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import within
 from tvclin.cli.held import Held, held
@@ -70,7 +70,7 @@ def respond(
     answer(files.as_json, lambda: _document(case, found, shown), lambda: _print(case, found, shown))
 
 
-def _curves(case: Held, times: NDArray[np.float64]) -> "Curves":
+def _curves(case: Held, times: FloatArray) -> "Curves":
     """The response over times [s]."""
     from tvclin.plots import response_curves
 

@@ -8,7 +8,7 @@ import numpy as np
 from tvclin.answers.load import FlownLoad
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import each, instance
-from tvclin.boundary.loads import LoadFront
+from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, draw
 

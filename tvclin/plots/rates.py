@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.answers.flown_front import FlownFront
 from tvclin.base.errors import instance
-from tvclin.boundary.rates import RateFront
+from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.control.laws.registry import LAWS
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw

@@ -31,7 +31,7 @@ _PROBES = 8192
 _SLOWEST = 1e-100
 """A rate below this [1/s] is none: its time scale is beyond all numbers that a time may have."""
 _SAME = 1e-12
-"""Times that are nearer to each other than this part of all count as one."""
+"""A part of all times, and of the largest value, that does not count."""
 
 
 class History(Carded, ABC):
@@ -252,6 +252,12 @@ class History(Carded, ABC):
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """The lowest and the highest of the values that are `looked_at`, shape ``batch``."""
         return self.looked_at.min(axis=-1), self.looked_at.max(axis=-1)
+
+    @property
+    def one_sign(self) -> BoolArray:
+        """Whether these values keep their sign but for rounding, shape ``batch``."""
+        low, high = self.extent
+        return np.asarray(np.minimum(-low, high) <= _SAME * np.maximum(-low, high))
 
     def probe_times(self, between: int = 8) -> FloatArray:
         """Return times [s] that show the shape: both sides of every knot and `between` more.

@@ -38,8 +38,8 @@ from tvclin.base.errors import (
     positive,
     whole_number,
 )
+from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.boundary.rates import ramp_rate, ramped_deflection
 from tvclin.boundary.stops import stop_of
 from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes

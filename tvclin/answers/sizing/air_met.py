@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.sizing.collocation import mesh
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
@@ -25,7 +25,6 @@ from tvclin.winds.histories import History
 if TYPE_CHECKING:
     from tvclin.answers.sizing.growing import GrowingMode
 
-FloatArray = NDArray[np.float64]
 
 _MORE = 0.2
 """Of the dynamic pressure, over which what it adds is taken as linear."""
@@ -74,7 +73,7 @@ class AirMet:
     calm: FloatArray
     more: FloatArray
     end: FloatArray
-    paired: NDArray[np.bool_]
+    paired: BoolArray
 
     @classmethod
     def held(cls, calm: Plant, denser: Plant) -> AirMet:

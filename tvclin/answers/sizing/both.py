@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.planes import VectorNeed, rectangle, vector_need
 from tvclin.answers.sizing.placing import PlacedWind
@@ -18,13 +17,12 @@ from tvclin.answers.sizing.record import (
     Sizing,
     beyond_one_pole,
 )
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.stops import Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-
-FloatArray = NDArray[np.float64]
 
 _ONE_POLE = ("fixed-path", "drift")
 

@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
 
-FloatArray = NDArray[np.float64]
 
 _POINTS = 6
 _STEP = 0.25

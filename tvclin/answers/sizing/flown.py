@@ -13,12 +13,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.flights.closed_loop.edges import edges_above_losses
-
-FloatArray = NDArray[np.float64]
 
 _GAIN = 10.0
 """Of the attitude feedback over that of trim; as of `TrimLaw`."""
@@ -65,7 +64,7 @@ def trim_law_needs(
     low = np.maximum(np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1]), _TINY)
     high = np.maximum(_largest_trim(mode, times, winds) * (1.0 + _MORE), low)
 
-    def lost(tried: FloatArray) -> NDArray[np.bool_]:
+    def lost(tried: FloatArray) -> BoolArray:
         return trim_law_lost(mode, times, winds, tried.T).T
 
     return edges_above_losses(lost, low, high)[0]
@@ -73,7 +72,7 @@ def trim_law_needs(
 
 def trim_law_lost(
     mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
     A, inputs = mode.matrices(times)
     row, reach = mode.at(times)

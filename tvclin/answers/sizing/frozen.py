@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.requirement import required_deflection
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import BOUNDARY, OK, PAIR, STABLE
@@ -19,8 +19,6 @@ from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 LAWS = ("bound", "flown")
 _RATE = 100.0

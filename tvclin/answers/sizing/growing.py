@@ -24,15 +24,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.sizing.collocation import mesh, solved
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
 from tvclin.kernels.searches import roots_between
-
-FloatArray = NDArray[np.float64]
 
 _LONGEST = 500.0
 """Of the span, over the time of the fastest mode; the mesh has four times as many steps."""

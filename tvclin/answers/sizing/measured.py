@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.sizing.air_met import met_pressure
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     each,
@@ -27,8 +27,6 @@ from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along, not_steep
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane
-
-FloatArray = NDArray[np.float64]
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or what gives the one that a vehicle meets: of a wind speed, an angle."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     NotKnownError,
@@ -21,8 +21,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import TriangularWind
-
-FloatArray = NDArray[np.float64]
 
 PLACINGS = ("peak", "flight")
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
@@ -18,8 +18,6 @@ from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
 from tvclin.vehicle.coefficients import IN_WORDS
-
-FloatArray = NDArray[np.float64]
 
 STEADY = 0.1
 """Frozen parameters are doubted where beta or B changes by more than this part of itself."""
@@ -30,7 +28,7 @@ IN_A = {"head": ", head wind", "tail": ", tail wind"}
 """What it ends with when the dynamic pressure is that which a wind along the path makes."""
 
 
-def beyond_one_pole(slow_mode: FloatArray) -> NDArray[np.bool_]:
+def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
     """Return where y of eq (C8) says that the slow mode of the flight path decides."""
     return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
 
@@ -122,15 +120,15 @@ class Sizing(Tabled):
     ends: FloatArray
     change: FloatArray
     known_times: FloatArray
-    known: NDArray[np.bool_]
-    covered: NDArray[np.bool_]
+    known: BoolArray
+    covered: BoolArray
     slow_mode: FloatArray
     edge: FloatArray
     said: tuple[str, ...]
     notes: tuple[str, ...]
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
-    unsigned: NDArray[np.bool_] | None = None
+    unsigned: BoolArray | None = None
 
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 
@@ -175,12 +173,12 @@ class Sizing(Tabled):
         return table(Table(title, head, rows))
 
     @property
-    def beyond_one_pole(self) -> NDArray[np.bool_]:
+    def beyond_one_pole(self) -> BoolArray:
         """Where the wind is beyond the single-pole theory, ``(n, m)``."""
         return beyond_one_pole(self.slow_mode)
 
     @property
-    def steady(self) -> NDArray[np.bool_]:
+    def steady(self) -> BoolArray:
         """Where beta and B change by at most a tenth while the wind blows, ``(n, m)``."""
         return np.asarray((self.change <= STEADY) & self.covered)
 

@@ -8,8 +8,9 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
@@ -28,8 +29,6 @@ from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
-
-FloatArray = NDArray[np.float64]
 
 _KEYS = {
     "time_s": "time",

@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.both import in_both_planes
@@ -33,6 +33,7 @@ from tvclin.answers.sizing.record import (
 )
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts, varying_need
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
@@ -41,8 +42,6 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
 _LOOKS = 33

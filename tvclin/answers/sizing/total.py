@@ -29,7 +29,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.lines import Inline, Table, degrees, significant
-from tvclin.boundary.rates import ramp_rate, ramped_deflection
+from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

@@ -28,17 +28,16 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.collocation import mesh, solved
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.trim_flown import path_counts
+from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-
-FloatArray = NDArray[np.float64]
 
 _BETWEEN = 16
 _LOOKS = 17

@@ -16,10 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.limit import boundary_limit
 from tvclin.kernels import pieces
@@ -29,8 +30,6 @@ from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import part_in
-
-FloatArray = NDArray[np.float64]
 
 SIGNS = {"head": -1.0, "tail": 1.0}
 """Of the wind angle in the pitch plane."""

@@ -327,8 +327,7 @@ def _line(pair: Pair) -> tuple[Plant, History] | None:
     if not (pair.equal or any(alone)):
         return None
     scalar = wind.component(angle)
-    low, high = scalar.extent
-    if min(-low, high) > _SLACK * max(-low, high):
+    if not scalar.one_sign:
         return None
     return pair.plants[1 if alone[1] and not pair.equal else 0], scalar
 

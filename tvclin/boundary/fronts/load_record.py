@@ -1,0 +1,146 @@
+"""The least deflection over the largest load of the structure, as a record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.lines import Table, degrees, least
+from tvclin.base.lines import number as figure
+from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+
+PROVED = 1e-4
+"""A limit so near to its bound, relative, is found."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadFront(Shown):
+    """The least deflection over a load bound, for one plant in one wind.
+
+    Attributes
+    ----------
+    loads : ndarray
+        Bounds of the load [rad], ``(n,)``.
+    limits : ndarray
+        Deflection [rad] with which a control that knows the wind stays within each, ``(n,)``;
+        infinite where no angle is enough.
+    proofs : ndarray
+        Deflection [rad] with which none does, ``(n,)``: the least is between the two.
+    slopes : ndarray
+        By how much the deflection falls with the load bound, ``(n,)``: one over it is what a
+        degree of the nozzle buys.
+    holds : tuple of str
+        What sets each limit: the least angle, turning in time into the wind, or both together.
+    bounds : ndarray or None
+        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
+        for a wind that changes its sign.
+    least_deflection, its_load : float
+        The least deflection [rad] whatever the load, and the load [rad] of a control that is least.
+    least_load, least_load_blind : float
+        The least load [rad] at any deflection, and without a forecast, by the bound.
+    moment_ratio, rate_limit : float
+        M, and the rate limit [rad/s]; infinite if none.
+    limit, load : float or None
+        What the nozzle has, and what the structure bears [rad].
+    needed : float
+        The limit [rad] at that load, or whatever the load.
+    needed_load : float
+        The load [rad] that some control keeps to with that limit, or at any; infinite if none.
+    """
+
+    loads: FloatArray
+    limits: FloatArray
+    proofs: FloatArray
+    slopes: FloatArray
+    holds: tuple[str, ...]
+    bounds: FloatArray | None
+    least_deflection: float
+    its_load: float
+    least_load: float
+    least_load_blind: float
+    moment_ratio: float
+    rate_limit: float
+    limit: float | None
+    load: float | None
+    needed: float
+    needed_load: float
+
+    as_dict = keyed(
+        "loads_deg limits_deg proofs_deg slopes holds bounds_deg least_deflection_deg its_load_deg"
+        " least_load_deg least_load_blind_deg moment_ratio rate_limit_deg_per_s limit_deg load_deg"
+        " needed_deg needed_load_deg left_deg left_load_deg enough"
+    )
+    _keys = (
+        "least_deflection_deg least_load_deg limit_deg needed_deg load_deg needed_load_deg enough"
+    )
+
+    @property
+    def left(self) -> float | None:
+        """Angle [rad] that is left over what is needed."""
+        return left_of(self.limit, self.needed)
+
+    @property
+    def left_load(self) -> float | None:
+        """Load [rad] that is left over what is needed."""
+        return left_of(self.load, self.needed_load)
+
+    @property
+    def enough(self) -> bool | None:
+        """Whether the limit is on the front or above, of a control that knows the wind."""
+        return None if self.limit is None else self.limit >= self.needed
+
+    @property
+    def verdict(self) -> str:
+        """Whether that is enough, in words."""
+        if self.enough is None:
+            return "nothing is asked; give a limit and a load"
+        if not self.enough:
+            return "NOT enough, whatever the control"
+        if self.load is not None and self.load < self.least_load_blind:
+            return "enough only for a control that knows when the wind stops"
+        return "enough by theory, the wind being known"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the front, and the nozzle's point beside what is needed."""
+        blank = np.full(self.loads.size, np.nan)
+        bounds = blank if self.bounds is None else self.bounds
+        buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
+        rows = tuple(
+            (
+                degrees(f"front.{k}.load", self.loads[k]),
+                least(degrees(f"front.{k}.limit", self.limits[k])),
+                figure(f"front.{k}.buys_deg", buys[k], 2),
+                least(degrees(f"front.{k}.bound", bounds[k])),
+                (self.holds[k],),
+            )
+            for k in range(self.loads.size)
+        )
+        head = (
+            *("load [deg]", "wind known [deg]", "a degree buys [deg]"),
+            *("no forecast, at least [deg]", "set by"),
+        )
+        point = point_table(
+            "Both at once: the limit at that load, the load at that limit",
+            ("limit [deg]", "limit", self.needed, self.limit),
+            ("load [deg]", "load", self.needed_load, self.load),
+        )
+        return Table("Least deflection over the largest load", head, rows), point
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """What the reader of the front should know."""
+        what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
+        yield f"the load is {what}, during the wind and after it"
+        if self.bounds is None:
+            yield "the wind changes its sign: there is no bound for laws without a forecast"
+        elif np.isfinite(self.least_load_blind) and self.least_load_blind > 0.0:
+            half = np.degrees(self.least_load_blind)
+            yield f"a law that does not know when the wind stops bears {half:.4g} deg at least"
+        if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
+            most = np.max(1.0 - self.proofs / np.maximum(self.limits, 1e-300))
+            yield f"the limits are proved to {100.0 * most:.2g} percent"

@@ -1,0 +1,136 @@
+"""The least deflection over the rate at which the nozzle turns, as a record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.lines import Table, degrees, least
+from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+
+
+@dataclass(frozen=True, eq=False)
+class RateFront(Shown):
+    """The least deflection over the deflection rate, for one plant in one wind.
+
+    Attributes
+    ----------
+    rates : ndarray
+        Rate limits [rad/s], ``(n,)``.
+    limits : ndarray
+        Least deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
+        angle is enough.
+    bounds : ndarray or None
+        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
+        rate alone; None for a wind that changes its sign.
+    least_deflection, least_rate : float
+        The least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
+    least_rate_blind : float
+        The same rate [rad/s] without a forecast, by the bound.
+    acceleration_limit : float
+        Largest deflection acceleration [rad/s2] that the limits have; infinite if none.
+    limit, rate_limit : float or None
+        The nozzle's [rad, rad/s].
+    needed : float
+        The larger of limit and bound [rad], at the nozzle's rate or else at any.
+    needed_rate : float
+        The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
+    """
+
+    rates: FloatArray
+    limits: FloatArray
+    bounds: FloatArray | None
+    least_deflection: float
+    least_rate: float
+    least_rate_blind: float
+    acceleration_limit: float
+    limit: float | None
+    rate_limit: float | None
+    needed: float
+    needed_rate: float
+
+    as_dict = keyed(
+        "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
+        " least_rate_blind_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
+        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s enough"
+    )
+    _keys = (
+        "least_deflection_deg least_rate_deg_per_s limit_deg needed_deg rate_limit_deg_per_s"
+        " needed_rate_deg_per_s enough"
+    )
+
+    @property
+    def left(self) -> float | None:
+        """Angle [rad] that is left over what is needed."""
+        return left_of(self.limit, self.needed)
+
+    @property
+    def left_rate(self) -> float | None:
+        """Rate [rad/s] that is left over what is needed."""
+        return left_of(self.rate_limit, self.needed_rate)
+
+    @property
+    def enough(self) -> bool | None:
+        """Whether the nozzle's point is on the front or above; None where nothing is given.
+
+        Of a limit or a rate limit alone, whether the other can make it enough.
+        """
+        if self.limit is None:
+            return None if self.rate_limit is None else bool(np.isfinite(self.needed))
+        if self.rate_limit is None:
+            return bool(np.isfinite(self.needed_rate))
+        return self.limit >= self.needed
+
+    @property
+    def _known(self) -> bool:
+        """Whether it would be enough for who knows the wind; a faster nozzle needs no more."""
+        fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
+        can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
+        free = self.rate_limit is None and limit is not None and self.least_deflection < limit
+        return free or bool(np.any(can & (self.rates <= fastest)))
+
+    @property
+    def verdict(self) -> str:
+        """Whether that is enough, in words."""
+        if self.enough is None:
+            return "nothing is asked; give a limit and a rate limit"
+        if not self.enough:
+            return f"NOT enough, {'without a forecast' if self._known else 'whatever the control'}"
+        lacks = {"limit": self.limit, "rate limit": self.rate_limit}
+        with_it = [f", with the {name} needed" for name, there in lacks.items() if there is None]
+        return "".join(["enough by theory", *with_it])
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the front, and the nozzle's point beside what is needed."""
+        blank = np.full(self.rates.size, np.nan)
+        columns = {
+            "rate": self.rates,
+            "limit": self.limits,
+            "bound": blank if self.bounds is None else self.bounds,
+        }
+        rows = tuple(
+            tuple(least(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
+            for k in range(self.rates.size)
+        )
+        head = ("rate limit [deg/s]", "wind known [deg]", "no forecast, at least [deg]")
+        point = point_table(
+            "Both at once: the limit at that rate, the rate limit at that angle",
+            ("limit [deg]", "limit", self.needed, self.limit),
+            ("rate limit [deg/s]", "rate", self.needed_rate, self.rate_limit),
+        )
+        return Table("Least deflection over the rate limit", head, rows), point
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """What the reader of the front should know."""
+        if self.least_deflection == 0.0:
+            yield "no unstable pole feels the wind: neither angle nor rate is needed"
+        elif self.bounds is None:
+            yield "the wind changes its sign: there is no bound for laws without a forecast"
+        else:
+            yield "without a forecast it is a lower bound: a law may need more angle and more rate"
