@@ -356,6 +356,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "known_to": 20e3,
                 "confidence": 0.9,
                 "least_part": 0.9,
+                "gust_speed": 9.0,
             },
         ),
         "AvailabilityAsked.availability": Door(
@@ -1311,6 +1312,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "model": "drift-exact",
                 "persistence": 0.001,
                 "gust": gust,
+                "gust_speed": 9.0,
                 "sign": "frozen",
                 "known_to": 12e3,
                 "utc_offset": -5.0,

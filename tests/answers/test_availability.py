@@ -14,6 +14,7 @@ from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import flight_tables
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.measured import gust_of_speed
 from tvclin.answers.sizing.varying import varying_need
 
 EAST = np.radians(90.0)
@@ -335,6 +336,49 @@ def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, arch
     # sixty-four straight lines are off by a part of (pi/64)^2/6 = 4e-4 of what the gust adds
     assert need >= size_says(flight, wind, gust) - 4e-4 * (need - bare)
     assert need > bare
+
+
+def test_a_gust_by_its_speed_is_met_at_the_angle_of_its_time(flight, archive) -> None:
+    gust, wind, speed = tv.OneMinusCosineGust(peak=0.01, duration=3.0), archive[9], 9.0
+    asked = {"limit": 1.0, "gust": gust, "gust_speed": speed}
+    for plane in ("pitch", "yaw"):
+        towards = EAST if plane == "pitch" else EAST + np.pi / 2
+        where = {"plane": plane, "azimuth": towards, "sign": "frozen"}
+        need = tv.availability(flight, one(wind), **asked, **where).need[0]
+        bare = tv.availability(flight, one(wind), limit=1.0, **where).need[0]
+        each = size_says(flight, wind, gust_of_speed(gust, speed, plane), plane, towards)
+        assert need >= each - 4e-4 * (need - bare)
+        assert need > bare
+
+
+def test_where_the_speed_stays_a_gust_of_it_is_one_of_an_angle(archive) -> None:
+    vehicle = tv.load_vehicle("configuration-i").replace(
+        time=[40.0, 80.0], velocity=[500.0, 500.0], attitude=[1.0, 1.0]
+    )
+    even = tv.FlightSchedule(vehicle, altitude=[8e3, 25e3])
+    for plane, across in (("pitch", np.sin(1.0)), ("yaw", 1.0)):
+        gust = tv.OneMinusCosineGust(peak=np.arcsin(9.0 / 500.0 * across), duration=3.0)
+        asked = {"limit": 1.0, "azimuth": 0.7, "plane": plane}
+        by_angle = tv.availability(even, archive, gust=gust, **asked).need
+        other = gust * 0.3
+        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **asked).need
+        assert by_speed == pytest.approx(by_angle, rel=1e-12)
+    with pytest.raises(tv.InputError, match="speed of a gust needs the gust"):
+        tv.availability(even, archive, gust_speed=9.0, **asked)
+
+
+def test_nothing_is_judged_where_wind_and_gust_are_too_steep() -> None:
+    vehicle = tv.load_vehicle("configuration-i").replace(
+        time=[5.0, 60.0, 80.0], velocity=[10.0, 500.0, 700.0]
+    )
+    flight = tv.FlightSchedule(vehicle, altitude=[20.0, 12e3, 22e3])
+    height = np.arange(0.0, 40e3, 100.0)
+    steady = tv.WindProfile(height=height, east=np.full(400, 6.0), north=np.zeros(400))
+    gust = tv.OneMinusCosineGust(peak=0.01, duration=3.0)
+    found = tv.availability(flight, one(steady), limit=1.0, gust=gust, gust_speed=-9.0, **PITCH)
+    calm = np.interp(2.0 * (6.0 + 9.0), flight.speed, flight.time)  # 30 deg: half of the speed
+    # judged from the first level on, of which the flight meets one in less than half a second
+    assert calm <= found.judged[0, 0] <= calm + 0.5
 
 
 def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) -> None:

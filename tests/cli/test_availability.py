@@ -51,6 +51,20 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     assert "only if that decides about 0.35 deg. Else least_deg and most_deg" in said
 
 
+def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
+    given = ("--limit-deg", "0.35", "--gust-speed", "9", "2", "--gust-plateau", "0.5", "--json")
+    document = json.loads(run(station, *EAST, *given).stdout)
+    found = tv.availability(
+        *(tv.load_schedule("configuration-i"), tv.read_soundings(station)),
+        **{"limit": np.radians(0.35), "azimuth": np.radians([90.0]), "plane": "pitch"},
+        gust=tv.winds.LayeredGust(peak=0.02, blend=0.75, plateau=0.5), gust_speed=9.0,
+    )  # fmt: skip
+    said = list(document["towards"][0]["placard_deg"].values())
+    assert said == pytest.approx(np.degrees(found.placard()[0]).tolist(), rel=1e-12)
+    both = run(station, *EAST, *given, "--gust", "1", "2")
+    assert (both.exit_code, "--gust or --gust-speed, not both" in both.output) == (2, True)
+
+
 def test_one_month_is_that_month(station) -> None:
     result = run(station, *EAST, "--limit-deg", "0.35", "--month", "2")
 

@@ -233,6 +233,16 @@ def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
     assert (found.limit, found.judge.gust.peak) == (np.radians(0.3), np.radians(0.5))
 
 
+def test_a_gust_by_its_speed_is_that_of_the_study(folder) -> None:
+    table = {"gust": {"peak_speed_m_per_s": 9.0, "duration_s": 2.0}}
+    plan = parse_study(document() | table, folder)
+    assert plan.availability is not None
+    found = plan.availability.availability(plan)
+    gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
+    alone = the_library(folder, gust=gust, gust_speed=9.0)
+    assert found.need == pytest.approx(alone.need, rel=1e-12, nan_ok=True)
+
+
 def test_the_table_of_the_page_is_read(folder) -> None:
     page = (Path(__file__).parents[2] / "docs" / "availability.md").read_text()
     (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)

@@ -20,7 +20,7 @@ COMPUTED, TOLD, REFUSED = "computed", "told", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
-    "gust": ("--gust", "--gust-at"),
+    "gust": ("--gust", "--gust-speed", "--gust-plateau", "--gust-at"),
     "head wind": ("--peak-deg", "--peak-speed", "--sign"),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),

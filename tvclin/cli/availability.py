@@ -17,7 +17,6 @@ from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import (
     GROUP,
-    GUST,
     MODEL,
     SIGN,
     TIME_HELP,
@@ -29,7 +28,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import gust_of, noted_sounding
+from tvclin.cli.wind import GustOptions, noted_sounding
 from tvclin.vehicle.coefficients import IN_WORDS
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
@@ -85,25 +84,26 @@ class JudgedOptions:
         " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
         " these hours."
     )
-    gust: tuple[float, float] | None = GUST
     today: Path | None = asked("Also judge this balloon of today: go or no go?", metavar="FILE")
     today_time: str | None = asked(
         f"Which balloon of a --today that holds several, {TIME_HELP}", metavar="TIME"
     )
 
     def availability(
-        self, flight: FlightSchedule, soundings: Soundings, **told: Any
+        self, flight: FlightSchedule, soundings: Soundings, blows: GustOptions, **told: Any
     ) -> Availability:
         """Return on how many days a limit is enough, which `availability` is told with more."""
         from tvclin.answers.availability.availability import availability
 
+        gust, speed = blows.on_top
         with bar("soundings") as progress:
             return availability(
                 flight,
                 soundings,
                 stop=self.stop,
                 persistence=self.growth,
-                gust=gust_of(self.gust),
+                gust=gust,
+                gust_speed=speed,
                 progress=progress,
                 **told,
             )
@@ -161,6 +161,7 @@ def availability(
     ),
     end: float | None = asked("Last flight time that counts, in s.", flag="--to", shown="the last"),
     judged: JudgedOptions = GROUP,
+    blows: GustOptions = GROUP,
     as_json: AsJson = False,
     csv: Path | None = asked(
         "Also write what every sounding needs into this file: need_deg (empty where"
@@ -184,7 +185,7 @@ def availability(
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
     told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
     told |= question.values
-    found = judged.availability(flight, only.read(archive), **told)
+    found = judged.availability(flight, only.read(archive), blows, **told)
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)

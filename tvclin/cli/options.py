@@ -171,7 +171,6 @@ def _option(name: str, one: Declared, shown: Mapping[str, str], panel: str | Non
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
 SHAPE = asked(f"Shape of the wind: {listed(PULSES, 'or')}.", shown="triangular")
-GUST = asked("Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S")
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"

@@ -14,7 +14,7 @@ from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, between, nonnegative, nonzero, number, one_of, positive
 from tvclin.cli.inputs import chosen, only_with
-from tvclin.cli.options import GUST, SHAPE, TIME_HELP, asked
+from tvclin.cli.options import SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.winds import file
@@ -32,21 +32,54 @@ _WINDOW = 20.0
 
 
 @dataclass(frozen=True)
-class PulseOptions:
-    """All but the shape of a pulse; `grouped` gives them to a command."""
+class GustOptions:
+    """A gust; `grouped` gives its options to a command."""
 
-    duration: float | None = asked("Duration of the wind, in s.", shown="7.5")
-    peak_deg: float | None = asked("Peak wind angle of attack, in deg.", shown="5")
-    peak_speed: float | None = asked(
-        "Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e)."
+    gust: tuple[float, float] | None = asked(
+        "Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S"
     )
-    gust: tuple[float, float] | None = GUST
     gust_speed: tuple[float, float] | None = asked(
         "The same by its peak wind speed, in m/s, by eq (B1e).", metavar="M/S S"
     )
     gust_plateau: float | None = asked(
         "Part of its duration that a gust stays at its peak, in s.", shown="0"
     )
+
+    def __post_init__(self) -> None:
+        if self.gust is not None and self.gust_speed is not None:
+            raise InputError("give --gust or --gust-speed, not both")
+        if self.gust is None and self.gust_speed is None:
+            at = getattr(self, "gust_at", None)
+            only_with("--gust", gust_at=at, gust_plateau=self.gust_plateau)
+
+    @property
+    def on_top(self) -> tuple[History | None, float | None]:
+        """The gust, and its speed [m/s] where that is given in place of its angle."""
+        given, option, speed = self.gust, "--gust", None
+        if self.gust_speed is not None:
+            option = "--gust-speed"
+            speed = number(option, self.gust_speed[0], nonzero)
+            given = (1.0, self.gust_speed[1])
+        if given is None:
+            return None, None
+        peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
+        level = number("--gust-plateau", chosen(self.gust_plateau, 0.0), nonnegative, "s")
+        return file.gust_of(float(np.radians(peak)), duration, level), speed
+
+
+@dataclass(frozen=True)
+class _Pulse:
+    duration: float | None = asked("Duration of the wind, in s.", shown="7.5")
+    peak_deg: float | None = asked("Peak wind angle of attack, in deg.", shown="5")
+    peak_speed: float | None = asked(
+        "Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e)."
+    )
+
+
+@dataclass(frozen=True)
+class PulseOptions(GustOptions, _Pulse):
+    """All but the shape of a pulse; `grouped` gives them to a command."""
+
     gust_at: float | None = asked("When the gust peaks, in s.", shown="when it asks for most")
     wind_direction_deg: float | None = asked(
         "Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size of"
@@ -59,10 +92,7 @@ class PulseOptions:
     def __post_init__(self) -> None:
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
-        if self.gust is not None and self.gust_speed is not None:
-            raise InputError("give --gust or --gust-speed, not both")
-        if self.gust is None and self.gust_speed is None:
-            only_with("--gust", gust_at=self.gust_at, gust_plateau=self.gust_plateau)
+        super().__post_init__()
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, as far as they give one."""
@@ -83,16 +113,13 @@ class PulseOptions:
 
     def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
         """A wind with the gust of these options, as the vehicle of a plan meets it."""
-        if self.gust is None and self.gust_speed is None:
+        gust, speed = self.on_top
+        if gust is None:
             return wind
-        plateau = chosen(self.gust_plateau, 0.0)
         at = None if self.gust_at is None else number("--gust-at", self.gust_at, unit="s")
-        if self.gust is not None:
-            return replace(wind, gust=gust_of(self.gust, plateau), gust_at=at)
-        assert self.gust_speed is not None
-        speed, duration = self.gust_speed
-        made = replace(wind, gust=gust_of((1.0, duration), plateau, "--gust-speed"), gust_at=at)
-        speed = number("--gust-speed", speed, nonzero)
+        made = replace(wind, gust=gust, gust_at=at)
+        if speed is None:
+            return made
         return made.gust_of_speed(speed, whole_vehicle(plan.vehicle, "--gust-speed"), plan.plane)
 
     @property
@@ -263,17 +290,6 @@ def noted_sounding(file: Path, time: str | None) -> "WindProfile":
     for note in profile.notes:
         say(f"Note: {file.name}: {note}.", err=True)
     return profile
-
-
-def gust_of(
-    given: tuple[float, float] | None, plateau: float = 0.0, option: str = "--gust"
-) -> History | None:
-    """Return the gust of a peak [deg] and a duration [s], some of which it stays at its peak."""
-    if given is None:
-        return None
-    peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
-    level = number("--gust-plateau", plateau, nonnegative, "s")
-    return file.gust_of(float(np.radians(peak)), duration, level)
 
 
 def wind_words(name: str, case: Case) -> str:

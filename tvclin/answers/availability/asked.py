@@ -42,6 +42,8 @@ class AvailabilityAsked:
         Confidence of the intervals, from 0 to 1.
     least_part : float, optional
         So many of the days it must fly; without it nothing is asked.
+    gust_speed : float, optional
+        Wind speed [m/s] at the peak of the case's gust, in place of its angle.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class AvailabilityAsked:
     known_to: float | None = quantity("length", None, between(0.0, 1e5))
     confidence: float = quantity("number", 0.95, fraction)
     least_part: float | None = quantity("number", None, between(0.0, 1.0))
+    gust_speed: float | None = quantity("speed", None, key=False, option=None)
 
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
@@ -90,6 +93,7 @@ class AvailabilityAsked:
             model=case.model,
             persistence=self.persistence,
             gust=getattr(case.wind, "gust", None),
+            gust_speed=self.gust_speed,
             known_to=self.known_to,
             confidence=self.confidence,
             sign=FROZEN if getattr(case, "sign", None) == FROZEN else None,

@@ -20,6 +20,7 @@ from tvclin.base.errors import (
     fraction,
     instance,
     nonnegative,
+    nonzero,
     number,
     one_of,
     small_angle,
@@ -49,6 +50,7 @@ def availability(
     model: str = USUAL_MODEL,
     persistence: float | WindGrowth | PairGrowth | str | None = None,
     gust: History | None = None,
+    gust_speed: float | None = None,
     known_to: float | None = None,
     utc_offset: float | None = None,
     confidence: float = 0.95,
@@ -83,6 +85,9 @@ def availability(
     gust : History, optional
         On top of each wind, once with its middle where the wind is largest, and once where trim
         reaches the need; the larger counts.
+    gust_speed : float, optional
+        Wind speed [m/s] at the gust's peak, in place of its angle: the flight meets it at the angle
+        of that time, eq (B1e), in each plane as if it blew in that plane alone.
     known_to : float, optional
         Height [m] to which a sounding must go to be judged.
     utc_offset : float, optional
@@ -127,6 +132,10 @@ def availability(
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
+    if gust_speed is not None:
+        if gust is None:
+            raise InputError("the speed of a gust needs the gust that it is of")
+        gust_speed = number("gust_speed", gust_speed, nonzero, "m/s")
     azimuths = one_row_or_one("azimuth", azimuth)
     directions("azimuth", azimuths)
     growth = growth_of(persistence)
@@ -142,6 +151,7 @@ def availability(
         stop=one_of("stop", stop, STOPS),
         growth=growth if isinstance(growth, WindGrowth) else None,
         gust=gust,
+        gust_speed=gust_speed,
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
         pressure=own_sign(sign),
     ).used_to(soundings)

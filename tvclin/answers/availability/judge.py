@@ -116,6 +116,8 @@ class Judge:
         What the wind may become.
     gust : History or None
         On top of each wind.
+    gust_speed : float or None
+        Its wind speed [m/s], in place of its angle.
     known_to : float or None
         A height [m] to which each sounding must go.
     pressure : bool
@@ -135,6 +137,7 @@ class Judge:
     stop: str
     growth: WindGrowth | None
     gust: History | None
+    gust_speed: float | None
     known_to: float | None
     pressure: bool = True
     heights: FloatArray = field(default_factory=lambda: np.empty(0))
@@ -188,7 +191,7 @@ class Judge:
         at_once = _AT_ONCE if limits is None and not flown else _FLOWN_AT_ONCE
         cuts = np.arange(at_once, ends.max(initial=0), at_once)
         for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
-            within = known.some(some).flat(self.path, self._growth)
+            within = known.some(some).flat(self.path, self._more)
             heights[index[some]] = within
             flat = ~np.isnan(within[:, 0])
             winds, within, those = known.some(some[flat]), within[flat], index[some[flat]]
@@ -263,6 +266,17 @@ class Judge:
     def _growth(self, height: FloatArray) -> Any:
         """What the wind may become at heights [m/s]."""
         return 0.0 if self.growth is None else self.growth.at(height)
+
+    def _more(self, height: FloatArray) -> Any:
+        """The same with the speed of the gust."""
+        return self._growth(height) + abs(self.gust_speed or 0.0)
+
+    def _gust_size(self, times: FloatArray, plane: str) -> FloatArray:
+        """The gust whose middle is at times [s], over the one that is given."""
+        if self.gust is None or self.gust_speed is None:
+            return np.ones(times.shape)
+        speed = np.full(times.shape, self.gust_speed)
+        return self.path.angle(speed, times, plane) / float(self.gust.peak)
 
     def _needs(
         self,
@@ -386,7 +400,8 @@ class Judge:
 
         ``(2, n)``. And these winds, with their gusts.
         """
-        angle = self.path.angle(wind + self._growth(height), times, tables.mode.plane)
+        plane = tables.mode.plane
+        angle = self.path.angle(wind + self._growth(height), times, plane)
         if fine is not times:
             angle = on_lines(times, angle, fine)
         need, at_limit = self._on_lines(tables, fine, angle, rows, flown)
@@ -394,7 +409,10 @@ class Judge:
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
             blows = np.max(angle, axis=1) > 0.0
-            winds = [with_gust(self.gust, blows, fine, angle, at) for at in (top, at_limit)]
+            winds = [
+                with_gust(self.gust, blows * self._gust_size(at, plane), fine, angle, at)
+                for at in (top, at_limit)
+            ]
             gusty = [self._on_lines(tables, *wind, None, flown)[0] for wind in winds]
             need = np.where(blows, np.maximum(*gusty), need)
         return need, winds

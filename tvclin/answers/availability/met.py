@@ -233,13 +233,13 @@ def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArra
 
 
 def with_gust(
-    gust: History, blows: BoolArray, times: FloatArray, angle: FloatArray, at: FloatArray
+    gust: History, sizes: FloatArray, times: FloatArray, angle: FloatArray, at: FloatArray
 ) -> Winds:
-    """Return winds with a gust, where they blow, whose middle is at a time [s] of each."""
+    """Return winds with a gust of the size of each, whose middle is at a time [s] of each."""
     middle = 0.5 * (gust.onset + gust.end)
     own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
     there = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
     both = np.sort(np.concatenate([times, there], axis=1), axis=1)
     wind = on_lines(times, angle, both)
     more = np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)
-    return both, wind + blows[:, np.newaxis] * more
+    return both, wind + sizes[:, np.newaxis] * more

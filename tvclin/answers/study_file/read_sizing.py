@@ -47,12 +47,11 @@ def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
     others = winds_of(document, folder)[1:]
-    gust = GUST_TABLE.read(GUST_TABLE.one(document)) if "gust" in document else {}
     return SizingAsked(
         **_flight(document, folder),
         others=tuple(one for one in others if isinstance(one, ShapedWind)),
         soundings=soundings,
-        gust_speed=gust.get("peak_speed"),
+        gust_speed=_gust_speed(document),
         **given,
     )
 
@@ -89,8 +88,15 @@ def availability_of(document: Mapping[str, Any], folder: Path) -> AvailabilityAs
     return AvailabilityAsked(
         flight=_flight(document, folder)["schedule"],
         soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
+        gust_speed=_gust_speed(document),
         **given,
     )
+
+
+def _gust_speed(document: Mapping[str, Any]) -> float | None:
+    """The speed [m/s] of [gust]; None where it has an angle."""
+    given = GUST_TABLE.read(GUST_TABLE.one(document)) if "gust" in document else {}
+    return given.get("peak_speed")
 
 
 def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
