@@ -25,8 +25,8 @@ limit_deg = 0.6
 source = "configuration-ii"
 
 [size]
-start_s = 70
-stop_s = 90
+from_s = 70
+to_s = 90
 every_s = 20
 window_s = 16
 dead_bands = [1.0]

@@ -239,8 +239,8 @@ arm_m = 1.35
 stiffness_N_m_per_deg = 15200
 [schedule]
 [size]
-start_s = 66
-stop_s = 66
+from_s = 66
+to_s = 66
 varying = false
 card = "trim"
 """

@@ -22,8 +22,8 @@ duration_s = 7.5
 [nozzle]
 limit_deg = 0.5
 [size]
-start_s = 60
-stop_s = 80
+from_s = 60
+to_s = 80
 every_s = 10
 varying = true
 reserve_percent = 10

@@ -42,12 +42,15 @@ class Asked:
         Bands, from 0 to 1.
     way, place : str
         Which way.
+    start : float, optional
+        When it begins [s].
     """
 
     turn: float | None = quantity("angle", None, small_angle("a turn", positive))
     bands: tuple[float, ...] = quantity("number", (0.5,), between(0.0, 1.0), many=True)
     way: str = word(("left", "right"), "left")
-    place: str = text("here", key=False)
+    place: str = text("here", key=None)
+    start: float | None = quantity("time", None, key="from")
 
     def __post_init__(self) -> None:
         checked(self)
@@ -72,9 +75,13 @@ def test_a_field_is_checked_where_it_is_given() -> None:
 
 
 def test_a_file_has_its_keys_in_all_units_of_its_kind() -> None:
-    assert TABLE.every_key == ("turn_rad", "turn_deg", "way", "bands")
+    assert TABLE.every_key == ("turn_rad", "turn_deg", "from_s", "way", "bands")
     given = TABLE.read({"turn_deg": 5, "bands": [1, 0], "way": "right"})
     assert Asked(**given) == Asked(turn=radians(5.0), bands=(1.0, 0.0), way="right")
+    assert Asked(**TABLE.read({"from_s": 2})).start == 2.0
+    for key in ("start_s", "start"):
+        with pytest.raises(InputError, match=rf"'{key}'; did you mean from_s\?"):
+            TABLE.read({key: 2})
 
 
 def test_an_option_is_in_its_own_unit_and_says_so() -> None:
@@ -94,7 +101,7 @@ def test_a_template_names_the_keys_that_it_leaves_out() -> None:
     written = completed("# head\n\n[asked]\nbands = [1]\n\n[other]\n", TABLE, Asked)
     assert written == (
         "# head\n\n[asked]\nbands = [1]\n# also turn_rad: Angle of the turn; as seen from above.\n"
-        "# also way: Which way.\n\n[other]\n"
+        "# also way: Which way.\n# also from_s: When it begins.\n\n[other]\n"
     )
 
 

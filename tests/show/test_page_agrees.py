@@ -25,7 +25,7 @@ REPORT = {
     "nozzle": {"limit_deg": 0.4, "rate_limit_deg_per_s": 10.0},
     "autopilot": {"design": "canonical"},
     "schedule": {"source": "configuration-i"},
-    "size": {"start_s": 60.0, "stop_s": 70.0, "reserve_percent": 10.0},
+    "size": {"from_s": 60.0, "to_s": 70.0, "reserve_percent": 10.0},
     "question": {"probability": 0.9},
     "campaign": {"cases": 200, "seed": 1},
     "dispersion": [SPREAD],
@@ -53,7 +53,7 @@ FLEXIBLE = {
         ],
     },
     "schedule": {"source": "made-up-launcher"},
-    "size": {"start_s": 50.0, "stop_s": 60.0, "reserve_percent": 10.0},
+    "size": {"from_s": 50.0, "to_s": 60.0, "reserve_percent": 10.0},
     "availability": {
         **{"archive": "s-data.txt", "azimuth_deg": 45.0, "least_part": 0.5},
         "persistence_deg": 0.1,

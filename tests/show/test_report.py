@@ -548,7 +548,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
         '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 5\nduration_s = 35\n'
         '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[nozzle]\nlimit_deg = 0.4\n'
         "[gust]\npeak_deg = 1\nduration_s = 2\n"
-        "[size]\nstart_s = 66\nstop_s = 66\nvarying = true\nwindow_s = 20\n"
+        "[size]\nfrom_s = 66\nto_s = 66\nvarying = true\nwindow_s = 20\n"
     )
     (tmp_path / "s.toml").write_text(text)
     plan = tv.load_study(tmp_path / "s.toml")
@@ -590,7 +590,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     text = (
         '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 2\nduration_s = 7.5\n'
         '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[nozzle]\nlimit_deg = 0.6\n'
-        "[size]\nstart_s = 60\nstop_s = 80\nevery_s = 20\n"
+        "[size]\nfrom_s = 60\nto_s = 80\nevery_s = 20\n"
     )
     (tmp_path / "s.toml").write_text(text)
     found = find(tv.load_study(tmp_path / "s.toml"))
@@ -657,7 +657,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
 @pytest.mark.usefixtures("few_durations")
 def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "my.toml"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
-    text += "[nozzle]\nlimit_deg = 0.4\n[size]\nstart_s = 60\nstop_s = 60\n"
+    text += "[nozzle]\nlimit_deg = 0.4\n[size]\nfrom_s = 60\nto_s = 60\n"
     (tmp_path / "my.toml").write_text(template())
     study, output = tmp_path / "s.toml", tmp_path / "r.html"
     study.write_text(f'{text}[schedule]\nsource = "configuration-i"\n')

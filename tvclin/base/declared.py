@@ -49,8 +49,8 @@ class Declared:
         What stands for the default in the help of its option.
     choices : tuple of str
         What a word may be.
-    key : bool
-        Whether the table of a file has it.
+    key : str, optional
+        Its name in a file, where that is another than the field's; None where no file has it.
     name, default, help
         Those of the field.
     """
@@ -61,10 +61,15 @@ class Declared:
     option: str | None = ""
     shown: str = ""
     choices: tuple[str, ...] = ()
-    key: bool = True
+    key: str | None = ""
     name: str = ""
     default: Any = None
     help: str = ""
+
+    @property
+    def called(self) -> str:
+        """Its name in a file."""
+        return self.key or self.name
 
     @property
     def numeric(self) -> bool:
@@ -169,16 +174,21 @@ def file_table(heading: str, kind: type, names: str = "", **more: Any) -> FileTa
 
     `more` are other words, lists and quantities of the table, as of `FileTable`.
     """
-    own = declared(kind)
-    chosen = [own[name] for name in names.split()] or [one for one in own.values() if one.key]
+    chosen = [declared(kind)[name] for name in names.split()] or _keyed(kind)
     single = [one for one in chosen if not one.many]
     return replace(
         FileTable(heading, **more),
-        quantities={one.name: one.kind for one in single if one.numeric}
+        quantities={one.called: one.kind for one in single if one.numeric}
         | more.get("quantities", {}),
-        words=(*(one.name for one in single if not one.numeric), *more.get("words", ())),
-        lists=(*(one.name for one in chosen if one.many), *more.get("lists", ())),
+        words=(*(one.called for one in single if not one.numeric), *more.get("words", ())),
+        lists=(*(one.called for one in chosen if one.many), *more.get("lists", ())),
+        fields={one.key: one.name for one in chosen if one.key},
     )
+
+
+def _keyed(kind: type) -> list[Declared]:
+    """The fields that a file has."""
+    return [one for one in declared(kind).values() if one.key is not None]
 
 
 def completed(text: str, table: FileTable, kind: type) -> str:
@@ -188,10 +198,10 @@ def completed(text: str, table: FileTable, kind: type) -> str:
     """
     start = text.index(f"\n{table.heading}\n")
     place = text.find("\n\n", start + 1) % len(text)
-    names = [one for one in declared(kind).values() if one.key]
-    missing = [one for one in names if not re.search(rf"\b{one.name}(_|\b)", text[start:place])]
-    keys = {one.name: table.spelled(one.name).split(" or ")[0] for one in missing}
-    said = [f"also {keys[one.name]}: {_UNIT.sub('', one.help)}" for one in missing]
+    written = text[start:place]
+    missing = [one for one in _keyed(kind) if not re.search(rf"\b{one.called}(_|\b)", written)]
+    keys = [table.spelled(one.called).split(" or ")[0] for one in missing]
+    said = [f"also {k}: {_UNIT.sub('', one.help)}" for k, one in zip(keys, missing, strict=True)]
     lines = [line for each in said for line in wrap(each, _WIDE, subsequent_indent="  ")]
     return text[:place] + "".join(f"\n# {line}" for line in lines) + text[place:]
 

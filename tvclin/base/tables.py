@@ -23,7 +23,7 @@ class FileTable:
     `heading`: as in a file: ``[vehicle]``, or ``[[dispersion]]`` of a table that may stand several
     times. `quantities`: names of numbers, without unit, and of what kind of `UNITS` each is.
     `words`: keys of which the value is taken as it stands. `required`: which of all these must be
-    given.
+    given. `fields`: what `read` calls a name that is another word in a file.
     """
 
     heading: str
@@ -31,6 +31,7 @@ class FileTable:
     words: tuple[str, ...] = ()
     lists: tuple[str, ...] = ()
     required: tuple[str, ...] = ()
+    fields: dict[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -109,7 +110,7 @@ class FileTable:
                     raise InputError(self._unknown(key))
         faults.tell()
         self.need(found, self.required)
-        return found
+        return {self.fields.get(name, name): value for name, value in found.items()}
 
     def units(self, table: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
         """Return the numbers of a table as they stand, by name, each with the unit of its key."""
@@ -140,7 +141,10 @@ class FileTable:
 
     def _unknown(self, key: str) -> str:
         keys, words = self.keys, (*self.words, *self.lists)
-        near = get_close_matches(key, [*words, *keys], n=2, cutoff=0.5)
+        fields = [
+            self.spelled(k) for k, of in self.fields.items() if f"{key}_".startswith(f"{of}_")
+        ]
+        near = fields or get_close_matches(key, [*words, *keys], n=2, cutoff=0.5)
         nearest = keys.get(near[0], ("",))[0] if near else None
         for name in sorted(self.quantities, key=len, reverse=True):
             if key == name or (key.startswith(f"{name}_") and nearest in (name, None)):

@@ -59,7 +59,7 @@ class AvailabilityAsked:
     known_to: float | None = quantity("length", None, between(0.0, 1e5))
     confidence: float = quantity("number", 0.95, fraction)
     least_part: float | None = quantity("number", None, between(0.0, 1.0))
-    gust_speed: float | None = quantity("speed", None, key=False, option=None)
+    gust_speed: float | None = quantity("speed", None, key=None, option=None)
 
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")

@@ -133,16 +133,20 @@ class SizingAsked:
     """
 
     schedule: FlightSchedule
-    source: str = text("", key=False, option=None)
-    another: str = text("", key=False, option=None)
-    pulse: bool = flag(True, key=False, option=None)
+    source: str = text("", key=None, option=None)
+    another: str = text("", key=None, option=None)
+    pulse: bool = flag(True, key=None, option=None)
     others: tuple[ShapedWind, ...] = ()
     peak_speed: float | None = quantity("speed", None, option=None)
-    gust_speed: float | None = quantity("speed", None, key=False, option=None)
+    gust_speed: float | None = quantity("speed", None, key=None, option=None)
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
     window: float | None = quantity("time", None, positive, shown="all of it")
-    start: float | None = quantity("time", None, option="--from", shown="the earliest possible")
-    stop: float | None = quantity("time", None, option="--to", shown="the latest possible")
+    start: float | None = quantity(
+        "time", None, key="from", option="--from", shown="the earliest possible"
+    )
+    stop: float | None = quantity(
+        "time", None, key="to", option="--to", shown="the latest possible"
+    )
     every: float = quantity("time", 5.0, positive)
     dead_bands: tuple[float, ...] = quantity(
         "number", (1.0, 0.5), between(0.0, 1.0), many=True, option="--dead-band"
