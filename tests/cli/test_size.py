@@ -11,6 +11,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.cli.app import app
 from tvclin.plots import curves_of, sizing_chart
 
@@ -295,10 +296,6 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
             ("configuration-i", *FLOWN, "--disperse", "--plane", "both", *FAST),
             "the worst wind is wyoming.txt",
         ),
-        (
-            ("configuration-i", "--from", "66", "--to", "66", "--plot", "a.png"),
-            "two or more flight times",
-        ),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
@@ -307,6 +304,15 @@ def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
     assert result.exit_code == 2
     assert words in result.output
     assert "Traceback" not in result.output
+
+
+def test_a_figure_of_one_flight_time_is_refused_before_anything_is_computed(monkeypatch) -> None:
+    monkeypatch.setattr(SizingAsked, "sizing", None)
+    result = run("size", "configuration-i", "--from", "66", "--to", "66", "--plot", "a.png")
+
+    assert result.exit_code == 2
+    (said,) = result.stderr.splitlines()
+    assert "two or more flight times; got 66 s alone (--from, --to, --every)" in said
 
 
 def test_the_figure_holds_the_worst_of_all_winds() -> None:

@@ -155,6 +155,12 @@ def size(
     )
     asked = case.sizing
     assert asked is not None
+    times = asked.times(case)
+    if plot is not None and times.size < 2:
+        raise InputError(
+            "--plot draws over the flight, which takes two or more flight times; got"
+            f" {times[0]:g} s alone (--from, --to, --every)"
+        )
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
