@@ -227,6 +227,27 @@ def test_a_dead_band_outside_zero_to_one_is_refused(bad):
             call(4.0, bad)
 
 
+@pytest.mark.parametrize(
+    ("name", "rim", "beyond"),
+    [
+        ("beta", 1e-9, 0.999e-9),
+        *((name, 1e9, 1.001e9) for name in ("beta", "b1", "b2")),
+        *((name, 0.0, -1.001e9) for name in ("b1", "b2")),
+    ],
+)
+def test_rates_that_no_vehicle_has_are_refused(name, rim, beyond):
+    rates = {"beta": 1e9, "b1": 0.0, "b2": 0.0}
+    assert triangular_limit_with_drift(4.0, 0.5, **rates | {name: rim}) > 0.0
+    with pytest.raises(InputError, match=f"^{name} must be between"):
+        triangular_limit_with_drift(4.0, 0.5, **rates | {name: beyond})
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, "x"], ids=repr)
+def test_a_ratio_of_the_drift_that_is_no_number_is_refused(bad):
+    with pytest.raises(InputError, match=r"^K1 must be"):
+        rectangular_limit(4.0, bad)
+
+
 def test_a_numerator_zero_beyond_the_pole_is_refused():
     for b1, b2 in ((-0.5, -0.6), (-0.5, 0.02), (0.03, -0.5), ([0.03, -0.6], 0.02), (0.03, [0, -1])):
         with pytest.raises(InputError, match="^beta \\+ b1 and beta \\+ b2 must be positive"):

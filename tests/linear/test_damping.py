@@ -34,6 +34,7 @@ def test_a_student_rocket_falls_four_percent_more_slowly():
     assert (round(c.beta, 6), round(c.pole, 6)) == (2.620352, 2.514769)
     assert c.K1 == 1.0
     assert c.replace(b1=0.2, b2=0.1).K1 == pytest.approx((c.pole + 0.1) / (c.pole + 0.2))
+    assert [c.replace(damping=d).pole_symbol for d in (0.0, 0.1, [0.0, 0.1])] == ["beta", "p", "p"]
 
 
 @pytest.mark.parametrize(

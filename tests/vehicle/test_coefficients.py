@@ -106,6 +106,17 @@ def test_one_stable_vehicle_in_a_batch_has_no_beta():
         _ = Coefficients(mu_alpha=[0.25, -0.25], mu_delta=2.0).beta
 
 
+@pytest.mark.parametrize(("mu_alpha", "has"), [(0.25, True), (0.0, False), ([0.25, -0.25], False)])
+def test_only_where_every_vehicle_is_unstable_are_a_beta_and_a_pole_shown(mu_alpha, has):
+    c = Coefficients(mu_alpha=mu_alpha, mu_delta=2.0, name="booster")
+    told = c.as_dict()
+    assert (told["beta_per_s"], told["pole_per_s"]) == ((0.5, 0.5) if has else (None, None))
+    np.testing.assert_array_equal(told["B"], np.divide(mu_alpha, 2.0))
+    shown = c._repr_html_()
+    assert [f">{name}<" in shown for name in ("beta", "pole", "K1", "B")] == [has] * 3 + [True]
+    assert "Coefficients: booster" in shown
+
+
 def test_from_beta_is_the_pair_of_the_report():
     c = Coefficients.from_beta(beta=0.5, B=0.125, b1=0.03, b2=0.02, q=1e-4, C1=0.025, C2=0.004)
     assert (c.mu_alpha, c.mu_delta) == (0.25, 2.0)
@@ -116,7 +127,10 @@ def test_from_beta_is_the_pair_of_the_report():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("beta", 0.0), ("beta", -0.5), ("beta", np.nan), ("B", 0.0), ("B", "x"), ("B", np.inf)],
+    [
+        *(("beta", beta) for beta in (0.0, -0.5, np.nan, 1.001e9, 1e200)),  # its square: 1e18
+        *(("B", B) for B in (0.0, "x", np.inf)),
+    ],
 )
 def test_from_beta_refuses_what_is_no_pair(name, value):
     with pytest.raises(InputError, match=f"^{name} must be"):
@@ -140,6 +154,22 @@ def test_a_control_without_moment_and_a_negative_q_are_refused():
         Coefficients(mu_alpha=0.25, mu_delta=0.0)
     with pytest.raises(InputError, match=r"^q must be zero or positive"):
         Coefficients(mu_alpha=0.25, mu_delta=2.0, q=-1e-9)
+
+
+@pytest.mark.parametrize("size", [1e18, -1e18])
+def test_no_product_of_coefficients_may_overflow(size):
+    """Each is at most 1e18 in size, and so is one over mu_delta; the rims themselves are legal."""
+    assert Coefficients(mu_alpha=size, mu_delta=1.0 / size).b1 == 0.0
+    for name in ("mu_alpha", "mu_delta"):
+        with pytest.raises(InputError, match=rf"^{name} must be between -1e\+18 and 1e\+18"):
+            Coefficients(**{"mu_alpha": 0.25, "mu_delta": 2.0, name: 1.001 * size})
+    with pytest.raises(InputError, match=r"^mu_delta must be at least 1e-18 1/s\^2 in size; got 9"):
+        Coefficients(mu_alpha=0.25, mu_delta=[2.0, 0.999 / size])
+
+
+def test_the_name_of_coefficients_is_a_text():
+    with pytest.raises(InputError, match=r"^name must be a str .*; got 7"):
+        Coefficients(mu_alpha=0.25, mu_delta=2.0, name=7)
 
 
 def test_two_coefficients_alone_leave_the_path_fixed_and_make_no_drift():

@@ -165,7 +165,7 @@ class Coefficients:
             C1, C2, b1, b2, q, damping and name, as of `Coefficients`.
         """
         beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
-        within("beta", beta, 0.0, _LARGEST, "1/s")
+        within("beta", beta, 0.0, _LARGEST**0.5, "1/s")
         together(beta=beta, B=B)
         return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 
