@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.answers.case import Case
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.filtered import FilteredLaw
 from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
@@ -109,6 +111,28 @@ def flexible_answer(
         if limit is None
         else fly_sampled(plant, law, wind, times, deflection_limit=limit, **hardware),
     )
+
+
+def law_asked(case: Case, name: str, rate_limit: float, **own: Any) -> Law:
+    """Return a law by its name for a case, with the filters of its autopilot.
+
+    Parameters
+    ----------
+    case : Case
+        The law is designed on its rigid vehicle, for its wind; "autopilot" has its gains.
+    name, rate_limit, **own
+        As of `design_law`.
+
+    Raises
+    ------
+    InputError
+        As `design_law` and `Case.autopilot`.
+    """
+    if name == AUTOPILOT:
+        own = {AUTOPILOT: case.autopilot} | own
+    peak = float(case.history.peak)
+    law = design_law(name, case.plant.rigid, peak, rate_limit=rate_limit, **own)
+    return with_filters(law, case.asked)
 
 
 def with_filters(law: Law, asked: AutopilotDesign) -> Law:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.case import Case
-from tvclin.answers.flexible import with_filters
+from tvclin.answers.flexible import law_asked
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
@@ -19,8 +18,7 @@ from tvclin.base.errors import callable_for, different, each, instance, one_of, 
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
-from tvclin.control.laws.law import Law
-from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
+from tvclin.control.laws.registry import LAWS
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 
 _STOPS = ("no sudden stop of it", "a sudden stop in its middle")
@@ -155,7 +153,9 @@ def flown_fronts(
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
         nonlocal done
         nozzle = {**case.hardware, "rate_limit": rate, "cuts": cuts, "highest": _HIGHEST}
-        found = closed_loop_boundary(case.plant, _law(case, name, rate), case.history, **nozzle)
+        found = closed_loop_boundary(
+            case.plant, law_asked(case, name, rate), case.history, **nozzle
+        )
         done += 1
         if progress is not None:
             progress(done, total)
@@ -184,11 +184,3 @@ def _front(case: Case, rates: ArrayLike | None) -> RateFront:
     if nozzle.rate_limit is not None:
         rates = np.unique(np.append(rates, nozzle.rate_limit))
     return theory(rates)
-
-
-def _law(case: Case, name: str, rate: float) -> Law:
-    own: dict[str, Any] = {}
-    if name == AUTOPILOT and case.design is not None:
-        own = {AUTOPILOT: case.autopilot}
-    peak, plant = float(case.history.peak), case.plant.rigid
-    return with_filters(design_law(name, plant, peak, rate_limit=rate, **own), case.asked)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.study import pulse_of
+from tvclin.answers.case_need import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked

@@ -6,9 +6,10 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
+from tvclin.answers.case_need import pulse_of
 from tvclin.answers.document import Document
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
-from tvclin.answers.study import Study, pulse_of
+from tvclin.answers.study import Study
 from tvclin.base.declared import count, quantity, word
 from tvclin.base.errors import InputError, between, fraction, instance
 from tvclin.linear.deflections import SWITCHES

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers import study_tables as tables
+from tvclin.answers.case_need import pulse_of
 from tvclin.answers.findings import Findings
-from tvclin.answers.study import pulse_of
 from tvclin.base.lines import Line, degrees, quantities, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, extremes, shown_until

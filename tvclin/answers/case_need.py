@@ -1,0 +1,245 @@
+"""What is required of the nozzle of a case: the number that the verdict of a study rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.case import Case
+from tvclin.answers.planes import PlanesNeeded, of_heading
+from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    between,
+    nonnegative,
+    number,
+    one_of,
+    single,
+    within,
+)
+from tvclin.boundary.stops import stop_of
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import PULSES, ShapedWind
+
+_LEAST_SIZE, _LARGEST_SIZE = 0.01, 1e9
+_SIZES = 5
+"""Sizes of a wind at which what its sign changes is computed for dispersed winds."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaseNeed:
+    """What a wind requires of the nozzle of a case, at one dead band.
+
+    Attributes
+    ----------
+    case : Case
+        The vehicle, one, in its wind, with its nozzle; the verdict rests on its model.
+    dead_band : float
+        K of the verdict.
+    sign : {"head", "tail", "frozen"} or None
+        The sign of the wind along the path that counts; frozen: the dynamic pressure of calm air;
+        None: the worst of these.
+    blows : ShapedWind
+        The wind in the plane, with its gust.
+    requirement : RequiredDeflection
+        What a limit must be at `model` and `dead_band`, and what governs it, in the dynamic
+        pressure of calm air.
+    planes : PlanesNeeded or None
+        What a wind with a direction asks of both planes at the dead band and model of the verdict.
+    sign_factors : dict of str to float
+        What is required of a head and of a tail wind, over that; empty where the wind blows across
+        the path, or what its sign changes is not known.
+    sign_unknown : str
+        Why that is not known.
+    """
+
+    case: Case
+    dead_band: float
+    sign: str | None
+    blows: ShapedWind
+    requirement: RequiredDeflection
+    planes: PlanesNeeded | None
+    sign_factors: dict[str, float]
+    sign_unknown: str
+
+    @property
+    def vehicle(self) -> AnyVehicle:
+        """The vehicle."""
+        return self.case.vehicle
+
+    @property
+    def plane(self) -> str:
+        """The plane of the boundaries, and of the verdict where that is not on both."""
+        return self.case.plane
+
+    @property
+    def model(self) -> str:
+        """The model on which the verdict rests."""
+        return self.case.model
+
+    @property
+    def limit(self) -> float | None:
+        """The capability [rad] in question."""
+        return self.case.nozzle.limit
+
+    @property
+    def slanting(self) -> ShapedWind | None:
+        """The wind with its direction, where that is known, its gust at its time."""
+        wind = self.case.wind
+        if not isinstance(wind, ShapedWind) or wind.heading is None:
+            return None
+        return replace(wind, gust_at=self.blows.gust_at)
+
+    @property
+    def in_both(self) -> bool:
+        """Whether the verdict is on both planes."""
+        return self.case.nozzle.stop is not None
+
+    @property
+    def history(self) -> History:
+        """The wind in the plane with its gust."""
+        return self.blows.history({})
+
+    @property
+    def required_deflection(self) -> float:
+        """The deflection [rad] that is required at the verdict's model and dead band, a size."""
+        return self.frozen_deflection * self.counts[1]
+
+    @property
+    def frozen_deflection(self) -> float:
+        """The same [rad] in the dynamic pressure of calm air."""
+        if self.planes is not None and self.in_both:
+            return self.planes.deflection
+        return abs(float(self.requirement.deflection))
+
+    @property
+    def sign_needs(self) -> dict[str, float]:
+        """What is required [rad] of a head and of a tail wind, by `sign_factors`."""
+        return {name: self.frozen_deflection * one for name, one in self.sign_factors.items()}
+
+    @property
+    def counts(self) -> tuple[str, float]:
+        """Which sign of the wind counts, and its factor on `frozen_deflection`."""
+        if self.sign in self.sign_factors:
+            return str(self.sign), self.sign_factors[str(self.sign)]
+        every = {FROZEN: 1.0} | self.sign_factors
+        name = max(every, key=lambda one: every[one])
+        return name, every[name]
+
+    def factors_at(self, sizes: ArrayLike) -> FloatArray:
+        """Return the factor of the sign that counts in winds of so many times this size.
+
+        Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
+
+        Raises
+        ------
+        InputError
+            For sizes that are negative, or no numbers.
+        """
+        wanted = within("sizes", nonnegative("sizes", sizes), 0.0, _LARGEST_SIZE)
+        name, factor = self.counts
+        if name == FROZEN or np.all(wanted == 1.0):
+            return np.full(wanted.shape, factor)
+        wanted = np.maximum(wanted, _LEAST_SIZE)
+        nodes = np.linspace(wanted.min(), wanted.max(), _SIZES)
+        found = [self._factor_at(float(size)) for size in nodes]
+        factors = np.interp(wanted, nodes, found)
+        return np.where(np.isnan(factors), np.inf, factors)
+
+    def _factor_at(self, size: float) -> float:
+        """The same of one size."""
+        name = self.counts[0]
+        if name == FROZEN:
+            return 1.0
+        asked = None if self.slanting is not None else name
+        try:
+            return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]
+        except InputError:
+            return np.inf
+
+    def judged(self, limit: float) -> dict[str, Any]:
+        """Return whether a limit [rad] is enough, and what peak it survives."""
+        needed = self.required_deflection
+        peak = self.planes.peak if self.planes is not None and self.in_both else self.history.peak
+        size = limit / needed if needed else np.inf
+        if self.counts[0] != FROZEN and 0.0 < size < np.inf:
+            size = survived_size(
+                limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
+            )
+        return {"sufficient": bool(covers(limit, needed)), "survivable_peak": float(peak) * size}
+
+    @property
+    def governs(self) -> str:
+        """What the required deflection is governed by, in words."""
+        name = self.counts[0]
+        if name != FROZEN:
+            return f"the dynamic pressure in a {name} wind"
+        if self.planes is not None and self.in_both:
+            return self.planes.governs
+        return self.requirement.governs
+
+
+def case_need(case: Case, dead_band: float = 1.0, sign: str | None = None) -> CaseNeed:
+    """Return what a wind of one shape requires of the nozzle of a case.
+
+    Parameters
+    ----------
+    case, dead_band, sign
+        As of `Study.of`.
+
+    Raises
+    ------
+    InputError
+        As `Study.of`.
+    """
+    if sign is not None:
+        one_of("sign", sign, (*SIGNS, FROZEN))
+    K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
+    single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
+    stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
+    blows, planes = case.blows_at(K), None
+    assert isinstance(blows, ShapedWind)
+    if wind.heading is not None:
+        whole = whole_vehicle(case.vehicle, "a wind with a direction")
+        placed = replace(wind, gust_at=blows.gust_at)
+        planes = of_heading(whole, case.model, placed, stop, K)
+    elif stop is not None:
+        raise InputError(
+            "a stop of both planes needs a wind with a direction: give where it blows from,"
+            " and the azimuth of the flight"
+        )
+    plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), blows.history({})
+    required = required_deflection(plant, history, K)
+    factors, unknown = _factors(case, history, float(required.deflection), K, sign)
+    return CaseNeed(case, K, sign, blows, required, planes, factors, unknown)
+
+
+def pulse_of(case: Case) -> ShapedWind:
+    """Return the wind of a case; `InputError` for one that is not of one shape."""
+    if not isinstance(case.wind, ShapedWind):
+        raise InputError(
+            "a study needs a wind of one shape: give shape, peak and duration in [wind]"
+        )
+    one_of("shape of the wind of a study", case.wind.shape, PULSES)
+    return case.wind
+
+
+def _factors(
+    case: Case, history: History, needed: float, dead_band: float, sign: str | None
+) -> tuple[dict[str, float], str]:
+    """What the sign of a wind changes, and why it is not known; what is asked for must be."""
+    if not np.isfinite(needed):
+        return {}, ""
+    try:
+        return sign_factors(case, history, dead_band, sign), ""
+    except InputError as error:
+        if sign is not None:
+            raise
+        return {}, str(error)
