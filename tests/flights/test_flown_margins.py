@@ -9,13 +9,13 @@ from scipy.linalg import expm
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.flown_record import CHANGES, NearRest
 from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
     factors_at_growth,
 )
-from tvclin.flights.closed_loop.sampled import one_flight
 
 PEAK = np.radians(5.0)
 SERVO = tv.Actuator(natural_frequency=20.0, damping=0.7)
@@ -79,7 +79,7 @@ def radius(*args):
 @pytest.mark.parametrize("delay", [0.0, 0.0137, 0.05])
 def test_margins_near_rest_bring_an_eigenvalue_of_another_step_to_the_circle(delay):
     law, h = LAWS["attitude and rate"], 0.02
-    one = one_flight(PLANT, law, WIND, 2.0 * TRIM, np.inf, SERVO, h, delay)
+    one = one_flight(PLANT, law, WIND, 2.0 * TRIM, Hardware(h, delay, SERVO))
     assert growth_near_rest(one) == pytest.approx(np.log(radius(1.0, 1.0, delay, h)) / h, abs=1e-8)
     late = delay_at_growth(one, BETA)
     changed = []
@@ -103,7 +103,7 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     """The observer takes the deflection from the nozzle: only the effect of it is misjudged."""
     estimator = tv.control.WindEstimator(bandwidth=5.0)
     law = tv.RecoverableAttitudeLaw(PLANT, design_peak=PEAK, estimator=estimator)
-    one = one_flight(PLANT, law, WIND, TRIM, np.inf, SERVO, 0.01, 0.03)
+    one = one_flight(PLANT, law, WIND, TRIM, Hardware(0.01, 0.03, SERVO))
     gain, effect = (factors_at_growth(one, name, BETA) for name in ("gain", "effectiveness"))
     assert abs(gain[1] / effect[1] - 1.0) > 0.05
     for edge in (1.0 / gain[0], gain[1]):
@@ -111,8 +111,8 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     for edge in (1.0 / effect[0], effect[1]):
         changed = replace(one, plant=PLANT.with_effectiveness(edge))
         assert abs(growth_near_rest(changed)) < 1e-8
-    late = np.asarray(0.03 + delay_at_growth(one, BETA))
-    assert abs(growth_near_rest(replace(one, delay=late))) < 1e-8
+    late = 0.03 + delay_at_growth(one, BETA)
+    assert abs(growth_near_rest(one.delayed(late))) < 1e-8
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0263])
@@ -404,7 +404,8 @@ def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
     )
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     wind = tv.TriangularWind(peak=0.05, duration=6.0)
-    one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, np.inf, tv.Actuator(), 0.01, 0.0)
+    hardware = Hardware(0.01, 0.0, tv.Actuator())
+    one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, hardware)
     pace = float(plant.poles[0])
     gain, effectiveness = (factors_at_growth(one, name, pace) for name in ("gain", "effectiveness"))
     # Both are roots of the same loop; the integrator takes four digits of sixteen.

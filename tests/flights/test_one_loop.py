@@ -8,8 +8,8 @@ from scipy.linalg import expm
 
 import tvclin as tv
 from tests.turns import drawn
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.growth import step_near_rest
-from tvclin.flights.closed_loop.sampled import one_flight
 
 VEHICLE = tv.load_vehicle("made-up-booster")
 STRUCTURE = VEHICLE.structure
@@ -60,7 +60,7 @@ def flown_step(plant, autopilot):
     law = tv.SaturatedLaw(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
     length = 1.0 / autopilot.sample_rate
     return step_near_rest(
-        one_flight(plant, law, WIND, 0.1, np.inf, autopilot.actuator, length, autopilot.delay)
+        one_flight(plant, law, WIND, 0.1, Hardware(length, autopilot.delay, autopilot.actuator))
     )
 
 

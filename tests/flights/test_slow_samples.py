@@ -9,8 +9,9 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.flexible import BOOSTER, MODES, TANKS
 from tests.turns import usual
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
+from tvclin.flights.closed_loop.batch_arrays import flights
 from tvclin.flights.closed_loop.growth import growth_near_rest
-from tvclin.flights.closed_loop.sampled import flights, one_flight
 
 PEAK = np.radians(5.0)
 PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
@@ -107,7 +108,7 @@ def test_a_rate_limit_without_an_actuator_is_good_for_what_is_stated(rate, state
 def test_substeps_are_the_root_of_the_step_they_make_together():
     """So a part without a limit may go by as one exact product."""
     actuator = tv.Actuator(natural_frequency=50.0)
-    f = flights(one_flight(PLANT, LAW, WIND, 1.0, np.inf, actuator, 0.1, 0.023))
+    f = flights(one_flight(PLANT, LAW, WIND, 1.0, Hardware(0.1, 0.023, actuator)))
     assert f.steps.substeps.tolist() == [[31, 10]]
     for part, count in enumerate(f.steps.substeps[0]):
         every = (f.steps.joint, f.steps.fine)
@@ -185,7 +186,7 @@ def test_a_millionth_beyond_each_margin_the_step_of_a_flight_grows(plant, hertz,
 
     def growth(gain, delay):
         return growth_near_rest(
-            one_flight(plant, law, WIND, 1.0, np.inf, nozzle, 1.0 / rate, delay, gain)
+            one_flight(plant, law, WIND, 1.0, Hardware(1.0 / rate, delay, nozzle), gain)
         )
 
     for beyond in (1.0 - 1e-6, 1.0 + 1e-6):

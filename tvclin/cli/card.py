@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from tvclin.answers.nozzle_cards.record import FlightCard
 from tvclin.answers.nozzle_cards.whole import flight_card
 from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
@@ -22,7 +23,7 @@ from tvclin.cli.options import (
     Given,
     asked,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -95,11 +96,15 @@ def card(
     notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]
     if csv is not None:
         found.to_csv(csv)
-    if as_json:
-        print_json(found.as_dict() | {"notes": notes})
-    else:
-        print_tables(*found.tables())
-        say_notes(notes)
-        say(f"Verdict: {found.verdict.words}.")
-    if not found.verdict.enough:
-        raise typer.Exit(1)
+    answer(
+        as_json,
+        lambda: found.as_dict() | {"notes": notes},
+        lambda: _print(found, notes),
+        bool(found.verdict.enough),
+    )
+
+
+def _print(found: FlightCard, notes: list[str]) -> None:
+    print_tables(*found.tables())
+    say_notes(notes)
+    say(f"Verdict: {found.verdict.words}.")

@@ -1,12 +1,12 @@
 """`tvclin loads`: the nozzle that a load bound takes, and the load in the flights of laws."""
 
 import numpy as np
-import typer
 
 from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import listed
+from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
 from tvclin.cli.fly_linear import LinearCase
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -22,7 +22,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -64,33 +64,36 @@ def loads(
     case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid)
     flown = _flown(case, names, blows.name(case))
     with waiting("angle over load"):
-        given, rate = case.nozzle, case.nozzle.rate_limit
-        front = (
-            case.load.front(case)
-            if case.load is not None
-            else load_front(
-                case.plant.rigid,
-                case.history,
-                limit=given.limit,
-                rate_limit=np.inf if rate is None else rate,
-            )
-        )
+        front = _front(case)
     title = blows.title(case, vehicle)
     shown.write(
         lambda: plots.load_curves(front, flown),
         lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
     )
-    if shown.as_json:
-        print_json(blows.document(case) | {"front": front, "flown": flown})
-    else:
-        say(title)
-        print_tables(*front.tables())
-        say_notes(list(front.notes))
-        say(f"Verdict: {front.verdict}.")
-        for one in flown:
-            say(f"Flown: {one.words}.")
-    if front.enough is False or not all(one.enough for one in flown):
-        raise typer.Exit(1)
+    answer(
+        shown.as_json,
+        lambda: blows.document(case) | {"front": front, "flown": flown},
+        lambda: _print(title, front, flown),
+        front.enough is not False and all(one.enough for one in flown),
+    )
+
+
+def _front(case: StudyPlan) -> LoadFront:
+    """The front of the load of a file, or of the angle of attack."""
+    if case.load is not None:
+        return case.load.front(case)
+    limit, rate = case.nozzle.limit, case.nozzle.rate_limit
+    fastest = np.inf if rate is None else rate
+    return load_front(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
+
+
+def _print(title: str, front: LoadFront, flown: list[FlownLoad]) -> None:
+    say(title)
+    print_tables(*front.tables())
+    say_notes(front.notes)
+    say(f"Verdict: {front.verdict}.")
+    for one in flown:
+        say(f"Flown: {one.words}.")
 
 
 def _flown(case: StudyPlan, names: list[str], wind: str) -> list[FlownLoad]:

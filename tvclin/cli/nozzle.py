@@ -73,18 +73,15 @@ def nozzle(
     case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")
-    flown, given = _flown(case, law, blows.name(case)), case.nozzle
+    flown = _flown(case, law, blows.name(case))
     with waiting("angle over rate"):
-        front = rate_front(
-            case.plant.rigid, case.history, limit=given.limit, rate_limit=given.rate_limit
-        )
+        front = _front(case)
     title, needed = blows.title(case, vehicle), _needed(case) if laws else None
-    drawn = needed or front
+    drawn, more = needed or front, {} if needed is None else {"laws": needed}
     shown.write(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    more = {} if needed is None else {"laws": needed}
     lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
     answer(
         shown.as_json,
@@ -92,6 +89,11 @@ def nozzle(
         lambda: _print(title, front, needed, flown),
         not lost,
     )
+
+
+def _front(case: StudyPlan) -> RateFront:
+    limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
+    return rate_front(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
 
 
 def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:

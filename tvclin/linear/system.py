@@ -207,7 +207,9 @@ class LinearSystem:
         return control.StateSpace(*self.matrices(), 0, name=name, **named)
 
 
-def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[IndexArray, FloatArray]:
+def delay_parts(
+    delay: float | FloatArray, period: float | FloatArray
+) -> tuple[IndexArray, FloatArray]:
     """Return the whole samples of a delay, and the rest [s] of it."""
     samples = delay / np.where(period > 0.0, period, 1.0)
     whole = np.floor(samples + WHOLE)

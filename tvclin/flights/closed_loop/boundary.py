@@ -31,6 +31,7 @@ from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (
     check_delays,
     check_flight,
@@ -49,7 +50,6 @@ from tvclin.flights.closed_loop.edges import (
 )
 from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
 from tvclin.flights.closed_loop.many import SURVIVED, fly_many
-from tvclin.flights.closed_loop.sampled import one_flight
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
@@ -206,7 +206,8 @@ def closed_loop_boundary(
 
     edge = edge_above_losses(survives, np.linspace(low, high, STEPS + 1))
     at = edge.limit if np.isfinite(edge.limit) else high
-    batch = one_flight(plant, law, wind, at * scale, most_rate, actuator, length, late, factor)
+    hardware = Hardware(length, late, actuator, most_rate)
+    batch = one_flight(plant, law, wind, at * scale, hardware, factor)
     worst = worst_near_rest(batch)
     growth = worst.real
     words = [] if edge.status == OK else [edge.status]

@@ -20,6 +20,7 @@ from tvclin.base.errors import InputError, number, positive
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.batch import Batch, Hardware, one_flight
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.checks import LATE, check_flight
 from tvclin.flights.closed_loop.edges import (
@@ -43,7 +44,6 @@ from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
     factors_at_growth,
 )
-from tvclin.flights.closed_loop.sampled import Batch, one_flight
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
@@ -142,7 +142,8 @@ def flown_margins(
     highest = min(max(_HIGHEST, part), _MOST_LIMIT)
     found = closed_loop_boundary(plant, law, wind, cuts=cuts, highest=highest, **options)
     length = 1.0 / float(sample_rate)
-    one = one_flight(plant, law, wind, level, float(rate_limit), actuator, length, float(delay))
+    hardware = Hardware(length, float(delay), actuator, float(rate_limit))
+    one = one_flight(plant, law, wind, level, hardware)
     pace = float(unstable_coordinates(plant.rigid).poles[0])
     worst = worst_near_rest(one)
     if worst.real > _NEUTRAL * pace:

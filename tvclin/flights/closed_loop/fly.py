@@ -13,6 +13,7 @@ from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.systems import wind_response
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (
     check_actuator,
     check_delays,
@@ -25,7 +26,7 @@ from tvclin.flights.closed_loop.checks import (
 )
 from tvclin.flights.closed_loop.continuous import ContinuousFlight
 from tvclin.flights.closed_loop.equations import LinearEquations
-from tvclin.flights.closed_loop.sampled import flown, one_flight
+from tvclin.flights.closed_loop.sampled import flown
 from tvclin.flights.closed_loop.track import between_samples, check_track
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS, Plant
@@ -130,8 +131,8 @@ def fly(
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
-        clock = length, late
-        rows = _sampled(plant, law, wind, times, (limit, most), actuator, clock, factor)
+        hardware = Hardware(length, late, actuator, most)
+        rows = _sampled(plant, law, wind, times, limit, hardware, factor)
     return _response(plant, wind, times, rows)
 
 
@@ -165,20 +166,18 @@ def _sampled(
     law: Law,
     wind: History,
     times: FloatArray,
-    limits: tuple[float, float],
-    actuator: Actuator | None,
-    clock: tuple[float, float],
+    limit: float,
+    hardware: Hardware,
     gain: float,
 ) -> FloatArray:
-    length, _ = clock
+    length = float(hardware.length)
     start, last = float(wind.onset), float(times.max())
     check_samples(max(last - start, 0.0), length)
     check_pace(plant, length)
     until = max(last, start) + length
-    batch = one_flight(plant, law, wind, *limits, actuator, *clock, gain, until)
-    f = flown(batch, track=True)
+    f = flown(one_flight(plant, law, wind, limit, hardware, gain, until), track=True)
     check_track(f, len(plant.states))
-    return between_samples(f, plant, actuator, wind, times)
+    return between_samples(f, plant, hardware.actuator, wind, times)
 
 
 def _response(

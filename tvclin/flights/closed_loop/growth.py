@@ -10,8 +10,9 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.control.laws.law import Law, Measurement
+from tvclin.flights.closed_loop.batch import Batch
+from tvclin.flights.closed_loop.batch_arrays import flights
 from tvclin.flights.closed_loop.outcomes import SETTLING
-from tvclin.flights.closed_loop.sampled import Batch, flights
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.kernels.flight_arrays import MEASURED, Flights
 
@@ -42,7 +43,7 @@ def worst_near_rest(batch: Batch) -> complex:
     values = np.linalg.eigvals(step_near_rest(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]
     growth = np.log(max(abs(worst), np.finfo(float).tiny))
-    return complex(growth, abs(np.angle(worst))) / float(batch.length)
+    return complex(growth, abs(np.angle(worst))) / float(batch.hardware.length)
 
 
 def swing_near_rest(batch: Batch, f: Flights) -> FloatArray:

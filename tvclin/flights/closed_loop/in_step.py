@@ -9,12 +9,13 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.boundary.stops import Stop, Vectors
-from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.planes import LawInPlanes
+from tvclin.flights.closed_loop.batch import Batch, Hardware
+from tvclin.flights.closed_loop.batch_arrays import flights
 from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.many import LOST, STATUS, SURVIVED, UNDECIDED
-from tvclin.flights.closed_loop.sampled import Batch, Stepper, flights
+from tvclin.flights.closed_loop.sampled import Stepper
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.flights import LOOK
 from tvclin.linear.plant import Plant
@@ -33,16 +34,11 @@ def ready(
     wind: PlaneWind,
     part: History,
     limit: FloatArray,
-    rate_limit: float,
-    actuator: Actuator | None,
-    length: float,
-    delay: float,
+    hardware: Hardware,
 ) -> Flights:
     """The flights of one plane at rest, which begin with the whole wind and end with it."""
-    shape = limit.shape
-    ones, step, late = np.ones(shape), np.asarray(length), np.asarray(delay)
-    laws, most = law_batch(law, shape), np.full(shape, rate_limit)
-    batch = Batch(plant, part, laws, ones, limit, most, actuator, step, late, np.inf, shape)
+    laws, length = law_batch(law, limit.shape), float(hardware.length)
+    batch = Batch(plant, hardware, part, laws, limit, limit.shape)
     with np.errstate(invalid="ignore"):  # a plane without wind
         f = flights(batch)
     onset = float(wind.onset)

@@ -23,6 +23,7 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.afterwards import swings_on
+from tvclin.flights.closed_loop.batch import Batch, Hardware
 from tvclin.flights.closed_loop.checks import (
     FASTEST,
     MOST,
@@ -35,7 +36,7 @@ from tvclin.flights.closed_loop.checks import (
 from tvclin.flights.closed_loop.growth import swing_near_rest
 from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import decidable
-from tvclin.flights.closed_loop.sampled import Batch, flown
+from tvclin.flights.closed_loop.sampled import flown
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
@@ -205,8 +206,8 @@ def fly_many(
     good &= paces(plant) <= FASTEST * rate
     good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
     good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
-    step = 1.0 / rate
-    batch = Batch(plant, wind, laws, factor, limit, most, actuator, step, late, stop, shape)
+    hardware = Hardware(1.0 / rate, late, actuator, most)
+    batch = Batch(plant, hardware, wind, laws, limit, shape, factor, stop)
     if not np.any(good):
         return _flown_cases(None, good, good)
     some = batch if np.all(good) else batch.only(good)

@@ -24,7 +24,7 @@ from tvclin.flights.closed_loop.growth import step_near_rest
 from tvclin.linear.system import delay_parts
 
 if TYPE_CHECKING:
-    from tvclin.flights.closed_loop.sampled import Batch
+    from tvclin.flights.closed_loop.batch import Batch
 
 Response = Callable[[Any], ComplexArray]
 
@@ -45,8 +45,9 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
     `batch`: one flight, whose loop does not grow. `name`: what is multiplied. `pace`: the fastest
     unstable pole of the plant [1/s].
     """
-    samples, rest = delay_parts(batch.delay, batch.length)
-    loop = _response(replace(batch, delay=rest), name, float(samples))
+    hardware = batch.hardware
+    samples, rest = delay_parts(hardware.delay, hardware.length)
+    loop = _response(batch.delayed(rest), name, float(samples))
     angles = _angles(batch, pace, float(samples))
     real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]
     found = loop(np.array(real))
@@ -68,12 +69,13 @@ def delay_at_growth(batch: Batch, pace: float) -> float:
     """
     from scipy.optimize import brentq
 
-    h, late = float(batch.length), float(batch.delay) / float(batch.length)
+    h = float(batch.hardware.length)
+    late = float(batch.hardware.delay) / h
     angles = _angles(batch, pace, 0.0)
 
     def samples(part: float) -> float:
         """Samples on top of a fraction; they need not be whole yet."""
-        loop = _response(replace(batch, delay=np.asarray(part * h)), "gain", 0.0)
+        loop = _response(batch.delayed(part * h), "gain", 0.0)
         at = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
         least = late - part
         turns = np.mod(np.angle(loop(at)) - least * at, 2.0 * np.pi)
@@ -113,7 +115,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 def _angles(batch: Batch, pace: float, samples: float) -> FloatArray:
     """Angles between which l is smooth, rising."""
-    by_ratio = np.geomspace(_LOWEST * pace * float(batch.length), np.pi, _FREQUENCIES)
+    by_ratio = np.geomspace(_LOWEST * pace * float(batch.hardware.length), np.pi, _FREQUENCIES)
     turns = np.linspace(0.0, np.pi, int(_PER_TURN * samples) // 2 + 2)
     return np.union1d(by_ratio, turns[1:-1])
 

@@ -10,8 +10,9 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.many import LOST, fly_many
-from tvclin.flights.closed_loop.sampled import flown, one_flight
+from tvclin.flights.closed_loop.sampled import flown
 from tvclin.flights.closed_loop.track import between_samples, check_track, nozzle_between
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
@@ -75,9 +76,8 @@ def fly_nozzle(
         count = int(np.ceil((end - late) / h))
     points = 1 if actuator is None else _IN_A_SAMPLE
     times = np.asarray(late + h / points * np.arange(count * points + 1), dtype=np.float64)
-    flight = one_flight(
-        plant, law, wind, deflection_limit, rate_limit, actuator, h, delay, until=times[-1] + h
-    )
+    hardware = Hardware(h, delay, actuator, rate_limit)
+    flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
     f = flown(flight, track=True)
     check_track(f, len(plant.states))
     rate = acceleration = None

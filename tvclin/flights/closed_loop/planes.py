@@ -19,6 +19,7 @@ from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.planes import LawInPlanes
+from tvclin.flights.closed_loop.batch import Hardware
 from tvclin.flights.closed_loop.checks import (
     check_actuator,
     check_delays,
@@ -164,14 +165,15 @@ def fly_planes(
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
-    late = float(check_delays(number("delay", delay), np.asarray(1.0 / rate)))
-    most = check_rate_limit(rate_limit)
+    length = np.asarray(1.0 / rate)
+    late = check_delays(number("delay", delay), length)
+    hardware = Hardware(length, late, actuator, check_rate_limit(rate_limit))
     for one in planes:
         check_pace(one, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
     flat = np.atleast_1d(limit).ravel()
     pair = [
-        ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
+        ready(one, law, wind, part, flat * side, hardware)
         for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
     ]
     return _answer(flown_in_step(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
