@@ -42,7 +42,7 @@ from .schedules.openrocket import read_openrocket as read_openrocket
 from .schedules.rasaero import read_rasaero as read_rasaero
 from .schedules.rocketpy import schedule_from_rocketpy as schedule_from_rocketpy
 from .sizing.asked import SizingAsked as SizingAsked
-from .sizing.asked import SoundingAsked as SoundingAsked
+from .sizing.asked_winds import SoundingAsked as SoundingAsked
 from .sizing.measured import MeasuredWind as MeasuredWind
 from .sizing.measured import fly_through as fly_through
 from .sizing.ratio import ControllabilityRatio as ControllabilityRatio

@@ -10,7 +10,8 @@ import typer
 
 from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
 from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.asked import SizingAsked
+from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.measured import MeasuredWind
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing

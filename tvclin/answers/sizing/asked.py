@@ -11,23 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.measured import GustOf, fly_through, gust_at, gust_of_speed
+from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
+from tvclin.answers.sizing.measured import gust_at
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.signed import base_of, by_sign
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
     NotKnownError,
-    bearing,
     between,
     each,
     instance,
-    naming,
     nonnegative,
     number,
     one_of,
@@ -35,43 +35,14 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.control.laws.registry import LAWS
-from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
-from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import PULSES, ShapedWind, part_in
-from tvclin.winds.soundings.passage import LARGEST_ANGLE, not_steep
-from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
 _MOST_TIMES = 10_000
 """Flight times; more are a step that was given in the wrong unit."""
-
-
-@dataclass(frozen=True, eq=False)
-class SoundingAsked:
-    """A wind over height that the flight goes through.
-
-    Attributes
-    ----------
-    profile : WindProfile
-        The wind; see `read_sounding`.
-    azimuth : float
-        Direction of flight [rad], from north, clockwise.
-    bias : WindProfile, optional
-        The mean wind for which the flight path is biased, as of `fly_through`.
-    """
-
-    profile: WindProfile
-    azimuth: float
-    bias: WindProfile | None = None
-
-    def __post_init__(self) -> None:
-        instance("profile", self.profile, WindProfile, "see read_sounding")
-        object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
-        if self.bias is not None:
-            instance("bias", self.bias, WindProfile, "see read_sounding")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -184,7 +155,7 @@ class SizingAsked:
         if self.count is not None:
             return one_of("count", self.count, found.required)
         instance("found", found, Sizing, "see sizing()")
-        name = _base(found)
+        name = base_of(found)
         signed = [one for one in IN_A.values() if name + one in found.worst]
         return name + max(signed, key=lambda one: found.worst[name + one].deflection, default="")
 
@@ -235,12 +206,7 @@ class SizingAsked:
             As `fly_through`, with the name of the sounding, and for the sign of a pulse with a
             direction.
         """
-        pulses = self.pulses(case)
-        if getattr(case, "sign", None) in SIGNS and any(one.heading is not None for one in pulses):
-            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
-        return {self._pulse_name(one): self._met(case, one) for one in pulses} | {
-            name: self._flown(case, name, one) for name, one in self.soundings.items()
-        }
+        return self._blowing(case).by_name
 
     def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
         """Return the case of a flight time [s], in a pulse whose peak it meets.
@@ -252,7 +218,8 @@ class SizingAsked:
         """
         instance("case", case, Case, "of a wind and a nozzle")
         instance("pulse", pulse, ShapedWind, "one of pulses")
-        return self._case(case, self.schedule.at(number("time", time, unit="s")), pulse)
+        vehicle = self.schedule.at(number("time", time, unit="s"))
+        return self._blowing(case).case_of(vehicle, pulse)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
         """Return the sizing, and tell how it goes on; raise `InputError` as `size`.
@@ -276,7 +243,12 @@ class SizingAsked:
             names = ", ".join(self.soundings)
             said = f"each K{VARYING} counts the dynamic pressure {air} in {names}"
             found = replace(found, notes=(*found.notes, said))
-        return self._by_sign(case, found)
+        pulses = self.pulses(case)
+
+        def at(time: float, k: int) -> Case:
+            return self.at(case, time, pulses[k])
+
+        return by_sign(found, len(pulses), at, getattr(case, "sign", None))
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
@@ -298,7 +270,7 @@ class SizingAsked:
         instance("found", found, Sizing, "see sizing()")
         if case.nozzle.limit is None or np.all(np.isnan(found.required[TRIM])):
             return None
-        gust = self._gust(case)
+        gust = self._blowing(case).gust
 
         def peak(vehicle: Vehicle) -> float:
             try:
@@ -314,35 +286,17 @@ class SizingAsked:
             gravity_offset=self.gravity_offset,
         )
 
-    def _by_sign(self, case: Case, found: Sizing) -> Sizing:
-        """The same with what the largest dead band needs in a head wind and in a tail wind.
-
-        What has no sign, as a wind across the path, or its own, as a sounding, needs the same in
-        both; nothing is added where all winds are of that kind.
-        """
-        sign, pulses = getattr(case, "sign", None), self.pulses(case)
-        signs = [one for one in SIGNS if sign in (None, one)]
-        factors = {one: np.full((found.times.size, len(found.winds)), np.nan) for one in signs}
-        unsigned, why = np.zeros((found.times.size, len(found.winds)), dtype=bool), ""
-        for i, j in np.argwhere(found.known[:, : len(pulses)]).tolist():
-            try:
-                at, K = self.at(case, float(found.times[i]), pulses[j]), float(found.dead_bands[0])
-                along = sign_factors(at, at.history_at(K), K, sign)
-                for one, factor in along.items():
-                    factors[one][i, j] = factor
-            except InputError as error:  # no sign at this path, no real pole: as it stands
-                unsigned[i, j], why = True, why or f"{found.times[i]:g} s: {error}"
-        name = _base(found)
-        signed = {
-            name + IN_A[one]: found.required[name] * np.where(np.isnan(factor), 1.0, factor)
-            for one, factor in factors.items()
-            if not np.isnan(factor).all()
-        }
-        if not (why and signed):
-            return replace(found, required=found.required | signed)
-        said = f"what the sign of a pulse changes is not known at {why}"
-        required, notes = found.required | signed, (*found.notes, said)
-        return replace(found, required=required, unsigned=unsigned, notes=notes)
+    def _blowing(self, case: Case) -> FlightWinds:
+        return FlightWinds(
+            case=case,
+            schedule=self.schedule,
+            pulses=self.pulses(case),
+            soundings=self.soundings,
+            peak_speed=self.peak_speed,
+            gust_speed=self.gust_speed,
+            window=self.window,
+            dead_band=float(max(self.dead_bands)),
+        )
 
     @property
     def warnings(self) -> list[str]:
@@ -366,83 +320,5 @@ class SizingAsked:
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 
-    def _case(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> Case:
-        return Case(
-            vehicle=vehicle,
-            model=case.model,
-            plane=case.plane,
-            wind=self._blows(case, vehicle, pulse),
-            nozzle=case.nozzle,
-            design=case.design,
-        )
-
-    def _blows(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
-        """A pulse with the angles at which a vehicle meets it and its gust."""
-        if self.peak_speed is not None:
-            pulse = pulse.of_speed(self.peak_speed, vehicle, case.plane)
-        if self.gust_speed is not None:
-            pulse = pulse.gust_of_speed(self.gust_speed, vehicle, case.plane)
-        if self.peak_speed is not None or self.gust_speed is not None:
-            not_steep(abs(pulse.peak) + abs(float(pulse.gust.peak) if pulse.gust else 0.0))
-        return pulse
-
-    def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
-        """A pulse as a vehicle meets it: its part in the plane, or for both planes the vector."""
-        pulse = self._case(case, vehicle, pulse).wind_at(float(max(self.dead_bands)))
-        if case.planes == BOTH:
-            return pulse
-        return pulse.in_plane(case.plane, float(np.asarray(vehicle.attitude)))
-
-    def _met(self, case: Case, pulse: ShapedWind) -> WindOf:
-        def met(vehicle: Vehicle) -> History | PlaneWind:
-            blows = self._meets(case, vehicle, pulse)
-            if case.planes != BOTH:
-                return blows.history({})
-            peaks = blows.peaks(float(np.asarray(vehicle.attitude)))
-            return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
-
-        return met
-
-    def _gust(self, case: Case) -> GustOf | None:
-        """The gust as each vehicle of the flight meets it."""
-        gust: History | None = getattr(case.wind, "gust", None)
-        if self.gust_speed is None or gust is None:
-            return gust
-        return gust_of_speed(gust, self.gust_speed, case.planes)
-
-    def _flown(self, case: Case, name: str, sounding: SoundingAsked) -> WindOf:
-        with naming(name):
-            return fly_through(
-                sounding.profile,
-                self.schedule,
-                azimuth=sounding.azimuth,
-                plane=case.planes,
-                window=self.window,
-                gust=self._gust(case),
-                pressure=getattr(case, "sign", None) != FROZEN,
-                bias=sounding.bias,
-            )
-
-    def _pulse_name(self, pulse: ShapedWind) -> str:
-        strength = f"{np.degrees(pulse.peak):.6g} deg"
-        if self.peak_speed is not None:
-            strength = f"{self.peak_speed:g} m/s"
-        name = f"{pulse.shape} wind of {strength}, {pulse.duration:g} s"
-        if (gust := pulse.gust) is None:
-            return name
-        peak = f"{np.degrees(gust.peak):.6g} deg"
-        if self.gust_speed is not None:
-            peak = f"{self.gust_speed:g} m/s"
-        return f"{name}, gust of {peak}, {gust.end - gust.onset:g} s"
-
 
 SIZE_TABLE = file_table("[size]", SizingAsked)
-
-
-def _base(found: Sizing) -> str:
-    """The largest dead band: with varying parameters, if known wherever frozen ones are."""
-    name = f"K = {found.dead_bands[0]:g}"
-    frozen, along = found.required[name], found.required.get(f"{name}{VARYING}")
-    if along is None or np.isnan(along).all() or np.any(np.isnan(along) & ~np.isnan(frozen)):
-        return name
-    return f"{name}{VARYING}"

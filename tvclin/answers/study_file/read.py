@@ -21,7 +21,7 @@ from tvclin.vehicle.file import COEFFICIENTS, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
 if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked import SoundingAsked
+    from tvclin.answers.sizing.asked_winds import SoundingAsked
 
 
 def load_study(source: str | PathLike[str]) -> StudyPlan:

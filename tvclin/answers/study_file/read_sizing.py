@@ -8,7 +8,8 @@ from typing import Any
 from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
 from tvclin.answers.availability.growth import PairGrowth
 from tvclin.answers.campaign.tables import beside
-from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
+from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
+from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import tables_of
