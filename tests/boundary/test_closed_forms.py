@@ -194,6 +194,20 @@ def test_where_b2_is_above_b1_the_status_says_so_and_the_value_is_a_solution():
     assert brackets(eq_18, solution.limit, 1e-11, 4.0, 0.5, 0.5, 0.02, 0.03)
 
 
+def test_where_b2_is_above_b1_newton_is_led_back_to_a_solution_from_wherever_it_leaps():
+    # The left side is no longer concave: steps without ends miss a root of one case in forty.
+    tau_beta, dead_band, beta, b1, _ = drift_cases(400, 7)
+    b2 = b1 + np.random.default_rng(8).uniform(0.0, 2.0, b1.size) * (beta + b1)
+    x = np.minimum(tau_beta, 60.0)
+    solution = solve_triangular_with_drift(x, dead_band, beta, b1, b2)
+    assert np.all(solution.limit > 0.0)
+    for y, *at in zip(solution.limit, x, dead_band, beta, b1, b2, strict=True):
+        with workdps(80):
+            numbers = [mpf(float(number)) for number in at]
+            ends = [eq_18(mpf(y) * (1 + mpf(e)), *numbers) for e in ("-1e-11", "1e-11")]
+        assert ends[0] * ends[1] < 0, at
+
+
 def test_a_trim_that_cannot_saturate_is_said_and_gives_no_false_solution():
     # The left side of eq (18) is still above the right one at K y = 1, the end of eq (11).
     with workdps(80):
