@@ -8,7 +8,7 @@ import tvclin
 from tvclin import Coefficients, Plant, residues, unstable_modes
 from tvclin.linear import judge
 from tvclin.linear.models import MODELS
-from tvclin.linear.modes import all_modes
+from tvclin.linear.modes import all_modes, mode_table, parted
 from tvclin.linear.plant import INPUTS
 
 ORDER = {"fixed-path": 2, "drift": 3, "drift-exact": 3, "drift-and-speed": 4}
@@ -443,3 +443,35 @@ def test_an_argument_of_another_kind_is_named(call, names):
     plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path")
     with pytest.raises(tvclin.InputError, match=names):
         call(plant, tvclin.TriangularWind(peak=0.1, duration=5.0))
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.95e-6, 0.95e-6j])
+def test_poles_that_are_together_are_set_apart_about_their_mean(apart):
+    both, other = 0.5 + np.array([apart, -apart]) / 2.0, [0.9, np.nan]
+    found = parted(np.array([[other[0], *both], [*both, other[1]]]))
+    assert found.dtype == np.float64
+    for pair in (found[0, 1:], found[1, :2]):
+        np.testing.assert_allclose(pair, [0.5 + 5e-7, 0.5 - 5e-7], rtol=1e-15)
+    np.testing.assert_array_equal([found[0, 0], found[1, 2]], other)
+
+
+@pytest.mark.parametrize("apart", [1.05e-6, 1.05e-6j])
+def test_poles_that_are_not_together_stay_as_they_are(apart):
+    poles = np.array([0.5 + apart / 2.0, 0.5 - apart / 2.0, np.nan])
+    np.testing.assert_array_equal(parted(poles), poles)
+
+
+def test_a_table_of_modes_has_each_model_once_and_of_each_pair_the_upper_pole(configuration_i):
+    every = {model: all_modes(Plant.from_vehicle(configuration_i, model)) for model in MODELS}
+    rows = mode_table("poles", every).rows
+    assert [str(row[0][0]) for row in rows] == [
+        *("fixed-path", ""),
+        *("drift", "", ""),
+        *("drift-exact", "", ""),
+        *("drift-and-speed", "", ""),  # three of four poles: two of them are a pair
+    ]
+    poles, residues = every["drift-and-speed"].poles, every["drift-and-speed"].deflection_residues
+    (upper,) = np.flatnonzero(poles.imag > 0.0)
+    for cell, number, sign in ((1, poles[upper], "±"), (2, residues[upper], "-")):
+        real, between, imaginary, _ = rows[9][cell]
+        assert (real.value, between, imaginary.value) == (number.real, sign, abs(number.imag))
