@@ -8,7 +8,14 @@ import tvclin
 from tvclin import Coefficients, Plant, residues, unstable_modes
 from tvclin.linear import judge
 from tvclin.linear.models import MODELS
-from tvclin.linear.modes import all_modes, mode_table, parted
+from tvclin.linear.modes import (
+    all_modes,
+    left_row,
+    mode_table,
+    parted,
+    poles_in_words,
+    wind_strength,
+)
 from tvclin.linear.plant import INPUTS
 
 ORDER = {"fixed-path": 2, "drift": 3, "drift-exact": 3, "drift-and-speed": 4}
@@ -475,3 +482,36 @@ def test_a_table_of_modes_has_each_model_once_and_of_each_pair_the_upper_pole(co
     for cell, number, sign in ((1, poles[upper], "±"), (2, residues[upper], "-")):
         real, between, imaginary, _ = rows[9][cell]
         assert (real.value, between, imaginary.value) == (number.real, sign, abs(number.imag))
+
+
+@pytest.mark.parametrize(
+    ("poles", "words"),
+    [
+        ([0.5, 0.0], "2 real"),
+        ([0.5, 0.02 + 0.3j, 0.02 - 0.3j], "1 real and the complex pair 0.02 +- 0.3j 1/s"),
+        ([0.02 + 0.3j, 0.02 - 0.3j], "the complex pair 0.02 +- 0.3j 1/s"),
+        ([], "none"),
+    ],
+)
+def test_poles_are_counted_in_words_and_pairs_named(poles, words):
+    assert poles_in_words(np.array(poles)) == words
+
+
+def test_a_left_row_is_that_of_the_eigenvalue_next_to_a_pole():
+    """Each row obeys l A = p l; a pole that is off by a little finds its own."""
+    A = np.random.default_rng(3).normal(size=(2, 3, 4, 4))
+    for k in range(4):
+        exact = np.sort_complex(np.linalg.eigvals(A))[..., k]
+        found, row = left_row(A, exact * (1.0 + 1e-9))
+        np.testing.assert_allclose(found, exact, rtol=1e-12)
+        np.testing.assert_allclose(
+            np.einsum("...i,...ij->...j", row, A), exact[..., np.newaxis] * row, atol=1e-13
+        )
+        np.testing.assert_allclose(np.linalg.norm(row, axis=-1), 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("b2", [0.1, -0.9, -0.5])
+def test_a_wind_is_infinitely_strong_where_the_deflection_does_not_reach(b2):
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=-0.5, b2=b2)
+    plant = Plant.from_coefficients(c, "drift")  # (s - 0.5)/(s - 0.5): no deflection moves it
+    np.testing.assert_array_equal(wind_strength(plant, np.array([0.5])), [np.inf])
