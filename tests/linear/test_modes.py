@@ -330,6 +330,10 @@ def test_only_an_undamped_pair_oscillates_for_ever():
     stable = Coefficients(mu_alpha=np.linspace(-2.0, -0.1, 9), mu_delta=2.0)
     undamped = Plant.from_coefficients(stable, "drift")  # a pole at zero beside each pair
     assert np.all(judge(undamped, wind, wind).left_over.oscillates)
+    square = np.linspace(0.1, 2.0, 9)  # (s + 1)(s^2 + square): pairs that rounding may damp
+    beside = Coefficients(mu_alpha=-square, mu_delta=2.0, C1=1.0, C2=square)
+    undamped = Plant.from_coefficients(beside, "drift-exact")
+    assert np.all(judge(undamped, wind, wind).left_over.oscillates)
     # (s - 1/2)(s^2 + s/2 + 0.1525)
     mixed = Coefficients(mu_alpha=0.0975, mu_delta=2.0, C2=-0.07625)
     damped = Plant.from_coefficients(mixed, "drift-exact")
