@@ -11,7 +11,7 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.boundary.limit import STABLE
+from tvclin.boundary.limit import STABLE, leading_pole
 from tvclin.linear.models import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])
@@ -383,3 +383,27 @@ def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient(
         held = tvclin.trim_then_hold(plant, wind, limit=part * found.deflection[0], dead_band=1.0)
         over = tvclin.residues(plant, held, wind)[0] / tvclin.residues(plant, held, 0.0 * wind)[0]
         assert np.sign(over) == sign
+
+
+@pytest.mark.parametrize(
+    ("poles", "rate", "paired"),
+    [
+        ([1.0, 0.051 + 0.3j, 0.051 - 0.3j], 1.0, True),
+        ([1.0, 0.049 + 0.3j, 0.049 - 0.3j], 1.0, False),
+        ([0.02, 0.5 + 0.3j, 0.5 - 0.3j], 0.5, True),
+        ([-1.0, 0.5 + 0.3j, 0.5 - 0.3j], 0.5, True),
+        ([1.0, 1.0 - 0.9e-4, -2.0], 1.0, True),
+        ([1.0, 1.0 - 1.1e-4, -2.0], 1.0, False),
+        ([1.0, 0.2, 0.1], 1.0, False),
+        ([0.2, -0.1 + 0.3j, -0.1 - 0.3j], 0.2, False),
+        ([-1.0, -0.1 + 0.3j, -0.1 - 0.3j], np.nan, False),
+    ],
+)
+def test_a_pair_counts_from_a_twentieth_of_the_rate_and_real_poles_that_are_together(
+    poles, rate, paired
+):
+    _, C1, stiffness, C2 = np.real(np.poly(poles))
+    c = Coefficients(mu_alpha=-stiffness, mu_delta=2.0, C1=C1, C2=C2)
+    found = leading_pole(Plant.from_coefficients(c, "drift-exact"))
+    np.testing.assert_allclose(found[0], rate, rtol=1e-10)
+    assert found[1] == paired
