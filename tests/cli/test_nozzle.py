@@ -49,8 +49,16 @@ def test_json_equals_the_library() -> None:
         (("--attitude-gain", "1"), 2, "--law"),
         (("--travel-limit-deg", "1"), 2, "--law"),
         (("--limit-deg", "1", "--law", "trim", "--torque-limit", "1e4"), 2, "mass_kg and arm_m"),
-        (("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "1"), 1, "of the travel"),
-        (("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "2"), 0, "ENOUGH: of the"),
+        (
+            ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "1"),
+            1,
+            "the travel of a flight",
+        ),
+        (
+            ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "2"),
+            0,
+            "ENOUGH: the travel of a flight needed",
+        ),
     ],
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:

@@ -146,7 +146,8 @@ class NozzleVerdict(Shown):
         word = "ENOUGH" if self.enough else "NOT ENOUGH"
         if np.isinf(worst.needed):
             return f"{word}: no {worst.name} is enough"
-        return f"{word}: of the {worst.name} of {there} {worst.unit}, {needed} are needed"
+        unit = worst.unit
+        return f"{word}: the {worst.name} needed is {needed} {unit}, and {there} {unit} is there"
 
     def _repr_html_(self) -> str:
         return "".join(table(one, ((self.words,),)) for one in self.tables())
