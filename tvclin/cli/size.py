@@ -181,7 +181,7 @@ def size(
         }
         print_json(found.as_dict() | beside)
     else:
-        _print(found, whole, ratio, source, asked.counted(found), said)
+        _print(found, whole, ratio, source, asked.counted(found, case.sign), said)
     if whole.too_slow or (whole.limit is not None and not whole.sufficient):
         raise typer.Exit(1)
 
@@ -272,7 +272,7 @@ def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop
 def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
-    counted = asked.counted(found)
+    counted = asked.counted(found, case.sign)
     band = counted.split(",")[0]
     if band not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")

@@ -146,18 +146,20 @@ class SizingAsked:
         for pulse in self.others:
             one_of("shape of a pulse", pulse.shape, PULSES)
 
-    def counted(self, found: Sizing) -> str:
+    def counted(self, found: Sizing, sign: str | None = None) -> str:
         """Return the requirement that counts as the wind's, where none is named.
 
         That of the largest dead band; with varying parameters if these are known wherever frozen
-        ones are, and in the wind, from ahead or behind, that needs more.
+        ones are, and in the wind of the sign that is asked for. Where none is, in the one that
+        needs most: from ahead, from behind, or in the dynamic pressure of calm air.
         """
         if self.count is not None:
             return one_of("count", self.count, found.required)
         instance("found", found, Sizing, "see sizing()")
         name = base_of(found)
-        signed = [one for one in IN_A.values() if name + one in found.worst]
-        return name + max(signed, key=lambda one: found.worst[name + one].deflection, default="")
+        signs = ("", *IN_A.values()) if sign is None else (IN_A.get(sign, ""),)
+        known = [name + one for one in signs if name + one in found.worst]
+        return max(known, key=lambda one: found.worst[one].deflection, default=name)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
         """Return the winds whose peak meets each flight time, with the gust of the case."""
@@ -255,7 +257,7 @@ class SizingAsked:
         instance("case", case, Case, "of a wind and a nozzle")
         return worst_total(
             found,
-            self.counted(found),
+            self.counted(found, getattr(case, "sign", None)),
             dispersion=self.dispersion,
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,

@@ -26,7 +26,7 @@ def _blocks(found: Findings) -> list[Block]:
     assert asked is not None
     assert found.flight is not None
     sizing, total = found.flight
-    counted = asked.counted(sizing)
+    counted = asked.counted(sizing, found.plan.sign)
     of = f" of {asked.source}" if asked.source else ""
     blocks: list[Block] = [Paragraph((_words(sizing, of),))]
     if sizing.times.size > 1:
