@@ -5,13 +5,15 @@ import io
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
 from tvclin.answers.availability.confidence import effective_number, part_of
-from tvclin.answers.availability.needs import needs_of_winds
+from tvclin.answers.availability.met import FlownPath
+from tvclin.answers.availability.needs import _CURVED, needs_of_winds
 from tvclin.answers.availability.tables import flight_tables
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.measured import gust_of_speed
@@ -93,6 +95,44 @@ def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, see
 
     assert found.limit == pytest.approx([alone], rel=CLOSE)
     assert flight.span[0] <= found.at[0] <= flight.span[1]
+
+
+@pytest.mark.parametrize(
+    ("model", "plane"),
+    usual([("drift", "pitch"), ("drift-exact", "yaw"), ("drift-and-speed", "pitch")], *(0,)),
+)
+def test_no_trim_is_above_the_largest_that_counts(flight, model, plane) -> None:
+    """Trim by LSODA; between knots what makes it of the wind changes by a tenth at the most."""
+    mode = GrowingMode(flight, model, plane, flight.span)
+    for seed in range(4):
+        met = tv.fly_through(profile(seed), flight, azimuth=EAST, plane=plane)
+        times = FlownPath.of(flight).finer(met.wind.time[np.newaxis])
+        largest = largest_trim(mode, met.wind)
+        found = needs_of_winds(flight_tables(mode), times, met.wind(times)).trim
+        assert largest <= found[0] <= largest * (1.0 + _CURVED) * (1.0 + 0.25 * 0.1 * 2.0)
+
+
+def largest_trim(mode, wind):
+    """Return the largest of delta = -(A_12 x + w_1 alpha_w)/b_1 along x' = F x + c alpha_w."""
+
+    def slope(t, x):
+        F, c = mode.under_trim(t)
+        return F @ x + c[:, 0] * wind(t)
+
+    at = np.linspace(*mode.span, 3001)
+    A, inputs = mode.matrices(at)
+    x = solve_ivp(
+        slope,
+        mode.span,
+        np.zeros(A.shape[-1] - 2),
+        "LSODA",
+        at,
+        max_step=0.25,
+        rtol=1e-6,
+        atol=1e-9,
+    ).y
+    moment = np.vecdot(A[:, 1, 2:], x.T) + inputs[:, 1, 1] * wind(at)
+    return np.abs(moment / inputs[:, 1, 0]).max()
 
 
 def test_each_sounding_needs_what_size_says(flight, archive) -> None:

@@ -39,8 +39,8 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "its wind meets the flight at more than 30 deg where the dynamic pressure is largest",
     "it ends below known_to",
 )
-_AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000
-"""Levels of soundings that are looked at together; those to be flown are a part of theirs."""
+_AT_ONCE = 200_000
+"""Levels of soundings that are looked at together."""
 _RETURNS, _DRIFTS_FAST = 1.2, 1.02
 """Of what a wind asks for, so much a flight may need that meets the limit more than once while the
 path drifts, or once while it drifts fast, as far as docs/availability.md says what was measured."""
@@ -57,7 +57,8 @@ class Needs:
     least, most : ndarray
         With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
         azimuths and soundings; NaN where nothing can be said. Where the limit is met more than
-        once, and the law is not flown, `most` holds what a flight may need more.
+        once, and the law is not flown, `most` holds what a flight may need more, up to the largest
+        trim, with which the law is never limited.
     known : ndarray of bool
         Whether the wind is known wherever it may count, ``(a, n)``.
     why : list of str
@@ -188,8 +189,7 @@ class Judge:
         known = KnownWinds.of(soundings[index], self.path)
         ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
         last = len(soundings) - index.size
-        at_once = _AT_ONCE if limits is None and not flown else _FLOWN_AT_ONCE
-        cuts = np.arange(at_once, ends.max(initial=0), at_once)
+        cuts = np.arange(_AT_ONCE, ends.max(initial=0), _AT_ONCE)
         for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
             within = known.some(some).flat(self.path, self._more)
             heights[index[some]] = within
@@ -355,6 +355,7 @@ class Judge:
                         for side, (_, winds) in zip((1.0, -1.0), sides[: 2 - alike], strict=False)
                     ]
                     need = np.maximum(calm[0] * factors[0], calm[1] * factors[-1])
+                need = np.stack([need[0], _at_most(need)])
                 pairs = np.asarray(rows.paired.any(axis=1))
                 yield self.planes.index(plane), a, need, np.maximum(*calm)[0], winds, pairs
 
@@ -367,7 +368,7 @@ class Judge:
         other: FloatArray,
         fine: FloatArray,
     ) -> FloatArray:
-        """What winds to a side need in the dynamic pressure met, over calm air's, ``(n,)``.
+        """What winds to a side need in the dynamic pressure met, over calm air's, ``(3, n)``.
 
         The other plane's wind [m/s] is that at the `fine` times.
         """
@@ -383,7 +384,7 @@ class Judge:
             ratio = met_pressure(climb, along, across)
             blows = turned / np.sqrt(ratio)
             every.append(need_ratio(met, steps[np.newaxis], ratio, turned, 1.0, blows))
-        found = np.fmax.reduce(every)
+        found = np.fmax.reduce(every)[[0, 0, 1]]
         return np.where(np.isnan(found), 1.0, found)
 
     def _side(
@@ -396,9 +397,9 @@ class Judge:
         rows: TableRows,
         flown: bool,
     ) -> tuple[FloatArray, list[Winds]]:
-        """What winds [m/s] at heights and times ask for to one side, at the least and the most.
+        """What winds [m/s] at heights and times ask for to one side, as `_on_lines`.
 
-        ``(2, n)``. And these winds, with their gusts.
+        And these winds, with their gusts.
         """
         plane = tables.mode.plane
         angle = self.path.angle(wind + self._growth(height), times, plane)
@@ -425,18 +426,21 @@ class Judge:
         rows: TableRows | None,
         flown: bool,
     ) -> tuple[FloatArray, FloatArray]:
-        """The same of wind angles [rad], ``(2, n)``, and when trim and demand are that large."""
+        """What wind angles [rad] ask for, and when trim and demand are that large.
+
+        The least, what a flight may need more, and the largest trim, ``(3, n)``.
+        """
         found = needs_of_winds(tables, times, angle, rows)
         fast = tables.at(found.at).drifts_fast
         part = np.where(found.returns, _RETURNS, np.where(fast, _DRIFTS_FAST, 1.0))
         part = np.where(tables.order > 0, part, 1.0)
-        need = np.stack([found.limit, part * found.limit])
+        need = np.stack([found.limit, part * found.limit, found.trim])
         return (_flown(tables.mode, times, angle, need) if flown else need), found.at
 
 
 def _flown(mode: GrowingMode, times: FloatArray, angle: FloatArray, need: FloatArray) -> FloatArray:
-    """The least and the most needs ``(2, n)`` in wind angles [rad], flown where they differ."""
-    doubted = need[1] > need[0]
+    """Needs ``(3, n)`` in wind angles [rad], flown where they differ."""
+    doubted = _at_most(need) > need[0]
     if not np.any(doubted):
         return need
     steps = flight_steps(mode)
@@ -446,6 +450,12 @@ def _flown(mode: GrowingMode, times: FloatArray, angle: FloatArray, need: FloatA
     found = need.copy()
     found[:, doubted] = trim_law_needs(mode, steps, winds, need[0, doubted])
     return found
+
+
+def _at_most(need: FloatArray) -> FloatArray:
+    """What needs ``(3, n)`` are at the most: what a flight may need more, or the largest trim."""
+    least, more, trim = need
+    return np.maximum(least, np.minimum(more, trim))
 
 
 @lru_cache(maxsize=8)

@@ -17,10 +17,13 @@ from tvclin.answers.availability.tables import FlightTables, TableRows
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_HALVINGS = 30
-"""Of a line between two knots, half a second or so, on which trim and demand meet."""
+_MOST_STEPS, _MET = 40, 1e-10
+"""Of the search on a line for where trim and demand meet; and how near, over either, they do."""
 _NEAR = 0.01
 """On straight lines between knots, where they meet is known to less than this part."""
+_CURVED = 0.002
+"""Trim is above straight lines between knots by less than this part, but for what its product with
+the wind adds: what makes it of a wind changes by a tenth at the most meanwhile."""
 _MOST_LOOKS = 3
 """Places on lines that are looked at in each wind, those that may ask for most."""
 
@@ -38,11 +41,14 @@ class WindNeeds:
     returns : ndarray of bool
         Whether trim is above the limit more than once, on either side: the path of a flight that
         was limited before is then not that of trim, and the limit is met to some percent.
+    trim : ndarray
+        The largest size of trim [rad], ``(r,)``: a law with that limit is never limited.
     """
 
     limit: FloatArray
     at: FloatArray
     returns: BoolArray
+    trim: FloatArray
 
 
 def needs_of_winds(
@@ -152,27 +158,37 @@ class _Winds:
             which = np.flatnonzero(guess[everyone, line] * (1.0 + _NEAR) > most)
             if not which.size:
                 break
-            level, time = self.solved(which, line[which])
+            level, time = self.solved(which, line[which], over)
             at[which] = np.where(level > most[which], time, at[which])
             most[which] = np.maximum(most[which], level)
             guess[which, line[which]] = 0.0
         above = np.abs(trim) > most[:, np.newaxis]
         begins = above[:, 0].astype(int) + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1)
-        return WindNeeds(most, at, begins > 1)
+        # of the product of two straight lines no more is above its ends
+        bend = 0.25 * np.abs(np.diff(self.rows.per_wind) * np.diff(self.wind)).max(axis=-1)
+        largest = (np.abs(trim).max(axis=-1) + bend) * (1.0 + _CURVED)
+        return WindNeeds(most, at, begins > 1, largest)
 
     def solved(
-        self, which: NDArray[np.intp], line: NDArray[np.intp]
+        self, which: NDArray[np.intp], line: NDArray[np.intp], over: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """The demand [rad] where it meets trim, and the time [s], each on one line of one wind."""
-        begin, stop = self.times[which, line], self.times[which, line + 1]
-        low, high = np.array(begin), np.array(stop)
-        rising = np.less(*self._on_line(which, line, begin))
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
+        """The demand [rad] where it meets trim, and the time [s], each on one line of one wind.
+
+        By false position with the weight of an end that stays halved (the Illinois algorithm), of
+        `over`, what trim is above demand at knots.
+        """
+        low, high = self.times[which, line], self.times[which, line + 1]
+        below, above = over[which, line], over[which, line + 1]
+        for _ in range(_MOST_STEPS):
+            middle = high - above * (high - low) / (above - below)
             trim, demand = self._on_line(which, line, middle)
-            before = (trim < demand) == rising
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
-        return self._on_line(which, line, high)[1], high
+            left = trim - demand
+            stays = left * above >= 0.0
+            low, below = np.where(stays, low, high), np.where(stays, 0.5 * below, above)
+            high, above = middle, left
+            if np.all(np.abs(left) <= _MET * np.abs(demand)):
+                break
+        return demand, middle
 
     def _on_line(
         self, which: NDArray[np.intp], line: NDArray[np.intp], t: FloatArray

@@ -92,7 +92,8 @@ class Availability(Tabled):
     least, most : ndarray
         What each sounding asks for [rad], with what persistence adds, ``(n,)``: with calm, and with
         a strong wind, where it did not see it. NaN where nothing can be said. Where the limit is
-        met more than once, and trim was not flown, `most` holds what a flight may need more.
+        met more than once, and trim was not flown, `most` holds what a flight may need more, up to
+        the largest trim.
     known : ndarray of bool
         Whether the need is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray

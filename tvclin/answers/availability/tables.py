@@ -66,8 +66,8 @@ class FlightTables:
         place = (times - self.start) / self.step
         index = np.clip(place.astype(np.int64), 0, self.rows.shape[0] - 2)
         part = (place - index)[..., np.newaxis]
-        low = self.rows[index]
-        return TableRows(low + part * (self.rows[index + 1] - low), self.order)
+        low, high = (self.rows.take(one, axis=0) for one in (index, index + 1))
+        return TableRows(low + part * (high - low), self.order)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +88,11 @@ class TableRows:
         n = self.order
         return self.rows[..., 4 : 4 + n], self.rows[..., 4 + n : 4 + 2 * n]
 
+    @property
+    def per_wind(self) -> FloatArray:
+        """Trim of a wind [rad/rad]."""
+        return self.rows[..., 3]
+
     def demand(self, to_come: FloatArray, path: FloatArray) -> FloatArray:
         """Return the limit [rad] that is enough from now on, of U ``(...)``, X ``(..., order)``."""
         reach = self.rows[..., 4 + 2 * self.order : 4 + 3 * self.order]
@@ -96,7 +101,7 @@ class TableRows:
     def trim(self, wind: FloatArray, path: FloatArray) -> FloatArray:
         """Return the trim deflection [rad] in a wind [rad]."""
         drifted = self.rows[..., 4 + 3 * self.order : 4 + 4 * self.order]
-        return np.asarray(self.rows[..., 3] * wind + np.sum(drifted * path, axis=-1))
+        return np.asarray(self.per_wind * wind + np.sum(drifted * path, axis=-1))
 
     @property
     def paired(self) -> NDArray[np.bool_]:

@@ -98,7 +98,9 @@ class AirMet:
 
     def equations(self, ratio: FloatArray) -> FloatArray:
         """Return the equations where the dynamic pressures are ``(k, n)`` times those of calm."""
-        return np.asarray(self.calm + (ratio - 1.0)[:, np.newaxis, np.newaxis] * self.more)
+        found = np.asarray((ratio - 1.0)[:, np.newaxis, np.newaxis] * self.more)
+        found += self.calm
+        return found
 
 
 def _equations(calm: Plant, denser: Plant) -> tuple[FloatArray, FloatArray]:
@@ -114,7 +116,7 @@ def need_ratio(
     dead_band: float,
     blows: FloatArray | None = None,
 ) -> FloatArray:
-    """Return what winds need in the air met, over what they need in calm air.
+    """Return what winds need, and the largest trim, in the air met over the same in calm air.
 
     Parameters
     ----------
@@ -135,7 +137,7 @@ def need_ratio(
     Returns
     -------
     ndarray
-        ``(n,)``; NaN where nothing grows, or is needed.
+        ``(2, n)``; NaN where nothing grows, or is needed.
     """
     calm = np.ones((times.shape[-1], 1))
     here = _need(met, times.T, calm, wind.T, dead_band)
@@ -167,7 +169,7 @@ def flight_ratio(
     met, ratio = AirMet.along(mode, times[0]), np.interp(times, *pressure, 1.0, 1.0)
     angle = wind(times[0])[np.newaxis]
     blows = angle / np.sqrt(ratio)
-    found = [need_ratio(met, times, ratio, angle, K, blows)[0] for K in dead_bands.tolist()]
+    found = [need_ratio(met, times, ratio, angle, K, blows)[0, 0] for K in dead_bands.tolist()]
     return np.where(np.isnan(found), 1.0, found)
 
 
@@ -181,20 +183,22 @@ def _need(
     met: AirMet, times: FloatArray, ratio: FloatArray, wind: FloatArray, dead_band: float
 ) -> FloatArray:
     trim, demand = _course(met, times, ratio, wind)
+    largest = np.abs(trim).max(axis=0)
     paired = np.broadcast_to(met.paired, (len(times), met.paired.shape[1]))[::2]
     if dead_band < 1.0:
         most = np.argmax(np.abs(trim), axis=0)[np.newaxis]
         side = np.sign(np.take_along_axis(trim, most, axis=0))
         kept = np.where(paired, side * trim, 0.0).max(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.fmax(_leaves(side * trim, side * demand, dead_band), kept / dead_band)
+            need = np.fmax(_leaves(side * trim, side * demand, dead_band), kept / dead_band)
+        return np.stack([need, largest])
     both = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
     over = trim - demand
     meets, part = over[:-1] * over[1:] < 0.0, np.zeros(over[1:].shape)
     np.divide(over[:-1], over[:-1] - over[1:], where=meets, out=part)
     level = np.where(meets, np.abs(demand[:-1] + part * np.diff(demand, axis=0)), 0.0)
     most = np.where(paired, np.abs(trim), both).max(axis=0)
-    return np.asarray(np.maximum(most, level.max(axis=0)))
+    return np.stack([np.maximum(most, level.max(axis=0)), largest])
 
 
 def _leaves(driver: FloatArray, demand: FloatArray, K: float) -> FloatArray:

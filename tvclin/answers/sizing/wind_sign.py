@@ -120,7 +120,7 @@ def batch_factors(
         if sign == OWN
         else given * (SIGNS[sign] if sign in SIGNS else np.where(np.cos(path) < 0.0, 1.0, -1.0))
     )
-    found = need_ratio(met, times, pressure_ratios(path, turn * angle), angle, dead_band)
+    found = need_ratio(met, times, pressure_ratios(path, turn * angle), angle, dead_band)[0]
     found = np.where(np.isnan(found), 1.0, found)
     return np.maximum(found, 1.0) if sign is None else found
 
