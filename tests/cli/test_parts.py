@@ -119,7 +119,7 @@ def asked(question, vehicle, station, *options):
     return CliRunner().invoke(app, [str(one) for one in words])
 
 
-BY_FILE = ("study", "report", "campaign")
+BY_FILE = ("study", "report", "campaign", "explore")
 
 
 def tried(questions):

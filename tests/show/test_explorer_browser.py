@@ -167,12 +167,13 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     until(lambda _: started.answers())
     until(lambda _: started.printed())
     browser.get(started.printed())
-    until(lambda _: seen()["width"] > 0 and seen()["text"])  # nothing was clicked
+    until(lambda _: any("needs 0.412 deg" in text for text in seen()["text"]))  # by itself
     first = seen()
-    assert first["text"][0].startswith("Enough: with K = 1 this wind needs 0.351 deg")
-    assert first["sliders"] == 7
-    assert first["greyed"] == ["gain a0 [-]", "gain a1 [s]", "delay [ms]"]
-    assert first["buttons"] == ["canonical gains", "write study file", "End"]
+    assert first["text"][0].startswith("Not enough: with K = 1 this wind needs 0.412 deg")
+    assert first["sliders"] == 14
+    gains = ["gain a0 [-]", "gain a1 [s]", "gain b0 [-]"]
+    assert first["greyed"] == ["gust length [s]", "wind from [deg]", *gains]
+    assert first["buttons"] == ["write study file", "End"]
 
     for width, height, least in ((1024, 768, 450), (1440, 900, 700)):
         wide(browser, width, height)
@@ -187,7 +188,7 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
 
     handle = browser.find_element(By.CSS_SELECTOR, ".jp-OutputArea .noUi-handle")
     until(lambda _: handle.send_keys(Keys.PAGE_UP) is None)
-    until(lambda _: "this wind needs 0.351 deg" not in seen()["text"][0])
+    until(lambda _: "this wind needs 0.412 deg" not in seen()["text"][0])
     assert seen()["src"] != first["src"]
 
     kernels = started.kernels()

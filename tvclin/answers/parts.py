@@ -59,6 +59,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "size": tuple(one for one in _LOOP if one != "rate limit"),
     "availability": (*_LOOP, "dispersion"),
     "campaign": ("shape of the stop",),
+    "explore": ("measured wind", "dispersion"),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "margins without --flown": ("rate limit", "limit"),
@@ -85,11 +86,11 @@ _OF_THE_RIGID: dict[str, str] = {
         ("respond", "optimum", "boundary", "poles", "card", "size", "availability"),
         _HERE,
     ),
-    "explore": "all here, margins too,",
+    "explore": "boundaries and the open-loop response",
     "margins --box": "the margins in the box",
     "fly --engine planar": _HERE,
 }
-"""What of an answer is of the rigid vehicle, as the residue condition is; so of panel and modes."""
+"""What of an answer is of the rigid vehicle, as the residue condition is."""
 QUESTIONS = tuple(_REFUSED)
 
 

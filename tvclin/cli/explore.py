@@ -12,15 +12,19 @@ from tvclin.cli.output import say
 def explore(
     options: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[-- OPTIONS]", help="Options of JupyterLab, such as --allow-root."),
+        typer.Argument(
+            metavar="[SOURCE] [-- OPTIONS]",
+            help="A study file, a vehicle file, or the name of a vehicle (configuration-i if left"
+            " out); then options of JupyterLab, such as --allow-root.",
+        ),
     ] = None,
-    vehicle: str = asked(VEHICLE_HELP, "configuration-i"),
+    vehicle: str | None = asked(f"The same as SOURCE: {VEHICLE_HELP}"),
     no_browser: bool = switch("--no-browser", "Start JupyterLab and print its address only."),
 ) -> None:
-    """Write explore-VEHICLE.ipynb, unless it is there, and open and run it in JupyterLab.
+    """Write explore-SOURCE.ipynb, unless it is there, and open and run it in JupyterLab.
 
-    The panel in it moves vehicle, wind, limit, law and gains by hand. What it leaves out (gusts,
-    both planes, filters) it names; a study file, which it writes, has room for that.
+    The panel in it moves vehicle, wind, nozzle, law and autopilot by hand. It begins with the case
+    of a study file, and writes what is set as one, for all other commands.
 
     JupyterLab ends with "End" in the panel, with Ctrl-C here, and some minutes after its last page
     was closed (not with --no-browser).
@@ -29,26 +33,30 @@ def explore(
     """
     from importlib.util import find_spec
 
+    from tvclin.answers.case_need import pulse_of
+    from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError, missing
     from tvclin.base.files import exists, write_text
     from tvclin.show.explorer.lab import open_notebook
     from tvclin.show.explorer.notebook import notebook_text
-    from tvclin.vehicle.file import load_vehicle
 
-    if options and not options[0].startswith("-"):
-        raise InputError(f"name the vehicle with --vehicle {options[0]}")
-    load_vehicle(vehicle)
+    words = list(options or ())
+    source = words.pop(0) if words and not words[0].startswith("-") else None
+    if source is not None and vehicle is not None:
+        raise InputError("give SOURCE or --vehicle, not both")
+    source = source or vehicle or "configuration-i"
+    pulse_of(load_study(source))
     for needed in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(needed) is None:
             raise missing(f"tvclin explore needs {needed}", "notebook")
-    path = Path(f"explore-{Path(vehicle).stem}.ipynb")
+    path = Path(f"explore-{Path(source).stem}.ipynb")
     if exists(path):
         say(f"Opening {path} as it is.")
     else:
-        write_text(path, notebook_text(vehicle))
+        write_text(path, notebook_text(source))
         say(f"Wrote {path}.")
     try:
-        open_notebook(path, [*["--no-browser"] * no_browser, *(options or ())])
+        open_notebook(path, [*["--no-browser"] * no_browser, *words])
     except SystemExit as ended:
         if ended.code:
             raise InputError(f"JupyterLab ended with exit code {ended.code}, see above") from None

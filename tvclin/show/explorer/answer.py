@@ -1,27 +1,31 @@
-"""All numbers for the choices, and the verdict: a pure function."""
+"""All numbers for the choices, and the verdict, of as many steps as are asked for: pure."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tvclin.answers.case_need import CaseNeed
+from tvclin.answers.parts import told
+from tvclin.answers.planes import words_of
 from tvclin.answers.requirement import covers
-from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND
+from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
+from tvclin.base.arrays import FloatArray
 from tvclin.control.margins.record import Margins
+from tvclin.flights.flexible import FATES
+from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
-
-FloatArray = NDArray[np.float64]
 
 _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"
     " the vehicle over to the other side; a law lets go of it"
 )
-_CALM = (
-    "the dynamic pressure is that of calm air; tvclin study counts the more that a head wind needs"
-)
-_STRONG = float(np.radians(1.5))
-"""Winds [rad] above this change it by more than a few percent."""
+_CALM = "response and flight are in the dynamic pressure of calm air, as those of tvclin fly"
+_BOTH = "what is needed is of both planes with one stop, and the flight of the {} plane alone"
+_UNKNOWN = parts.Part(None, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,90 +38,133 @@ class Answer:
         What was asked.
     durations, boundary : ndarray
         The deflection that is needed [rad] over the duration of the wind [s], ``(n,)``; the
-        second is None where there is no answer, as are the next three.
-    whole : bool
-        Whether that is the whole curve.
-    required : float or None
-        The same at the chosen duration [rad].
+        second is None where there is no answer.
+    rest : tuple of bool
+        Of the steps that are still to be taken, whether each is slow.
+    need : CaseNeed or None
+        What is required at the chosen duration; None without an answer, or before it.
     motion : Motion or None
         Response or flight over time.
+    fate : str or None
+        What becomes of a law's flight, as of `FlownCases`.
     margins : Margins or None
-        Of the law's gains, if it has any.
+        Of the autopilot.
     verdict : str
         One or two sentences.
     notes : tuple of str
-        Why there is no answer, and warnings.
+        Why there is no answer, what is left out, and warnings.
     """
 
     choices: Choices
     durations: FloatArray
     boundary: FloatArray | None
-    whole: bool
-    required: float | None
+    rest: tuple[bool, ...]
+    need: CaseNeed | None
     motion: parts.Motion | None
+    fate: str | None
     margins: Margins | None
     verdict: str
     notes: tuple[str, ...]
 
+    @property
+    def required(self) -> float | None:
+        """The deflection that is required at the chosen duration [rad]."""
+        return None if self.need is None else self.need.required_deflection
+
 
 def answer(choices: Choices, most: int | None = None) -> Answer:
-    """Return all numbers for the choices, with at most so many pieces of the curve.
+    """Return all numbers for the choices, of at most so many steps.
 
     A part that cannot be answered, such as a law for a stable vehicle, is None and has its reason
-    among the notes.
+    among the notes. A slider waits for no kernel to be compiled; slow steps may compile theirs.
     """
-    c = choices
-    plant, law = (c.vehicle, c.plane, c.model), (c.law, _own_numbers(c))
-    durations = parts.pieces(c.model, c.dead_band)
-    known = durations[:most]
-    wanted = *plant, c.shape, c.dead_band
-    curve = [parts.boundary(*wanted, piece) for piece in known]
-    point = parts.boundary(*wanted, (c.duration,))
-    margins = parts.loop_margins(*plant, law, c.delay)
-    wind = c.shape, c.duration, c.peak
-    motion = parts.motion(*plant, wind, c.limit, law)
-    values = [piece.value for piece in curve]
-    unknown = point.value is None or any(value is None for value in values)
-    boundary = None if unknown else np.concatenate([[], *values]) * abs(c.peak)
-    required = None if point.value is None else float(point.value[0]) * abs(c.peak)
-    notes = [note for part in (*curve, point, motion, margins) for note in part.notes]
-    if c.law == REPORT and required is not None and c.limit > required > 0.0:
-        notes.append(_HELD)
-    if c.plane == "pitch" and abs(c.peak) > _STRONG and required:
-        notes.append(_CALM)
+    steps, found = _steps(choices), []
+    for run, slow in steps[:most]:
+        with nullcontext() if slow else compiling_nothing():
+            found.append(run())
+    first = [*found[:4], *[_UNKNOWN] * (4 - len(found))]
+    (margins, motion, fate, need), curve = first, found[4:]
+    values = [None if one.value is None else one.value.required_deflection for one in curve]
+    notes = [note for part in (need, *curve, motion, fate, margins) for note in part.notes]
+    if need.value is not None:
+        notes += _notes(choices, need.value)
+        if choices.law == REPORT and choices.limit > need.value.frozen_deflection > 0.0:
+            notes.append(_HELD)
     return Answer(
-        choices=c,
-        durations=np.concatenate([[], *known]),
-        boundary=boundary,
-        whole=len(known) == len(durations),
-        required=required,
+        choices=choices,
+        durations=_durations(choices)[: len(curve)],
+        boundary=None if None in values else np.array(values, dtype=float),
+        rest=tuple(slow for _, slow in steps[len(found) :]),
+        need=need.value,
         motion=motion.value,
+        fate=fate.value,
         margins=margins.value,
-        verdict=_verdict(c, required, motion.value),
-        notes=tuple(dict.fromkeys(notes)),
+        verdict=_verdict(choices, need.value, fate.value, len(found) > 3),
+        notes=(*dict.fromkeys(notes), *_left_out(choices)),
     )
 
 
-def _own_numbers(c: Choices) -> tuple[float, ...]:
-    """What the law depends on besides vehicle, wind and limit."""
-    if c.law in (REPORT, DEAD_BAND):
-        return (c.dead_band,)
-    return (c.attitude_gain, c.rate_gain) if c.law == AUTOPILOT else ()
+def _steps(choices: Choices) -> list[tuple[Callable[[], parts.Part], bool]]:
+    """The steps to an answer, and whether each takes longer than a slider may wait."""
+    asked, wind = choices.of_need, choices.wind
+    sought = wind.gust is not None and wind.gust_at is None
+    slow = _slow(choices)
+
+    def of_flight(part: Callable[..., parts.Part]) -> parts.Part:
+        at = parts.placed(choices.of_gust)
+        if at.value is None:
+            return at
+        return part(replace(choices.of_motion, wind=at.value), choices.law)
+
+    def lasting(duration: float) -> parts.Part:
+        return parts.need(replace(asked, wind=replace(wind, duration=duration)))
+
+    return [
+        (lambda: parts.loop_margins(choices.of_margins), False),
+        (lambda: of_flight(parts.motion), sought),
+        (lambda: of_flight(parts.fate), sought),
+        (lambda: parts.need(asked), slow),
+        *((lambda one=one: lasting(one), slow) for one in _durations(choices).tolist()),
+    ]
 
 
-def _verdict(c: Choices, required: float | None, motion: parts.Motion | None) -> str:
-    if required is None:
-        return "No answer for these choices."
-    have, need = float(np.degrees(c.limit)), float(np.degrees(required))
-    enough = covers(c.limit, required)
+def _slow(choices: Choices) -> bool:
+    """Whether what is needed takes longer than a slider may wait."""
+    return choices.wind.gust is not None or choices.wind.heading is not None
+
+
+def _durations(choices: Choices) -> FloatArray:
+    """The durations of the curve [s], fewer of what takes long."""
+    return parts.DURATIONS[:: 3 if _slow(choices) else 1]
+
+
+def _notes(choices: Choices, need: CaseNeed) -> list[str]:
+    """What a study says of a vehicle, a gust, a direction and the sign of a wind."""
+    plan = choices.plan
+    return [
+        *doubts(plan.vehicle),
+        *gust_placed(choices.wind, need.blows),
+        *along_the_path(plan, need.history, plan.sign, need.sign_unknown),
+        *([_BOTH.format(plan.plane)] if need.in_both else words_of(need.planes, plan.plane, False)),
+        *([_CALM] if need.counts[0] != FROZEN else ()),
+    ]
+
+
+def _left_out(choices: Choices) -> list[str]:
+    """What is computed without the structure."""
+    return [f"{one[0].upper()}{one[1:]}." for one in told(choices.plan, "explore")]
+
+
+def _verdict(c: Choices, need: CaseNeed | None, fate: str | None, known: bool) -> str:
+    flown = "" if fate is None else f" Flown with the law {c.law}, the vehicle {FATES[fate]}."
+    if need is None:
+        said = "No answer for these choices." if known else "What this wind needs is computed ..."
+        return f"{said}{flown}"
+    have, required = float(np.degrees(c.limit)), need.required_deflection
     if not required:
-        said = "No deflection is needed: no unstable pole that a wind could excite."
-    else:
-        said = (
-            f"{'Enough' if enough else 'Not enough'}: with K = {c.dead_band:g} this wind needs"
-            f" {need:.3f} deg, and the limit is {have:.3f} deg."
-        )
-    if motion is None or motion.survived is None:
-        return said
-    fate = "brings the vehicle back" if motion.survived else "loses the vehicle"
-    return f"{said} Flown, the law {c.law} {fate}."
+        return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"
+    enough = "Enough" if covers(c.limit, required) else "Not enough"
+    return (
+        f"{enough}: with K = {need.dead_band:g} this wind needs {np.degrees(required):.3f} deg"
+        f" ({need.governs}), and the limit is {have:.3f} deg.{flown}"
+    )

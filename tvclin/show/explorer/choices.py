@@ -1,64 +1,88 @@
-"""What is asked: one value for everything that can be moved."""
+"""What is asked: a case, and the law that is flown."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
-import numpy as np
+from tvclin.answers.case_need import pulse_of
+from tvclin.answers.nozzle import Nozzle
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
+from tvclin.winds.shaped import ShapedWind
 
-from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.linear.models import USUAL_MODEL
-from tvclin.vehicle.vehicle import Vehicle
-
-REPORT, TRIM, HALF_RELIEF = "report (open loop)", "trim", "half-relief"
+REPORT, TRIM = "report (open loop)", "trim"
 CONTROLS = (REPORT, *LAWS)
-_GAINS = ("attitude_gain", "rate_gain")
-_OF_LAWS = dict.fromkeys(_GAINS, (AUTOPILOT,)) | {"delay": (AUTOPILOT, HALF_RELIEF)}
-"""Fields that count with some laws only."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """A vehicle, a wind, a limit, a law and gains.
+    """A case as a study file has it, and a law.
 
     Attributes
     ----------
-    vehicle : Vehicle
-        One vehicle.
-    plane, model, shape : str
-        As of `Study.from_vehicle`.
-    duration : float
-        Duration of the wind [s].
-    peak : float
-        Its peak wind angle of attack [rad].
-    dead_band : float
-        K.
-    limit : float
-        Deflection limit [rad].
+    plan : StudyPlan
+        The vehicle in its wind, with nozzle and autopilot; its nozzle has a limit.
     law : str
         One of `CONTROLS`: what turns the nozzle.
-    attitude_gain, rate_gain : float
-        a0 [rad/rad] and a1 [s], of the law of attitude and rate.
-    delay : float
-        Delay of the loop [s], of the margins of a law that has them, and not of its flight.
     """
 
-    vehicle: Vehicle
-    plane: str = "pitch"
-    model: str = USUAL_MODEL
-    shape: str = "triangular"
-    duration: float = 7.5
-    peak: float = float(np.radians(5.0))
-    dead_band: float = 1.0
-    limit: float = float(np.radians(0.4))
+    plan: StudyPlan
     law: str = TRIM
-    attitude_gain: float = 0.5
-    rate_gain: float = 0.55
-    delay: float = 0.02
+
+    @property
+    def wind(self) -> ShapedWind:
+        """The wind, with its gust and its direction."""
+        return pulse_of(self.plan)
+
+    @property
+    def limit(self) -> float:
+        """The deflection limit [rad]."""
+        assert self.plan.nozzle.limit is not None  # a slider has it
+        return self.plan.nozzle.limit
+
+    @property
+    def of_margins(self) -> StudyPlan:
+        """What the margins of the autopilot depend on."""
+        p = self.plan
+        return _bare(p, vehicle=p.vehicle, nozzle=Nozzle(actuator=p.nozzle.actuator))
+
+    @property
+    def of_need(self) -> StudyPlan:
+        """What the required deflection depends on."""
+        p = self.plan
+        own = {"wind": p.wind, "nozzle": Nozzle(stop=p.nozzle.stop), "design": None}
+        return _bare(p, dead_band=p.dead_band, sign=p.sign, **own)
+
+    @property
+    def of_gust(self) -> StudyPlan:
+        """What the time of a gust in the response depends on."""
+        p = self.plan
+        K = p.dead_band if self.law == REPORT else 1.0
+        return _bare(p, wind=p.wind, dead_band=K, design=None)
+
+    @property
+    def of_motion(self) -> StudyPlan:
+        """What the response or the flight depends on, but for that time."""
+        p, flown = self.plan, self.law != REPORT
+        hardware = replace(p.nozzle, stop=None) if flown else Nozzle(limit=p.nozzle.limit)
+        asked = p.design if self.law == AUTOPILOT else loop_of(p.asked)
+        return _bare(
+            p,
+            vehicle=p.vehicle if flown else p.vehicle.rigid,
+            wind=p.wind,
+            nozzle=hardware,
+            design=asked if flown else None,
+            dead_band=p.dead_band if self.law in (REPORT, DEAD_BAND) else 1.0,
+        )
 
 
-def idle(law: str) -> dict[str, str]:
-    """Return the fields that change nothing with a law, each with the reason."""
-    return {
-        field: f"counts only with the law {' or '.join(laws)}"
-        for field, laws in _OF_LAWS.items()
-        if law not in laws
-    }
+def _bare(plan: StudyPlan, **own: Any) -> StudyPlan:
+    """A plan of the same rigid motion and autopilot, with all else as it is usual."""
+    given: dict[str, Any] = {"vehicle": plan.vehicle.rigid, "design": plan.design} | own
+    return StudyPlan(model=plan.model, plane=plan.plane, **given)
+
+
+def loop_of(asked: AutopilotDesign) -> AutopilotDesign:
+    """Return the delay, the samples and the filters of an autopilot, without its gains."""
+    chains: Any = asked.chains
+    return AutopilotDesign(delay=asked.delay, sample_rate=asked.sample_rate, **chains)

@@ -7,15 +7,15 @@ _WORDS = """\
 follow."""
 
 
-def notebook_text(vehicle: str) -> str:
-    """Return the text of a notebook (.ipynb) that explores a vehicle.
+def notebook_text(source: str) -> str:
+    """Return the text of a notebook (.ipynb) that explores a vehicle or a study file.
 
     Parameters
     ----------
-    vehicle : str
+    source : str
         As of `explore`.
     """
-    code = f"import tvclin as tv\n\ntv.explore({vehicle!r})"
+    code = f"import tvclin as tv\n\ntv.explore({source!r})"
     cells = [
         {"cell_type": "markdown", "id": "words", "metadata": {}, "source": _WORDS},
         {

@@ -1,41 +1,47 @@
 """The widgets, and what happens when one is moved."""
 
 import asyncio
+from contextlib import suppress
 from html import escape
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case import Case
-from tvclin.answers.parts import told
+from tvclin.answers.case_need import pulse_of
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_study, vehicle_source
 from tvclin.base.errors import InputError, missing
-from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.autopilot.rules import OWN_GAINS
 from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.linear.models import MODELS, USUAL_MODEL
+from tvclin.show.explorer import controls as asked
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import CONTROLS, TRIM, Choices, idle
+from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.lab import end, is_open
-from tvclin.show.explorer.parts import LONGEST
-from tvclin.show.explorer.picture import new_picture, round_up
+from tvclin.show.explorer.picture import new_picture
 from tvclin.show.explorer.study import write_study
-from tvclin.vehicle.coefficients import PLANES, Coefficients
+from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import list_vehicles, load_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.shaped import PULSES
 
-_PEAK = 5.0
-_TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
 _WIDE = {"description_width": "115px"}
-_LEFT_OUT = (
-    "Not in this panel: gusts, both planes with one stop, filters and samples of the autopilot, a"
-    " rate limit. Write a study file, add them there, and ask tvclin report."
-)
-_WAIT = 0.3
-"""A picture waits so long [s] for its curve; the rest is drawn as it is found."""
-
-Slider = tuple[str, float, float, float, float]
-"""Label, start, least, largest and step."""
+_GROUPS = {
+    "vehicle": ("vehicle", "structure", "plane", "model"),
+    "wind": (
+        *("shape", "duration", "peak", "gust_peak", "gust_duration"),
+        *("direction", "heading", "sign"),
+    ),
+    "nozzle": ("limit", "dead_band", "stop", "rate_limit", "actuator", "law"),
+    "loop": (
+        *("design", "attitude_gain", "rate_gain", "alpha_gain"),
+        *("delay", "sample_rate", "filters"),
+    ),
+}
+_WAIT = 0.15
+"""A slider waits so long [s] for its answer; the rest is drawn as it is found."""
+_REST = 0.05
+"""Between two steps the kernel takes so long [s] what was moved meanwhile."""
 
 
 class Panel:
@@ -44,33 +50,33 @@ class Panel:
     Attributes
     ----------
     controls : dict of str to Widget
-        By the field of `Choices` that they set, in the units of their labels.
+        By field, in the units of their labels.
     verdict, notes, margins : HTML
         What is said.
     image : Image
         The picture.
-    canonical, study, end : Button
-        Sets the gains to the report's; writes a study file; ends JupyterLab, where
-        `tvclin explore` has started it.
+    study, end : Button
+        Writes a study file; ends JupyterLab, where `tvclin explore` has started it.
     said : HTML
         What a button did.
     box : HBox
         All of it, to be shown.
     """
 
-    def __init__(self, vehicle: str | Vehicle) -> None:
+    def __init__(self, source: str | Vehicle) -> None:
         widgets = _widgets()
-        first, own = _named(vehicle)
-        self._vehicles = {first: own} | {
+        first, plan, named = _opened(source)
+        self._base = asked.settled(plan)
+        self._vehicles: dict[str, AnyVehicle] = {first: plan.vehicle} | {
             name: load_vehicle(name) for name in list_vehicles() if name != first
         }
+        self._sources = {first: named} | {name: name for name in list_vehicles() if name != first}
         self._picture = new_picture()
-        self.controls = _controls(widgets, first, self._vehicles)
-        self.canonical, self.study, self.end = (
+        self.controls = _controls(widgets, self._base, self._vehicles)
+        self.study, self.end = (
             widgets.Button(description=label, tooltip=does)
             for label, does in (
-                ("canonical gains", "the report's a0 and a1 for this vehicle"),
-                ("write study file", "what is set here, for tvclin study and tvclin report"),
+                ("write study file", "what is set here, for every command"),
                 ("End", "ends JupyterLab and what it runs; save the notebook first"),
             )
         )
@@ -79,72 +85,88 @@ class Panel:
         self.box = self._arranged(widgets)
         for control in self.controls.values():
             control.observe(self._show, "value")
-        self.canonical.on_click(self._set_canonical_gains)
         self.study.on_click(self._write_study)
         self.end.on_click(self._end)
         self._rest: asyncio.TimerHandle | None = None
+        self._ruled = False
         self._show()
 
     @property
+    def vehicle(self) -> AnyVehicle:
+        """The vehicle that is chosen, with its structure."""
+        return self._vehicles[self.controls["vehicle"].value]
+
+    @property
     def choices(self) -> Choices:
-        """What the widgets ask for."""
-        asked = {field: control.value for field, control in self.controls.items()}
-        asked["vehicle"] = self._vehicles[asked["vehicle"]].rigid
-        return Choices(
-            **{
-                field: value * _TO_SI[field] if field in _TO_SI else value
-                for field, value in asked.items()
-            }
-        )
+        """What the widgets ask for; `InputError` for what does not go together."""
+        return asked.choices_of(self._base, self.vehicle, self._values)
+
+    @property
+    def _values(self) -> asked.Values:
+        return {field: control.value for field, control in self.controls.items()}
 
     def _show(self, _change: Any = None) -> None:
-        choices = self.choices
-        reasons = idle(choices.law)
-        for field, control in self.controls.items():
-            control.disabled, control.tooltip = field in reasons, reasons.get(field)
-        self.canonical.disabled = choices.law != AUTOPILOT
-        self._complete(choices, 0)
-
-    def _complete(self, choices: Choices, known: int) -> None:
-        """Show what is known of the curve some time later, and go on where it is not whole.
-
-        Between two pictures the kernel takes what was moved meanwhile.
-        """
+        if self._ruled:
+            return
         if self._rest is not None:
             self._rest.cancel()
+        reasons = asked.idle(self._base, self.vehicle, self._values)
+        for field, control in self.controls.items():
+            control.disabled, control.tooltip = field in reasons, reasons.get(field)
+        try:
+            choices = self.choices
+        except InputError as error:
+            self.verdict.value = _paragraphs("No answer for these choices.", weight="bold")
+            self.notes.value = _paragraphs(str(error))
+            return
+        self._show_gains(choices)
+        self._complete(choices, 0)
+
+    def _show_gains(self, choices: Choices) -> None:
+        """Set the sliders of gains to what a rule finds."""
+        design = choices.plan.design
+        if design is None or design.attitude_gain is not None:
+            return
+        with suppress(InputError):
+            found, self._ruled = choices.plan.autopilot, True
+            for field in OWN_GAINS:
+                self.controls[field].value = float(getattr(found, field))
+        self._ruled = False
+
+    def _complete(self, choices: Choices, known: int) -> None:
+        """Show what is known some time later, and go on where steps are left.
+
+        Between two pictures the kernel takes what was moved meanwhile; before a slow step it shows
+        what it has.
+        """
         begun, found = perf_counter(), answer(choices, known)
-        while not found.whole and perf_counter() - begun < _WAIT:
+        while found.rest and perf_counter() - begun < _WAIT and not found.rest[0]:
             known += 1
             found = answer(choices, known)
         self._draw(found)
-        if not found.whole:
-            try:
-                loop = asyncio.get_running_loop()
-            except RuntimeError:  # not in a notebook
-                self._draw(answer(choices))
-            else:
-                self._rest = loop.call_later(0.05, self._complete, choices, known + 1)
+        if not found.rest:
+            return
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:  # not in a notebook
+            self._draw(answer(choices))
+        else:
+            self._rest = loop.call_later(_REST, self._next, choices, known + 1)
+
+    def _next(self, choices: Choices, known: int) -> None:
+        answer(choices, known)
+        self._complete(choices, known)
 
     def _draw(self, found: Answer) -> None:
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(found))
-        bends = _bends(self._vehicles[self.controls["vehicle"].value], found.choices.plane)
-        self.notes.value = _paragraphs(*found.notes, *bends, _LEFT_OUT)
+        self.notes.value = _paragraphs(*found.notes)
         self.image.value = self._picture.png(found)
 
-    def _set_canonical_gains(self, _button: Any) -> None:
-        asked = self.choices
-        try:
-            gains = canonical_gains(Coefficients.from_vehicle(asked.vehicle, asked.plane))
-        except InputError as error:
-            self.notes.value = _paragraphs(str(error))
-            return
-        for field in ("attitude_gain", "rate_gain"):
-            self.controls[field].value = float(getattr(gains, field))
-
     def _write_study(self, _button: Any) -> None:
+        name = self.controls["vehicle"].value
         try:
-            path = write_study(self.choices, self.controls["vehicle"].value)
+            path = write_study(self.choices, name, self._sources[name])
         except InputError as error:
             self.said.value = _paragraphs(str(error))
             return
@@ -156,17 +178,14 @@ class Panel:
         end()
 
     def _arranged(self, widgets: Any) -> Any:
-        groups = (
-            ("vehicle", "plane", "model"),
-            ("shape", "duration", "peak"),
-            ("limit", "dead_band", "law"),
-            ("attitude_gain", "rate_gain", "delay"),
-        )
-        column = [self.controls[field] for group in groups for field in group]
-        buttons = [self.canonical, self.study, *[self.end] * is_open()]
+        groups = [[self.controls[field] for field in group] for group in _GROUPS.values()]
+        tabs = widgets.Tab([widgets.VBox(group) for group in groups], selected_index=1)
+        for place, name in enumerate(_GROUPS):
+            tabs.set_title(place, name)
+        buttons = [self.study, *[self.end] * is_open()]
         left = widgets.VBox(
-            [*column, widgets.HBox(buttons, layout={"flex_flow": "row wrap"})],
-            layout={"flex": "0 0 310px"},
+            [tabs, widgets.HBox(buttons, layout={"flex_flow": "row wrap"})],
+            layout={"flex": "0 0 340px", "margin": "0 8px 0 0"},
         )
         right = widgets.VBox(
             [self.verdict, self.image, self.margins, self.notes, self.said],
@@ -181,8 +200,8 @@ def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
     Parameters
     ----------
     vehicle : str or Vehicle
-        One vehicle, or what `load_vehicle` finds it by; those of the package are in the panel's
-        list as well.
+        One vehicle, or what `load_study` finds it by: a study file begins with its whole case. The
+        vehicles of the package are in the panel's list as well.
 
     Returns
     -------
@@ -192,82 +211,43 @@ def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
     Raises
     ------
     InputError
-        Where ipywidgets, of the extra `notebook`, is missing, for a batch, and as `load_vehicle`.
+        Where ipywidgets, of the extra `notebook`, is missing, for a batch, a study without a wind
+        of one shape, and as `load_study`.
     """
     return Panel(vehicle).box
 
 
-def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
-    """What the list calls a vehicle, and the vehicle."""
-    if not isinstance(vehicle, Vehicle):
-        known = load_vehicle(vehicle)  # which refuses what has no name
-        return str(vehicle), known
-    if batch := Coefficients.from_vehicle(vehicle).batch:
+def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
+    """What the list calls a vehicle, the plan it stands in, and the file that has it."""
+    if not isinstance(source, Vehicle):
+        plan = load_study(source)  # which refuses what has no name
+        pulse_of(plan)
+        named = None if plan.vehicle.structure is None else str(vehicle_source(source))
+        return str(source), plan, named
+    if batch := Coefficients.from_vehicle(source).batch:
         raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
-    return vehicle.name or "vehicle", vehicle
+    return source.name or "vehicle", StudyPlan(vehicle=source), None
 
 
-def _bends(vehicle: Vehicle, plane: str) -> tuple[str, ...]:
-    """What is to be said of a vehicle with a structure: that all here is rigid."""
-    return tuple(
-        f"{one[0].upper()}{one[1:]}." for one in told(Case(vehicle=vehicle, plane=plane), "explore")
-    )
-
-
-def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[str, Any]:
-    """The lists and sliders, by the field of `Choices` that they set."""
-    lists = {
-        "vehicle": ("vehicle", vehicles, first),
-        "plane": ("plane", PLANES, "pitch"),
-        "model": ("model", MODELS, USUAL_MODEL),
-        "shape": ("wind shape", PULSES, "triangular"),
-        "law": ("law", CONTROLS, TRIM),
-    }
+def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) -> dict[str, Any]:
+    """The lists, switches and sliders, by field."""
     controls: dict[str, Any] = {
-        field: widgets.Dropdown(description=label, options=list(options), value=value, style=_WIDE)
-        for field, (label, options, value) in lists.items()
+        field: widgets.Dropdown(description=label, options=options, value=value, style=_WIDE)
+        for field, (label, options, value) in asked.lists(plan, list(vehicles)).items()
     }
-    sliders = _sliders(vehicles[first], list(vehicles.values()))
-    for field, (label, value, least, most, step) in sliders.items():
+    for field, (label, value) in asked.switches(plan).items():
+        controls[field] = widgets.Checkbox(description=label, value=value, style=_WIDE)
+    for field, one in asked.sliders(plan, list(vehicles.values())).items():
         controls[field] = widgets.FloatSlider(
-            description=label,
-            value=value,
-            min=least,
-            max=most,
-            step=step,
+            description=one.label,
+            value=one.value,
+            min=one.least,
+            max=one.most,
+            step=one.step,
             style=_WIDE,
-            readout_format=f".{max(0, -round(np.floor(np.log10(step))))}f",
+            readout_format=f".{max(0, -round(np.floor(np.log10(one.step))))}f",
         )
     return controls
-
-
-def _sliders(first: Vehicle, every: list[Vehicle]) -> dict[str, Slider]:
-    """The sliders, in the units of their labels: starts for one vehicle, room enough for all."""
-    start, *others = map(_sizes, (first, *every))
-    B, per_rate = (max(both) for both in zip(*others, strict=True))
-    return {
-        "duration": ("wind duration [s]", 7.5, 0.5, LONGEST, 0.1),
-        "peak": ("wind peak [deg]", _PEAK, 0.5, 4.0 * _PEAK, 0.1),
-        "dead_band": ("dead band K [-]", 1.0, 0.0, 1.0, 0.01),
-        "limit": _fitted("limit [deg]", 0.75 * start[0] * _PEAK, 3.0 * B * _PEAK, 1),
-        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0),
-        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0),
-        "delay": ("delay [ms]", 20.0, 0.0, 200.0, 1.0),
-    }
-
-
-def _fitted(label: str, start: float, most: float, least: int) -> Slider:
-    """A slider to a round number, of some hundred steps, from so many steps on."""
-    most = round_up(most)
-    step = 10.0 ** (np.floor(np.log10(most)) - 2.0)
-    return label, step * round(start / step), least * step, most, step
-
-
-def _sizes(vehicle: Vehicle) -> tuple[float, float]:
-    """|B|, and |B|/beta [s], of which canonical gains are made; 1 where there is no moment."""
-    c = Coefficients.from_vehicle(vehicle)
-    B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
-    return B, B / beta
 
 
 def _widgets() -> Any:
@@ -284,14 +264,18 @@ def _paragraphs(*texts: str, weight: str = "normal") -> str:
 
 
 def _margins(found: Answer) -> str:
-    m = found.margins
+    m, plan = found.margins, found.choices.plan
     if m is None:
-        return f"Margins: none, with the law {found.choices.law}."
+        return "Margins: none."
+    a = plan.autopilot
+    gains = f"a0 = {a.attitude_gain:.4g}, a1 = {a.rate_gain:.4g} s"
+    gains += f", b0 = {a.alpha_gain:.4g}" if a.alpha_gain else ""
+    gains += f", aI = {a.integral_gain:.4g}/s" if a.integral_gain else ""
+    said = f"Margins of the autopilot ({gains}), which the law {AUTOPILOT} flies: "
     if m.reason:
-        return f"Margins: none, {m.reason}."
-    return (
-        f"Margins of the gains: aero {m.aero_margin_dB:.1f} dB, gain increase"
-        f" {m.gain_increase_dB:.1f} dB, phase {m.phase_margin_deg:.1f} deg at"
-        f" {m.crossover_frequency:.2f} rad/s, delay {1000.0 * m.delay_margin:.0f} ms, peak"
-        f" sensitivity {m.peak_sensitivity:.2f}."
+        return f"{said}none, {m.reason}."
+    return said + (
+        f"aero {m.aero_margin_dB:.1f} dB, gain increase {m.gain_increase_dB:.1f} dB, phase"
+        f" {m.phase_margin_deg:.1f} deg at {m.crossover_frequency:.2f} rad/s, delay"
+        f" {1000.0 * m.delay_margin:.0f} ms, peak sensitivity {m.peak_sensitivity:.2f}."
     )

@@ -157,15 +157,16 @@ def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
 def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
     """Return abscissas [s] and ordinates [deg] of every line, by panel and name."""
     c, m, deg = answer.choices, answer.motion, np.degrees
+    long = c.wind.duration
     nothing: tuple[Any, Any] = (np.zeros(0), np.zeros(0))
     limit = float(deg(c.limit))
     found = dict.fromkeys(("boundary.curve", "boundary.point"), nothing)
     if answer.boundary is not None and answer.required is not None:
         found["boundary.curve"] = answer.durations, deg(answer.boundary)
-        found["boundary.point"] = [c.duration], deg([answer.required])
+        found["boundary.point"] = [long], deg([answer.required])
     found["boundary.limit"] = [0.0, LONGEST], [limit, limit]
-    found["boundary.have"] = [c.duration], [limit]
-    ends = [0.0, c.duration if m is None else float(m.time[-1])]
+    found["boundary.have"] = [long], [limit]
+    ends = [0.0 if m is None else float(m.time[0]), long if m is None else float(m.time[-1])]
     found["deflection.upper"] = ends, [limit, limit]
     found["deflection.lower"] = ends, [-limit, -limit]
     rows = {
@@ -183,7 +184,8 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
 
     What leaves the frame after the wind, as a lost vehicle does, is not followed.
     """
-    limit, calm = float(np.degrees(answer.choices.limit)), answer.choices.duration
+    c = answer.choices
+    limit, calm = float(np.degrees(c.limit)), c.wind.duration
     time, attitude = (np.asarray(one) for one in data["attitude.attitude"])
     shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
     tall = round_up(min(_SPARE * max(shown, default=1.0), _LARGEST))

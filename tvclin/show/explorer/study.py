@@ -1,4 +1,4 @@
-"""The choices as a study file: `tvclin study` and `tvclin report` make the same numbers of it."""
+"""The choices as a study file: every command makes the same numbers of it."""
 
 import json
 import re
@@ -8,59 +8,138 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.errors import InputError
 from tvclin.base.files import exists, write_new
-from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.show.explorer.choices import HALF_RELIEF, Choices
+from tvclin.control.autopilot.filter_tables import PLACES
+from tvclin.show.explorer.choices import Choices
+from tvclin.show.explorer.controls import plateau_of
 from tvclin.vehicle.file import VEHICLE_TABLE
-from tvclin.vehicle.vehicle import NUMBERS
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.winds.shaped import ShapedWind
+
+Table = dict[str, Any]
 
 
-def study_text(choices: Choices) -> str:
-    """Return the text of a study file: vehicle, wind, limit, and the gains of a law that has some.
+def study_text(choices: Choices, source: str | None = None) -> str:
+    """Return the text of a study file with all that is chosen but the law.
 
-    The vehicle stands in it with all its numbers, without what bends and sloshes: the numbers are
-    those of the panel, wherever the file is read.
+    A rigid vehicle stands in it with all its numbers, wherever the file is read; one that bends, or
+    that is known by its coefficients, is named by its source.
+
+    Raises
+    ------
+    InputError
+        For a vehicle that must be named, and has no source.
     """
-    c = choices
-    name, numbers = c.vehicle.name, {key: getattr(c.vehicle, key) for key in NUMBERS}
-    known = {key: float(value) for key, value in numbers.items() if value is not None}
-    tables: dict[str, dict[str, Any]] = {
-        "study": {"model": c.model, "plane": c.plane, "dead_band": c.dead_band},
-        "study.vehicle": ({"name": name} if name else {}) | VEHICLE_TABLE.write(known),
-        "wind": {"shape": c.shape, "peak_deg": _deg(c.peak), "duration_s": c.duration},
-        "nozzle": {"limit_deg": _deg(c.limit)},
-    }
-    gains: dict[str, Any] = {}
-    if c.law == AUTOPILOT and (c.attitude_gain or c.rate_gain):
-        gains = {"attitude_gain": c.attitude_gain, "rate_gain_s": c.rate_gain}
-    elif c.law == HALF_RELIEF:
-        gains = {"design": "half-relief"}
-    if gains:
-        tables["autopilot"] = gains | {"delay_ms": _short(1e3 * c.delay)}
-    return f"# Written by tvclin explore, where the law {c.law} was flown.\n" + "".join(
-        f"\n[{heading}]\n"
-        + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
-        for heading, table in tables.items()
+    plan = choices.plan
+    named = not isinstance(plan.vehicle, Vehicle) or plan.vehicle.structure is not None
+    if named and source is None:
+        raise InputError(
+            "a vehicle that was made in Python stands in a study file without its structure:"
+            " switch bending and slosh off, or explore a vehicle file"
+        )
+    asked = {"model": plan.model, "plane": plan.plane, "dead_band": plan.dead_band}
+    head = ({"vehicle": source} if named else {}) | asked
+    tables: list[tuple[str, Table]] = [
+        ("[study]", head | ({"sign": plan.sign} if plan.sign else {})),
+        *([] if named else [("[study.vehicle]", _vehicle(plan.vehicle))]),
+        *_wind(plan.wind),
+        ("[nozzle]", _nozzle(choices)),
+        *_autopilot(choices),
+    ]
+    return f"# Written by tvclin explore, where the law {choices.law} was flown.\n" + "".join(
+        f"\n{heading}\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+        for heading, table in tables
     )
 
 
-def write_study(choices: Choices, name: str) -> Path:
+def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
     """Write ``study-NAME.toml``, or with the next number that is free, and return its path.
 
     Raises
     ------
     InputError
-        Where it cannot be written.
+        As `study_text`, and where it cannot be written.
     """
-    stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem}")
+    text = study_text(choices, source)
+    stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem.removeprefix('study-')}")
     numbered = (f"{stem}{f'-{k}' if k > 1 else ''}.toml" for k in count(1))
     path = next(path for path in map(Path, numbered) if not exists(path))
-    write_new(path, study_text(choices))
+    write_new(path, text)
     return path.resolve()
 
 
-def _deg(angle: float) -> float:
-    return _short(float(np.degrees(angle)))
+def _vehicle(vehicle: Any) -> Table:
+    numbers = {key: getattr(vehicle, key) for key in NUMBERS}
+    known = {key: float(value) for key, value in numbers.items() if value is not None}
+    words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
+    return {key: word for key, word in words.items() if word} | VEHICLE_TABLE.write(known)
+
+
+def _wind(wind: Any) -> list[tuple[str, Table]]:
+    assert isinstance(wind, ShapedWind)
+    table: Table = {"shape": wind.shape, "peak_deg": _deg(wind.peak), "duration_s": wind.duration}
+    if wind.heading is not None:
+        table |= {"direction_deg": _deg(wind.heading), "azimuth_deg": 0.0}
+    gust = wind.gust
+    if gust is None:
+        return [("[wind]", table)]
+    own = {
+        "peak_deg": _deg(float(gust.peak)),
+        "duration_s": _short(float(gust.end - gust.onset)),
+        "plateau_s": _short(plateau_of(gust)),
+        "peak_time_s": wind.gust_at,
+    }
+    return [("[wind]", table), ("[gust]", _given(own))]
+
+
+def _nozzle(choices: Choices) -> Table:
+    nozzle = choices.plan.nozzle
+    servo = nozzle.actuator
+    return _given(
+        {
+            "limit_deg": _deg(nozzle.limit),
+            "stop": nozzle.stop,
+            "rate_limit_deg_per_s": _deg(nozzle.rate_limit),
+            "actuator_frequency_rad_per_s": servo.natural_frequency if servo else 0.0,
+            "actuator_damping": servo.damping if servo else None,
+        }
+    )
+
+
+def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
+    asked = choices.plan.asked
+    table = {
+        "design": asked.design,
+        "natural_frequency_rad_per_s": asked.natural_frequency,
+        "damping": asked.damping,
+        "attitude_gain": asked.attitude_gain,
+        "rate_gain_s": asked.rate_gain,
+        "alpha_gain": asked.alpha_gain,
+        "integral_gain_per_s": asked.integral_gain or None,
+        "delay_ms": _short(1e3 * asked.delay),
+        "sample_rate_Hz": asked.sample_rate,
+    }
+    filters = [
+        {
+            "kind": "rational",
+            "numerator": one.numerator.tolist(),
+            "denominator": one.denominator.tolist(),
+            "on": place,
+        }
+        for place, chain in PLACES.items()
+        for one in asked.chains[chain]
+    ]
+    named = [("[[autopilot.filter]]", one) for one in filters]
+    return [("[autopilot]", _given(table)), *named]
+
+
+def _given(table: Table) -> Table:
+    return {key: value for key, value in table.items() if value is not None}
+
+
+def _deg(angle: float | None) -> float | None:
+    return None if angle is None else _short(float(np.degrees(angle)))
 
 
 def _short(value: float) -> float:
