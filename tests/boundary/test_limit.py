@@ -11,7 +11,16 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.boundary.limit import STABLE, leading_pole
+from tvclin.boundary.limit import (
+    AFTER_TRIM,
+    BOUNDARY,
+    MINIMUM,
+    NO_FORECAST,
+    STABLE,
+    boundary_alone,
+    leading_pole,
+    open_loop_needs,
+)
 from tvclin.linear.models import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])
@@ -407,3 +416,18 @@ def test_a_pair_counts_from_a_twentieth_of_the_rate_and_real_poles_that_are_toge
     found = leading_pole(Plant.from_coefficients(c, "drift-exact"))
     np.testing.assert_allclose(found[0], rate, rtol=1e-10)
     assert found[1] == paired
+
+
+@pytest.mark.parametrize("peak", [0.08, -0.08])
+def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i, peak):
+    plant = Plant.from_vehicle(configuration_i, "drift-exact")
+    wind, K = tvclin.TriangularWind(peak=peak, duration=60.0), np.array([0.5, 1.0])
+    boundary = boundary_alone(plant, wind, K, True)[0]
+    needs = open_loop_needs(plant, wind, K, boundary)
+    bound = abs(tvclin.forecast_free_limit(plant, wind).deflection)
+    least = tvclin.optimum_deflection(plant, wind).peak
+    np.testing.assert_array_equal(needs[BOUNDARY], np.abs(boundary.deflection))
+    np.testing.assert_array_equal(needs[NO_FORECAST], [0.0, bound])
+    np.testing.assert_allclose(needs[MINIMUM], [least, least], rtol=1e-9)
+    assert needs[AFTER_TRIM][0] > max(needs[name][0] for name in (BOUNDARY, MINIMUM))
+    assert needs[AFTER_TRIM][1] == 0.0
