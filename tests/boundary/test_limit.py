@@ -431,3 +431,13 @@ def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i,
     np.testing.assert_allclose(needs[MINIMUM], [least, least], rtol=1e-9)
     assert needs[AFTER_TRIM][0] > max(needs[name][0] for name in (BOUNDARY, MINIMUM))
     assert needs[AFTER_TRIM][1] == 0.0
+
+
+def test_a_path_that_grows_without_an_aerodynamic_moment_has_no_limit_over_trim():
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    calm = Coefficients(mu_alpha=0.0, mu_delta=2.0, C1=0.1, q=0.01)  # s (s^2 + C1 s + q)
+    assert boundary_limit(Plant.from_coefficients(calm, "drift-exact"), wind).limit == 0.0
+    for mu_alpha in (0.0, [0.25, 0.0]):
+        growing = Plant.from_coefficients(calm.replace(mu_alpha=mu_alpha, C1=-0.1), "drift-exact")
+        with pytest.raises(InputError, match=r"^plant must have an aerodynamic moment, mu_alpha"):
+            boundary_limit(growing, wind)
