@@ -291,11 +291,9 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
         return np.full(poles.shape[:-1], np.nan), np.zeros(poles.shape[:-1], dtype=bool)
     grows, there = np.real(poles), ~np.isnan(poles)
     complex_pole = there & (np.imag(poles) != 0.0)
-    real = np.where(there & ~complex_pole, grows, 0.0).max(axis=-1)
+    every = np.sort(np.where(there & ~complex_pole, grows, 0.0), axis=-1)
+    real, second = every[..., -1], every[..., :-1].max(axis=-1, initial=0.0)
     pair = np.where(complex_pole, grows, 0.0).max(axis=-1)
-    second = np.sort(np.where(there & ~complex_pole, grows, 0.0), axis=-1)[..., :-1].max(
-        axis=-1, initial=0.0
-    )
     paired = (pair > COMPARABLE * real) | (second > (1.0 - _TOGETHER) * np.maximum(real, 1e-300))
     leading = np.maximum(real, pair)
     return np.where(leading > 0.0, leading, np.nan), paired
