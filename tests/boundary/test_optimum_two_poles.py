@@ -141,6 +141,12 @@ def test_the_duration_up_to_which_one_pole_decides():
     assert np.all(np.isnan(many[:, 2]))
 
 
+def test_where_the_fast_pole_leaves_no_trace_its_neglect_is_exact():
+    found = longest_single_pole_duration(1e-6, 1.0)  # e^(-tau beta2/2) is e^(-1000)
+    assert found == pytest.approx(-2e6 * np.log1p(-1e-3), rel=1e-12)
+    assert neglecting_the_fast_pole(1e-6, 1.0) == pytest.approx(found, rel=1e-12)
+
+
 def test_the_switching_ratio_is_that_of_the_demands():
     for name in NAMES:
         plant = plant_of(name)
@@ -215,6 +221,13 @@ def test_arguments_of_the_approximations_are_checked():
         late_switch(1.001, 0.1)
     with pytest.raises(tvclin.InputError, match="^y must be positive"):
         early_switch(0.0, 0.1)
+    for y in (np.nan, "x", [0.5, 0.6]):
+        with pytest.raises(tvclin.InputError, match="^y must be"):
+            switch_variable(y, 0.1)
+    for call in (switch_variable, late_switch, early_switch):
+        for ratio in (0.0, -0.1):
+            with pytest.raises(tvclin.InputError, match="^ratio must be positive"):
+                call(0.5, ratio)
     for call in (late_switch, early_switch):
         with pytest.raises(tvclin.InputError, match="broadcast"):
             call([0.1, 0.2], [0.1, 0.2, 0.3])
