@@ -101,7 +101,7 @@ def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> C
 
 
 def constraints_of(
-    plant: Plant, wind: History, start: float = 0.0, horizon: float | None = None
+    plant: Plant, wind: History, start: float, horizon: float | None = None
 ) -> Constraints:
     """Return the conditions that a deflection between `start` and `horizon` must meet.
 
