@@ -195,9 +195,9 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
     """The one switch of eqs (C5), and multipliers whose sum changes its sign there."""
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
-    # Without a switch before the end one constant meets both; the faster pole alone proves it.
+    # Without a switch before the end one constant meets both, and so their sum.
     if np.isinf(time) or time >= c.horizon * (1.0 - _ROUNDING):
-        return np.zeros(0), np.where(poles == poles.max(), np.sign(demands), 0.0)
+        return np.zeros(0), np.sign(demands)
     growth = np.exp((poles - poles.max()) * time)
     multipliers = np.array([growth[0], -growth[1]])
     return np.array([time]), multipliers * np.sign(multipliers @ demands)
