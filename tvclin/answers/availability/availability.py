@@ -197,10 +197,10 @@ def _added(
         added = np.maximum(added, 0.0)
         words = ", ".join(f"{one:.4f}" for one in np.degrees(added).tolist())
         return added, [
-            f"persistence: {words} deg are added; the needs of {100 * growth.quantile:g} % of"
+            f"persistence adds {words} deg; the needs of {100 * growth.quantile:g} % of"
             f" {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
         ]
-    told = [f"persistence: {np.degrees(growth):.4f} deg are added"] if growth else []
+    told = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
     return np.full(least.shape[0], growth), told
 
 
