@@ -350,6 +350,22 @@ def test_a_study_is_never_written_over(
     assert (tmp_path / "study-configuration-i.toml").read_text() == "mine"
 
 
+def test_a_vehicle_that_bends_or_is_known_by_coefficients_is_named_by_its_file(
+    few: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("c.toml").write_text("[coefficients]\nmu_alpha_per_s2 = 0.2\nmu_delta_per_s2 = 1.3\n")
+    Path("own.toml").write_text(
+        '[study]\nvehicle = "made-up-launcher"\n[wind]\npeak_deg = 3.0\nduration_s = 4.0\n'
+    )
+    for source, named in (("c.toml", "c.toml"), ("own.toml", "made-up-launcher")):
+        one = opened(source)
+        one.study.click()
+        written = Path(f"study-{source}")
+        assert f'vehicle = "{named}"' in written.read_text()
+        assert tv.load_study(written).vehicle == one.vehicle
+
+
 def test_a_study_that_cannot_be_written_is_one_sentence(
     panel: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -55,6 +55,7 @@ CASES: dict[str, dict[str, Any]] = {
     "gust": {"gust_peak": 1.5, "gust_duration": 1.2, "dead_band": 0.6, "limit": 0.5},
     "gust against, a head wind": {"gust_peak": 1.0, "peak": -4.0, "sign": "head", "dead_band": 0.5},
     "both planes": {"plane": "both", "stop": "square", "heading": 130.0, "model": "fixed-path"},
+    "across the flight, in both": {"plane": "both", "heading": 90.0, "model": "fixed-path"},
     "from a side": {"direction": "from a direction", "heading": 30.0, "model": "fixed-path"},
     "rate limited": {"rate_limit": 0.4, "limit": 0.5, "law": "recoverable-attitude"},
     "sampled, slow actuator": {

@@ -22,7 +22,7 @@ from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_o
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import round_up
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.winds.file import gust_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
@@ -128,19 +128,20 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     file_wind, servo = base.wind, base.nozzle.actuator or USUAL_ACTUATOR
     assert isinstance(file_wind, ShapedWind)
     actuator = replace(servo, natural_frequency=v["actuator"]) if v["actuator"] else None
+    wind = ShapedWind(
+        v["shape"],
+        v["peak"] * _DEG,
+        v["duration"],
+        v["heading"] * _DEG if slanting else None,
+        _gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
+        file_wind.gust_at if v["gust_peak"] else None,
+    )
     plan = replace(
         base,
         vehicle=vehicle if v["structure"] else vehicle.rigid,
         model=v["model"],
-        plane=base.plane if both else v["plane"],
-        wind=ShapedWind(
-            v["shape"],
-            v["peak"] * _DEG,
-            v["duration"],
-            v["heading"] * _DEG if slanting else None,
-            _gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
-            file_wind.gust_at if v["gust_peak"] else None,
-        ),
+        plane=_shown_plane(base.plane, vehicle, wind) if both else v["plane"],
+        wind=wind,
         nozzle=Nozzle(
             limit=v["limit"] * _DEG,
             stop=v["stop"] if both else None,
@@ -153,6 +154,13 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         sign=None if v["sign"] == WORST or "sign" in idle(base, vehicle, v) else v["sign"],
     )
     return Choices(plan=plan, law=v["law"])
+
+
+def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
+    """The plane whose flight is shown of both; the other one where the wind has no part in it."""
+    whole = whole_vehicle(vehicle, "a wind with a direction")
+    blows = [one for one, peak in wind.peaks(float(np.asarray(whole.attitude))).items() if peak]
+    return plane if plane in blows else blows[0]
 
 
 def idle(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:

@@ -222,8 +222,8 @@ def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
     if not isinstance(source, Vehicle):
         plan = load_study(source)  # which refuses what has no name
         pulse_of(plan)
-        named = None if plan.vehicle.structure is None else str(vehicle_source(source))
-        return str(source), plan, named
+        in_numbers = isinstance(plan.vehicle, Vehicle) and plan.vehicle.structure is None
+        return str(source), plan, None if in_numbers else str(vehicle_source(source))
     if batch := Coefficients.from_vehicle(source).batch:
         raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
     return source.name or "vehicle", StudyPlan(vehicle=source), None
