@@ -1,5 +1,7 @@
 """Loops and their margins against python-control, the record, and the criteria that judge it."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -358,6 +360,38 @@ def test_criteria_of_ones_own():
     )
     assert [r.unit for r in own.requirements] == ["s", ""]
     assert Criteria.own(delay_margin=1).requirements[0].source
+
+
+def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from():
+    own = Criteria.own("own", "a memorandum", delay_margin=0.05, disk_margin=0.4)
+    changed = own.changed("a letter", disk_margin=0.5, aero_margin_dB=6.0)
+    assert changed.name == "own, changed by a letter"
+    assert changed.requirements == (
+        Requirement("delay_margin", 0.05, "a memorandum"),
+        Requirement("disk_margin", 0.5, "a letter"),
+        Requirement("aero_margin_dB", 6.0, "a letter"),
+    )
+    assert changed.words == "delay margin 50 ms, disk margin 0.5, aero margin 6 dB"
+    assert own.changed("nobody") is own
+
+
+def test_what_is_asked_of_modes_can_be_set_apart():
+    whole = Criteria.own("both", aero_margin_dB=6.0)
+    modes = {"mode_gain_margin_dB": 12.0, "mode_phase_margin_deg": 45.0}
+    both = Criteria.own("both", aero_margin_dB=6.0, **modes)
+    assert (whole.of_modes, both.of_modes) == (False, True)
+    assert both.without_modes == whole.without_modes == whole
+    assert Criteria.own(**modes).without_modes is None
+
+
+def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_band():
+    (one,) = Criteria.own("own", "a memorandum", disk_margin=0.4).judge(loop_margins(course_loop()))
+    told = one.as_dict()
+    assert [told[key] for key in ("margin", "limit", "source", "band")] == [
+        *("disk_margin", 0.4, "a memorandum", None)
+    ]
+    assert (told["value"], told["surplus"], told["met"]) == (one.value, one.surplus, True)
+    assert replace(one, band="slosh").as_dict()["band"] == "slosh"
 
 
 @pytest.mark.parametrize(
