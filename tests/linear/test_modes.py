@@ -501,9 +501,10 @@ def test_poles_are_counted_in_words_and_pairs_named(poles, words):
     assert poles_in_words(np.array(poles)) == words
 
 
-def test_a_left_row_is_that_of_the_eigenvalue_next_to_a_pole():
+@pytest.mark.parametrize("batch", [(), (3,), (2, 3)])
+def test_a_left_row_is_that_of_the_eigenvalue_next_to_a_pole(batch):
     """Each row obeys l A = p l; a pole that is off by a little finds its own."""
-    A = np.random.default_rng(3).normal(size=(2, 3, 4, 4))
+    A = np.random.default_rng(3).normal(size=(*batch, 4, 4))
     for k in range(4):
         exact = np.sort_complex(np.linalg.eigvals(A))[..., k]
         found, row = left_row(A, exact * (1.0 + 1e-9))

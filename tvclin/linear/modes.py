@@ -126,7 +126,7 @@ def parted(poles: AnyArray) -> AnyArray:
     for i in range(poles.shape[-1] - 1):
         first, second = apart[..., i], apart[..., i + 1]
         middle = np.real(0.5 * (first + second))
-        together = np.abs(first - second) < _TOGETHER * np.abs(middle)
+        together = np.abs(first - second) < _TOGETHER * middle
         for k, side in ((i, 1.0), (i + 1, -1.0)):
             apart[..., k] = np.where(
                 together, middle * (1.0 + side * _TOGETHER / 2.0), apart[..., k]
