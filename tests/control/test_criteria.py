@@ -360,6 +360,7 @@ def test_criteria_of_ones_own():
     )
     assert [r.unit for r in own.requirements] == ["s", ""]
     assert Criteria.own(delay_margin=1).requirements[0].source
+    assert Criteria(own.name, list(own.requirements)) == own
 
 
 def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from():
@@ -402,6 +403,11 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
         (lambda: Criteria.own(phase_margin_deg=-30), "phase_margin_deg must be zero or positive"),
         (lambda: Criteria.own(delay_margin=np.nan), "delay_margin must be finite"),
         (lambda: Criteria.own(delay_margin=[0.1, 0.2]), "delay_margin must be "),
+        (lambda: Requirement("phase_margin", 30.0, "me"), "margin must be one of aero_margin_dB"),
+        (lambda: Requirement("disk_margin", 0.4, 7), "source must be a text .*; got 7"),
+        (lambda: Criteria(7, CRITERIA["classic"].requirements), "name must be a text .*; got 7"),
+        (lambda: Criteria("mine", ["disk_margin"]), "requirements must be a tuple of Requirement"),
+        (lambda: CRITERIA["classic"].changed(7, disk_margin=0.4), "source must be a text"),
         (lambda: CRITERIA["classic"].judge(6.0), "margins must be a Margins .*; got 6.0"),
     ],
 )

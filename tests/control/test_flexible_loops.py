@@ -325,6 +325,10 @@ def test_criteria_know_bands():
     assert judged["mode_phase_margin_deg", "bending 1"].met
     assert judged["aero_margin_dB", ""].met
     assert not asked.are_met(found)
+    just = judged["mode_gain_margin_dB", "bending 2"].value
+    for spare, met in ((0.1, True), (0.0, True), (-0.1, False)):
+        every = tv.control.Criteria.own(mode_gain_margin_dB=just - spare).judge(found)
+        assert [one.met for one in every if one.band == "bending 2"] == [met]
     with pytest.raises(tv.InputError, match="is asked of modes"):
         asked.judge(found.whole)
     turned = replace(STRUCTURE.bending[0], attitude_slope=-0.2724, rate_slope=-0.2548)

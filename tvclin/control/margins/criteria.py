@@ -167,8 +167,6 @@ class Criteria:
         >>> [r.limit for r in dispersed.requirements]
         [3.0, 20.0]
         """
-        for key in limits:
-            one_of("a limit", key, _UNITS)
         return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
 
     def changed(self, source: str, **limits: float) -> "Criteria":
