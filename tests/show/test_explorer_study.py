@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.explored import moved
+from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.kernels.choice import pinned
@@ -91,17 +92,20 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: Any) -> tuple[Answ
         return answer(choices, 4), path
 
 
-every = pytest.mark.parametrize("written", CASES, indirect=True)
+_SHORT = ("rigid", "flexible, filtered, sampled", "both planes", "rate limited")
+_SHORT += ("gust against, a head wind",)
+_PLACES = [list(CASES).index(name) for name in _SHORT]
+every = pytest.mark.parametrize("written", usual(CASES, *_PLACES), indirect=True)
 
 
 @every
 def test_study_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]) -> None:
     here, path = written
-    there = told("study", path)["verdict"]
+    there = tv.load_study(path).study()
 
-    assert here.required == pytest.approx(np.radians(there["required_deflection_deg"]), rel=1e-9)
-    assert there["governed_by"] in here.verdict
-    assert there["sufficient"] is here.verdict.startswith("Enough")
+    assert here.required == pytest.approx(there.required_deflection, rel=1e-9)
+    assert there.governs in here.verdict
+    assert there.sufficient is here.verdict.startswith("Enough")
 
 
 @every
