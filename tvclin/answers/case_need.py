@@ -155,9 +155,9 @@ class CaseNeed:
 
     def _factor_at(self, size: float) -> float:
         """The same of one size."""
-        name = self.counts[0]
-        if name == FROZEN:
-            return 1.0
+        name, factor = self.counts
+        if name == FROZEN or size == 1.0:
+            return factor
         asked = None if self.slanting is not None else name
         try:
             return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]

@@ -23,13 +23,14 @@ def bar(what: str) -> Iterator[Progress]:
     what : str
         What is counted: "cases".
     """
-    from rich import progress as rich
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lines(what)
         return
+    from rich import progress as rich  # late: a terminal alone needs it
+
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
     columns = (rich.BarColumn(), counted, rich.TextColumn("{task.fields[rate]}"))
     with rich.Progress(*columns, console=console, speed_estimate_period=_SPAN) as progress:
@@ -80,13 +81,14 @@ def _left(passed: float, done: float, rest: float) -> str:
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
     """Show what is done and for how long, where nothing can be counted; only on a terminal."""
-    from rich import progress as rich
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
         yield
         return
+    from rich import progress as rich  # late: a terminal alone needs it
+
     shown = (rich.SpinnerColumn(), rich.TextColumn("{task.description}"), rich.TimeElapsedColumn())
     with rich.Progress(*shown, console=console, transient=True) as progress:
         progress.add_task(what, total=None)

@@ -14,6 +14,7 @@ ask for. Speed and path of the vehicle itself hardly change within a wind.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -203,6 +204,7 @@ def survived_size(limit: float, need: Callable[[float], float]) -> float:
     """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
     from scipy.optimize import brentq
 
+    @cache
     def over(x: float) -> float:
         value = float(np.log(need(float(np.exp(x))) / limit))
         return 1.0 if np.isinf(value) else value  # where no wind turns the path so far
