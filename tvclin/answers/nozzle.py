@@ -76,20 +76,20 @@ class Nozzle:
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
         both planes are judged, which share it.
     rate_limit : float, optional
-        Limit of the deflection rate [rad/s]; it counts in flights, and the laws trim and
-        recoverable-attitude suit it.
+        Limit of the deflection rate [rad/s]; flights keep to it, and the laws trim and
+        recoverable-attitude are designed for it.
     actuator : Actuator or None
         Between command and deflection.
     data : NozzleData, optional
         What resists the actuators, for torque and power.
     acceleration_limit : float, optional
-        Largest deflection acceleration [rad/s2]; like all below it is judged, and limits no flight.
+        Largest deflection acceleration [rad/s2]; it is judged, and limits no flight.
     travel_limit : float, optional
-        What the nozzle may turn in a flight, there and back [rad].
+        Angle that the nozzle may turn in a flight, there and back [rad]; it is judged.
     torque_limit : float, optional
-        Largest torque of its actuators [N m]; it needs data.
+        Largest torque of the actuators [N m]; a file gives the data of the hinge with it.
     power_limit : float, optional
-        Largest power of its actuators [W]; it needs data.
+        Largest power of the actuators [W]; a file gives the data of the hinge with it.
 
     Raises
     ------

@@ -21,7 +21,7 @@ class LoopOptions:
     actuator_frequency: float | None = asked(
         "Natural frequency of the actuator, in rad/s; 0: no actuator.", shown="25.1"
     )
-    actuator_hz: float | None = asked("The same in Hz.")
+    actuator_hz: float | None = asked("Natural frequency of the actuator, in Hz.")
     actuator_damping: float | None = asked("Damping ratio of the actuator.", shown="0.7")
     delay_ms: float | None = asked("Delay between sensors and actuator, in ms.", shown="0.0")
     notch_hz: list[str] | None = asked(

@@ -39,10 +39,10 @@ class GustOptions:
         "Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S"
     )
     gust_speed: tuple[float, float] | None = asked(
-        "The same by its peak wind speed, in m/s, by eq (B1e).", metavar="M/S S"
+        "Gust by its peak wind speed, in m/s, and its duration, by eq (B1e).", metavar="M/S S"
     )
     gust_plateau: float | None = asked(
-        "Part of its duration that a gust stays at its peak, in s.", shown="0"
+        "How long the gust stays at its peak, a part of its duration, in s.", shown="0"
     )
 
     def __post_init__(self) -> None:
@@ -149,7 +149,9 @@ class BiasOptions(PulseOptions):
         " yesterday's, or the mean of a station file.",
         metavar="FILE",
     )
-    bias_month: int | None = asked("The month whose mean it is, from 1 to 12.", shown="all")
+    bias_month: int | None = asked(
+        "Month of the mean of a station file, from 1 to 12.", shown="all"
+    )
 
     @property
     def mean_wind(self) -> "WindProfile | None":

@@ -74,7 +74,7 @@ class SizingAsked:
     start : float, optional
         First flight time [s]; without it the first that has the whole of the pulses about it.
     stop : float, optional
-        Last flight time [s]; without it the last of these.
+        Last flight time [s]; without it the last that has the whole of the pulses about it.
     every : float
         Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
