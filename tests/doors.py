@@ -742,6 +742,9 @@ def doors(folder: Path) -> dict[str, Door]:
             {"speed": 20.0, "vehicle": slow, "plane": "pitch"},
         ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
+        "ShapedWind.in_planes": Door(
+            slanting.in_planes, {"values": {"wind_peak": 0.08}, "attitude": 0.8}
+        ),
         "ShapedWind.of_speed": Door(
             shaped.of_speed, {"speed": 20.0, "vehicle": slow, "plane": "pitch"}
         ),

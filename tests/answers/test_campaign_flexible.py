@@ -131,7 +131,9 @@ def test_a_case_is_flown_again_as_the_flexible_vehicle():
     assert set(fates) == {0.0, 1.0}
     one = replay_case(asked, int(fates.argmax()))
     values = {name: np.array([value]) for name, value in one.inputs.items()}
-    np.testing.assert_allclose(one.flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        one.planes["pitch"].flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12
+    )
     flown = one.flown()
     attitude = np.abs(flown.outputs["attitude"]).max()
     assert attitude == pytest.approx(one.outputs["flight_peak_attitude"], rel=1e-9)

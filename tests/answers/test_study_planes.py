@@ -127,7 +127,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
     with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
         tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round", model="fixed-path")
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
-    with pytest.raises(tv.InputError, match="a campaign is in one plane"):
+    with pytest.raises(tv.InputError, match="needs a stop of both planes"):
         tv.Campaign(vehicle=booster, wind=wind, dispersions=tv.Dispersions(()), cases=2)
 
 

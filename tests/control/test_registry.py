@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.answers.campaign.cases import batch, draw_case
 from tvclin.answers.campaign.file import template
-from tvclin.answers.campaign.outputs import law_of
+from tvclin.answers.campaign.flights import law_of
 from tvclin.answers.study_file.read import example
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import LAWS

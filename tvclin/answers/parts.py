@@ -58,7 +58,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "card": ("dispersion",),
     "size": tuple(one for one in _LOOP if one != "rate limit"),
     "availability": (*_LOOP, "dispersion"),
-    "campaign": ("shape of the stop",),
+    "campaign": (),
     "explore": ("measured wind", "dispersion"),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {

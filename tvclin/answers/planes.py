@@ -9,19 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, plain
 from tvclin.boundary.limit import ROUNDING
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, part_in
 
@@ -95,7 +95,7 @@ def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class PlanesNeeded:
-    """What one wind with a direction asks of both planes at one dead band.
+    """What one wind with a direction, or each of a batch, asks of both planes at one dead band.
 
     Attributes
     ----------
@@ -103,19 +103,22 @@ class PlanesNeeded:
         What the nozzle can do.
     wind : PlaneWind
         The wind.
-    deflection : float
+    deflection : float or ndarray
         What is required [rad], in the measure of the stop.
-    alone : dict of str to float
+    alone : dict of str to float or ndarray
         What each plane by itself requires [rad].
-    governs : str
-        Which of the two is larger, in words.
     """
 
     stop: Stop
     wind: PlaneWind
-    deflection: float
-    alone: dict[str, float]
-    governs: str
+    deflection: Any
+    alone: dict[str, Any]
+
+    @property
+    def governs(self) -> str:
+        """Which of the two is larger, in words; of one wind."""
+        held = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
+        return VECTOR if self.deflection > held * (1.0 + ROUNDING) else PARTS
 
     @property
     def peak(self) -> float:
@@ -138,25 +141,51 @@ class PlanesNeeded:
 def planes_needed(
     plants: dict[str, Plant], wind: PlaneWind, stop: Stop, dead_band: float
 ) -> PlanesNeeded:
-    """Return what a wind asks of both planes; `InputError` as `required_deflection`."""
-    alone = {}
-    for plane, plant in plants.items():
-        one: History = getattr(wind, plane)
-        blows = np.isfinite(one.onset)
-        need = required_deflection(plant, one, dead_band).deflection if blows else 0.0
-        alone[plane] = abs(float(need))
-    held = float(rectangle(stop, alone["pitch"], alone["yaw"]))
-    vector = 0.0
-    if np.isfinite(wind.pitch.onset) and np.isfinite(wind.yaw.onset):
-        found = vector_need(plants["pitch"], plants["yaw"], wind, stop, np.array([dead_band]))
-        vector = float(found.required[0])
+    """Return what winds ask of both planes; `InputError` as `required_deflection`.
+
+    Plants and winds broadcast; the vectors of a batch are solved case by case.
+    """
+    winds = {plane: getattr(wind, plane) for plane in PLANES}
+    blow = [bool(np.all(np.isfinite(one.onset))) for one in winds.values()]
+    alone = {
+        plane: np.abs(required_deflection(plants[plane], one, dead_band).deflection)
+        if there
+        else 0.0
+        for (plane, one), there in zip(winds.items(), blow, strict=True)
+    }
+    needs = rectangle(stop, alone["pitch"], alone["yaw"])
+    if all(blow):
+        least = needs.ravel().tolist()
+        vector = [
+            _vector(plants, wind, stop, dead_band, one, case, needs.shape)
+            for case, one in enumerate(least)
+        ]
+        needs = np.reshape(vector, needs.shape)
     return PlanesNeeded(
-        stop=stop,
-        wind=wind,
-        deflection=max(held, vector),
-        alone=alone,
-        governs=VECTOR if vector > held * (1.0 + ROUNDING) else PARTS,
+        stop, wind, plain(needs), {k: plain(np.asarray(v)) for k, v in alone.items()}
     )
+
+
+def _vector(
+    plants: dict[str, Plant],
+    wind: PlaneWind,
+    stop: Stop,
+    dead_band: float,
+    least: float,
+    case: int,
+    shape: tuple[int, ...],
+) -> float:
+    """What the vector of one wind of a batch asks for [rad]; `least` where that is no less."""
+    from tvclin.boundary.planes.limit import in_vectors
+    from tvclin.boundary.planes.pair import Pair, checked
+
+    pitch, yaw = (plants[plane].one(case, shape) for plane in PLANES)
+    pair = Pair((pitch, yaw), wind.one(case, shape))
+    try:
+        checked(pitch, pair.wind, stop, yaw)
+        return in_vectors(pair, stop, dead_band, least)
+    except InputError:  # (4b) has no vector for them
+        return least
 
 
 def of_heading(

@@ -142,7 +142,30 @@ class ShapedWind:
                 "both planes need a wind with a direction: give where it blows from, and the"
                 " azimuth of the flight"
             )
-        return dict(zip(PLANES, angles_of_vector(self.peak, self.heading, attitude), strict=True))
+        angles = angles_of_vector(self.peak, self.heading, attitude)
+        return dict(zip(PLANES, map(float, angles), strict=True))
+
+    def in_planes(self, values: dict[str, Any], attitude: ArrayLike) -> dict[str, History]:
+        """Return the winds of cases in each plane, with the gust along them.
+
+        Parameters
+        ----------
+        values : dict
+            Dispersed values, as of `history`.
+        attitude : array_like
+            Attitude of the flight of each case [rad].
+
+        Raises
+        ------
+        InputError
+            As `peaks`.
+        """
+        if self.heading is None:
+            self.peaks(0.0)
+        peak = np.asarray((self.nominal | values)["wind_peak"])
+        size, angles = np.abs(peak), angles_of_vector(peak, self.heading or 0.0, attitude)
+        whole = self.history(values | {"wind_peak": size})
+        return {plane: whole * (one / size) for plane, one in zip(PLANES, angles, strict=True)}
 
     @property
     def gust_words(self) -> str:

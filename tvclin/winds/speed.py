@@ -65,50 +65,51 @@ def angle_in_plane(
     return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)
 
 
-def along_and_across(heading: float, attitude: float) -> tuple[float, float]:
+def along_and_across(heading: float, attitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the sines of both wind angles over V_w/V_R: in pitch, and in yaw from the right.
 
     `heading`: direction [rad] from which a horizontal wind blows, clockwise from that of the
-    flight: pi is a tail wind, pi/2 one from the right. `attitude`: attitude of the flight above the
-    horizontal [rad].
+    flight: pi is a tail wind, pi/2 one from the right. `attitude`: attitudes of flights above the
+    horizontal [rad], of the shape of both.
     """
-    parts = -np.cos(heading) * np.sin(attitude), np.sin(heading)
-    along, across = (0.0 if abs(one) < _AXIS else float(one) for one in parts)
+    parts = -np.cos(heading) * np.sin(attitude), np.sin(heading) + 0.0 * np.asarray(attitude)
+    along, across = (np.where(np.abs(one) < _AXIS, 0.0, one) for one in parts)
     return along, across
 
 
-def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[float, float]:
-    """Return the wind angles [rad] in pitch and in yaw of a wind whose vector has a size.
+def angles_of_vector(
+    peak: ArrayLike, heading: float, attitude: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Return the wind angles [rad] in pitch and in yaw of winds whose vectors have a size.
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
-    `peak`: size [rad] of the vector of both angles; with a sign, the wind blows the other way.
-    `heading`, `attitude`: as of `along_and_across`. `InputError` for numbers that are not finite, a
-    wind along a level flight, which has no angle, and a vector that no wind slower than the flight
-    makes.
+    `peak`: sizes [rad] of the vector of both angles; with a sign, the wind blows the other way.
+    `heading`, `attitude`: as of `along_and_across`; peaks and attitudes broadcast. `InputError` for
+    numbers that are not finite, a wind along a level flight, which has no angle, and a vector that
+    no wind slower than the flight makes.
     """
-    size = number("peak", peak, unit="rad")
-    psi = number("heading", heading, directions, "rad")
-    along, across = along_and_across(psi, number("attitude", attitude, directions, "rad"))
-    if along == across == 0.0:
+    size, gamma = np.broadcast_arrays(finite("peak", peak, "rad"), directions("attitude", attitude))
+    along, across = along_and_across(number("heading", heading, directions, "rad"), gamma)
+    if np.any((along == 0.0) & (across == 0.0)):
         raise InputError("a wind along a level flight has no wind angle; give another heading")
-    if across == 0.0 or size == 0.0:
-        return float(np.copysign(1.0, along)) * size, 0.0
-    if along == 0.0:
-        return 0.0, float(np.copysign(1.0, across)) * size
-    most = 1.0 / max(abs(along), abs(across))
-    ratio = min(abs(size) / float(np.hypot(along, across)), most * (1.0 - _AXIS))
+    sines = np.stack([along, across])
+    most = (1.0 - _AXIS) / np.abs(sines).max(axis=0)
+    ratio = np.minimum(np.abs(size) / np.hypot(along, across), most)
     for _ in range(_STEPS):  # Newton on |alpha(r)|^2 = peak^2, which is convex in r
-        sines = ratio * np.array([along, across])
-        angles = np.arcsin(sines)
-        slope = np.sum(angles * np.array([along, across]) / np.sqrt(1.0 - sines**2))
-        ratio = min(ratio - 0.5 * float((angles @ angles - size**2) / slope), most * (1.0 - _AXIS))
-    pitch, yaw = np.copysign(1.0, size) * np.arcsin(ratio * np.array([along, across]))
-    if not np.isclose(np.hypot(pitch, yaw), abs(size), rtol=1e-9, atol=0.0):
+        angles = np.arcsin(ratio * sines)
+        slope = np.sum(angles * sines / np.sqrt(1.0 - (ratio * sines) ** 2), axis=0)
+        over = np.sum(angles**2, axis=0) - size**2
+        step = np.divide(over, slope, out=np.zeros(size.shape), where=size != 0.0)
+        ratio = np.minimum(ratio - 0.5 * step, most)
+    axis = (along == 0.0) | (across == 0.0)  # of one plane alone, to the last digit
+    pitch, yaw = np.where(axis, np.sign(sines) * np.abs(size), np.arcsin(ratio * sines))
+    if not np.allclose(np.hypot(pitch, yaw), np.abs(size), rtol=1e-9, atol=0.0):
         raise NotKnownError(
-            f"peak must be an angle that a wind slower than the flight makes; got {size:.6g} rad"
+            "peak must be an angle that a wind slower than the flight makes; got"
+            f" {float(np.abs(size).max()):.6g} rad"
         )
-    return float(pitch), float(yaw)
+    return np.copysign(1.0, size) * pitch, np.copysign(1.0, size) * yaw
 
 
 def angles_from_speed(

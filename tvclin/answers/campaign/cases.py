@@ -4,13 +4,14 @@ A case has the same bits whichever cases are computed with it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tvclin.answers.campaign.batch import Batch
 from tvclin.answers.campaign.dispersions import WIND, is_of_modes
 from tvclin.answers.campaign.draws import draw
-from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
+from tvclin.answers.campaign.outputs import REGISTRY, columns, compute
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import dispersed_modes
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
@@ -22,6 +23,7 @@ from tvclin.linear.models import flexible_model
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
 from tvclin.winds.shaped import WindEnsemble
 
 _TOGETHER = 4096
@@ -92,11 +94,7 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
         if k not in (*WIND, *GAINS, "wind") and not is_of_modes(k)
     }
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
-    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
-    wind = campaign.wind.history(cases.values)
-    gains = {name: cases.values.get(name, value) for name, value in campaign.gains.items()}
-    count = cases.possible.size
-    return Batch(plant, wind, gains, count, vehicle, _flexible(campaign, vehicle, cases.values))
+    return _batch(campaign, vehicle, cases.values, cases.possible.size)
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
@@ -106,10 +104,33 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}
-    wind, flexible = campaign.wind.history({}), _flexible(campaign, campaign.vehicle, {})
-    batch = Batch(campaign.rigid_plant, wind, campaign.gains, 1, campaign.vehicle, flexible)
+    batch = _batch(campaign, campaign.vehicle, {}, 1)
     found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
+
+
+def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
+    """The plane of a campaign, and beside it both where both are judged."""
+    if campaign.nozzle.stop is None or isinstance(campaign.wind, WindEnsemble):
+        return _in_plane(campaign, vehicle, values, campaign.wind.history(values), count)
+    winds = campaign.wind.in_planes(values, vehicle.attitude)
+    parts = {
+        plane: _in_plane(part, vehicle, values, winds[plane], count)
+        for plane, part in campaign.parts.items()
+    }
+    return replace(parts[campaign.plane], parts=parts)
+
+
+def _in_plane(
+    campaign: Campaign,
+    vehicle: Vehicle,
+    values: dict[str, AnyArray],
+    wind: History,
+    count: int,
+) -> Batch:
+    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
+    gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
+    return Batch(plant, wind, gains, count, vehicle, _flexible(campaign, vehicle, values))
 
 
 def _flexible(
@@ -135,10 +156,12 @@ def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, Any
         for name, values in compute(campaign, made, alone=alone).items():
             answers[name][which] = values
         if not alone:
-            poles = unstable_modes(made.plant).poles
-            unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
-            status[which[~unstable]] = STABLE
-            status[which[np.broadcast_to(leading_pole(made.plant)[1], which.shape)]] = PAIRED
+            plants = [one.plant for one in made.each]
+            poles = [unstable_modes(plant).poles for plant in plants]
+            stable = np.all([np.isnan(one).all(axis=-1) for one in poles], axis=0)
+            paired = np.any([leading_pole(plant)[1] for plant in plants], axis=0)
+            status[which[np.broadcast_to(stable, which.shape)]] = STABLE
+            status[which[np.broadcast_to(paired, which.shape)]] = PAIRED
 
     def refused(case: np.intp, error: Exception) -> None:
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"

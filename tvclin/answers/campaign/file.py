@@ -1,7 +1,6 @@
 """Campaign files: TOML in, a `Campaign` out."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -18,7 +17,7 @@ from tvclin.answers.campaign.tables import (
     read_tables,
     subject_of,
 )
-from tvclin.base.errors import InputError, naming
+from tvclin.base.errors import naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.winds.file import winds_of, with_gust
@@ -40,17 +39,11 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     ------
     InputError
         For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
-        offered), and as `Campaign`. One sentence says which and how to mend it. Also for a stop of
-        both planes.
+        offered), and as `Campaign`. One sentence says which and how to mend it.
     """
     file = a_path("path", path)
     document = read_tables(file, "write a campaign file with: tvclin campaign init")
     with naming(called(file)):
-        if nozzle_of(document).stop is not None:
-            raise InputError(
-                "a campaign judges one plane: leave stop out of [nozzle], or ask tvclin study,"
-                " which judges both with one stop"
-            )
         return parse_campaign(document, file.parent)
 
 
@@ -68,10 +61,11 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
     wind = with_gust(document, wind, vehicle, plane)
-    if isinstance(wind, ShapedWind):
+    nozzle = nozzle_of(document)
+    if isinstance(wind, ShapedWind) and nozzle.stop is None:
         wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))
     return Campaign(
-        nozzle=replace(nozzle_of(document), stop=None),
+        nozzle=nozzle,
         design=design_of(document),
         wind=wind,
         dispersions=dispersions_of(document),

@@ -6,77 +6,24 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.answers.campaign.batch import Batch, in_planes, required_name
+from tvclin.answers.campaign.both import least_of_both, required_of_both
+from tvclin.answers.campaign.flights import COLUMNS, flights
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.structures import first_plant
-from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.sizing.wind_sign import OWN, batch_factors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.laws.law import Law
-from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.record import loop_margins
-from tvclin.flights.closed_loop.many import fly_many
 from tvclin.flights.flown_boundary import flown_boundary
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.histories import History
 
-COLUMNS = {
-    "flight_survived": "",
-    "flight_peak_attitude": "rad",
-    "flight_peak_angle_of_attack": "rad",
-    "flight_peak_deflection": "rad",
-}
-"""Of the output "flight"."""
-MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
-"""Angles that are no deflections, with which a deflection limit is not compared."""
 _FLOWN_TO = 5e-4
 """Boundaries are flown to this part of the largest trim deflection."""
-
-
-@dataclass(frozen=True, eq=False)
-class Batch:
-    """Cases to be computed together.
-
-    `plant`: a batch of shape ``(n,)``, or one plant for all. `wind`: a batch of shape ``(n,)``, or
-    one wind for all. `gains`: gains of the autopilot, if one flies, ``(n,)`` where they are
-    dispersed. `vehicle`: what the plant was made of. `flexible`: the same vehicles with their
-    structure.
-    """
-
-    plant: Plant
-    wind: History
-    gains: dict[str, Any]
-    count: int
-    vehicle: Vehicle
-    flexible: FlexiblePlant | None = None
-
-    @property
-    def flying(self) -> AnyPlant:
-        """What flies, and what the autopilot controls."""
-        return self.plant if self.flexible is None else self.flexible
-
-    def one(self) -> tuple[Plant, History]:
-        """Return the plant and the wind of the first case, no longer as a batch."""
-        shape = (self.count,)
-        return self.plant.one(0, shape), self.wind.one(0, shape)
-
-    def one_flexible(self) -> FlexiblePlant | None:
-        """Return the flexible plant of the first case; None where vehicles are rigid."""
-        return None if self.flexible is None else first_plant(self.flexible, self.count)
-
-    def one_vehicle(self) -> Vehicle:
-        """Return the vehicle of the first case."""
-        given = ((name, getattr(self.vehicle, name)) for name in NUMBERS)
-        return self.vehicle.replace(
-            **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
-        )
 
 
 @dataclass(frozen=True)
@@ -112,13 +59,18 @@ def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, Float
     return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
 
 
-def required_name(dead_band: float, kind: str = "required") -> str:
-    """Return the name of the column of a dead band."""
-    short = f"{dead_band:g}"
-    return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
+def _of_planes(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
+    """Return columns and their units, and those of each plane where both are judged."""
+    if campaign.planes != BOTH:
+        return columns
+    each = {of: unit for name, unit in columns.items() for of in in_planes(name).values()}
+    return columns | each
 
 
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    if batch.parts:
+        every = (required_of_both(campaign, batch, K) for K in campaign.dead_bands)
+        return {name: values for one in every for name, values in one.items()}
     sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
     given = (batch.vehicle.rigid, campaign.model, campaign.plane, batch.wind)
     return {
@@ -133,33 +85,24 @@ def _slow(campaign: Campaign) -> bool:
     return campaign.model == "drift-and-speed"
 
 
-def law_of(campaign: Campaign, batch: Batch) -> Law:
-    """Return the law that flies the first case: the nominal one, or with gains of its own."""
-    gains: dict[str, Any] = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    own: dict[str, Any] = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
-    own["rate_limit"] = campaign.hardware["rate_limit"]
-    law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
-    return with_filters(law, campaign.asked)
+def _searched(campaign: Campaign) -> bool:
+    """Whether the minimum is, as that of vectors is too."""
+    return _slow(campaign) or campaign.planes == BOTH
 
 
-def _flight(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    dispersed = any(np.ndim(value) for value in batch.gains.values())
-    chains = {name: getattr(campaign.asked, name) for name in CHAINS}
-    own = dispersed and campaign.law == AUTOPILOT
-    assert campaign.nozzle.limit is not None
-    found = fly_many(
-        batch.flying,
-        Autopilot(**batch.gains, **chains) if own else law_of(campaign, batch),
-        batch.wind,
-        deflection_limit=campaign.nozzle.limit,
-        **campaign.hardware,
-    )
-    lost = (found.status == "lost") | (found.status == "rings")
-    fate = np.select([found.status == "survived", lost], [1.0, 0.0], np.nan)
-    return {"flight_survived": fate} | {
-        f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(found, f"peak_{name}"))
-        for name in ("attitude", "angle_of_attack", "deflection")
-    }
+def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    def alone(plant: Plant, wind: History) -> Any:
+        return np.abs(forecast_free_limit(plant, wind).deflection)
+
+    if batch.parts:
+        return least_of_both(campaign, batch, "forecast_free", alone, lambda one: one.no_forecast)
+    return {"forecast_free": alone(batch.plant, batch.wind)}
+
+
+def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    if batch.parts:
+        return least_of_both(campaign, batch, "minimum", least_peaks, lambda one: one.minimum)
+    return {"minimum": least_peaks(batch.plant, batch.wind)}
 
 
 _MARGINS = {
@@ -212,21 +155,22 @@ def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
 
 REGISTRY = {
     "required": Output(
-        lambda campaign: {required_name(K): "rad" for K in campaign.dead_bands}, _required, _slow
-    ),
-    "forecast-free": Output(
-        lambda _: {"forecast_free": "rad"},
-        lambda _, one: {
-            "forecast_free": np.abs(forecast_free_limit(one.plant, one.wind).deflection)
-        },
-    ),
-    "minimum": Output(
-        lambda _: {"minimum": "rad"},
-        lambda _, one: {"minimum": least_peaks(one.plant, one.wind)},
+        lambda campaign: _of_planes(
+            campaign, {required_name(K): "rad" for K in campaign.dead_bands}
+        ),
+        _required,
         _slow,
     ),
+    "forecast-free": Output(
+        lambda campaign: _of_planes(campaign, {"forecast_free": "rad"}),
+        _forecast_free,
+        lambda campaign: campaign.planes == BOTH,
+    ),
+    "minimum": Output(
+        lambda campaign: _of_planes(campaign, {"minimum": "rad"}), _minimum, _searched
+    ),
     "margins": Output(_margin_columns, _margins),
-    "flight": Output(lambda _: COLUMNS, _flight),
+    "flight": Output(lambda campaign: _of_planes(campaign, COLUMNS), flights),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown,

@@ -1,9 +1,9 @@
 """What a campaign is: one frozen value that says everything its numbers depend on."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,11 +19,13 @@ from tvclin.base.errors import (
     different,
     fraction,
     instance,
+    one_of,
     positive,
     shown,
     single,
     whole_number,
 )
+from tvclin.boundary.stops import STOPS
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -52,12 +54,16 @@ class Campaign(Case):
     one. Autopilot and law are designed on the nominal rigid vehicle; the filters of the autopilot
     stand in every law, and its gains may be dispersed.
 
+    With a stop of both planes, which needs a wind with a direction, both are judged: autopilot and
+    law are designed in each, and columns of each plane stand beside those of both. "margins" are
+    those of `plane`.
+
     Attributes
     ----------
     vehicle : Vehicle
         The nominal vehicle, one.
     wind : ShapedWind or WindEnsemble
-        Its winds, in the plane.
+        Its winds, in the plane, or with a direction and a stop of both planes.
     dispersions : Dispersions
         What is uncertain; the default ones are assumed, not any programme's.
     cases : int
@@ -93,8 +99,8 @@ class Campaign(Case):
     Raises
     ------
     InputError
-        As `Case`, for a wind with a direction or a stop of both planes, and for a parameter that is
-        dispersed but has no nominal value.
+        As `Case`, for a wind with a direction without a stop of both planes, or one without the
+        other, and for a parameter that is dispersed but has no nominal value.
     """
 
     vehicle: Vehicle
@@ -118,13 +124,52 @@ class Campaign(Case):
         single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
-        if self.nozzle.stop is not None or getattr(self.wind, "heading", None) is not None:
-            raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
+        self._check_planes()
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         self._check_outputs()
         if self.method == "latin" and self.cases > _MOST_LATIN_CASES:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
+
+    def _check_planes(self) -> None:
+        if self.nozzle.stop is None:
+            if self.heading is not None:
+                raise InputError(
+                    "a wind with a direction needs a stop of both planes; or give its part in one,"
+                    " wind.in_plane(...)"
+                )
+            return
+        if self.heading is None:
+            raise InputError(
+                "a stop of both planes needs a wind with a direction: give where it blows from,"
+                " and the azimuth of the flight"
+            )
+        one_of("stop of a campaign", self.nozzle.stop, STOPS)
+        if self.sign not in (None, FROZEN):
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        if "flown" in self.outputs:
+            raise InputError(
+                'the output "flown" is of one plane: leave it out, or the stop of both planes'
+            )
+        _ = self.parts  # refuses a wind without a part in the plane
+
+    @cached_property
+    def parts(self) -> dict[str, Self]:
+        """The campaign in each plane in which its wind blows; the same one without a stop of both.
+
+        Raises
+        ------
+        InputError
+            For a wind that has no part in `plane`.
+        """
+        if self.nozzle.stop is None or not isinstance(self.wind, ShapedWind):
+            return {self.plane: self}
+        path, nozzle = float(np.asarray(self.vehicle.attitude)), replace(self.nozzle, stop=None)
+        blows = [name for name, peak in self.wind.peaks(path).items() if peak]
+        return {
+            name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, path))
+            for name in dict.fromkeys((self.plane, *blows))
+        }
 
     def _check_outputs(self) -> None:
         if self.law != AUTOPILOT and "flight" not in self.outputs:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.answers.campaign.batch import required_name
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
-from tvclin.answers.campaign.outputs import required_name
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.statistics import (
     Quantile,

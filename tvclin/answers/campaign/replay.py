@@ -1,20 +1,24 @@
 """One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.answers.campaign.batch import Batch, required_name
 from tvclin.answers.campaign.cases import batch, draw_case, evaluate
 from tvclin.answers.campaign.dispersions import UNITS_OF
-from tvclin.answers.campaign.outputs import columns, law_of, required_name
+from tvclin.answers.campaign.flights import law_of, shares_of
+from tvclin.answers.campaign.outputs import columns
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.documents import picked
-from tvclin.base.errors import InputError, shown, whole_number
+from tvclin.base.errors import InputError, one_of, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
@@ -23,6 +27,7 @@ from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_response
+from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -33,13 +38,29 @@ _WATCHED = 20.0
 
 
 @dataclass(frozen=True, eq=False)
+class ReplayedPlane:
+    """One case in one plane.
+
+    `plant`, `wind`: its plant and wind. `law`: what flew it, where the campaign flies. `flexible`:
+    what was flown then, where the vehicle has a structure. `share`: the part of the limit that it
+    was flown with.
+    """
+
+    plant: Plant
+    wind: History
+    law: Law | None = None
+    flexible: FlexiblePlant | None = None
+    share: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Replay:
     """One case of a campaign.
 
     `inputs`: what was drawn for it [SI]. `outputs`: what was found [SI]; with the versions of the
     manifest the same bits as in the campaign. `status`: "ok", or in words what is different.
-    `plant`, `wind`: its plant and wind; None where the case cannot be. `law`: what flew it, where
-    the campaign flies. `flexible`: what was flown then, where the vehicle has a structure.
+    `planes`: the case in each plane that is judged and in which its wind blows; none where it
+    cannot be. Where a method takes a plane, that of the campaign is meant without one.
     """
 
     campaign: Campaign
@@ -47,10 +68,7 @@ class Replay:
     inputs: dict[str, float]
     outputs: dict[str, float]
     status: str
-    plant: Plant | None
-    wind: History | None
-    law: Law | None = None
-    flexible: FlexiblePlant | None = None
+    planes: dict[str, ReplayedPlane]
 
     @property
     def dead_band(self) -> float:
@@ -61,14 +79,19 @@ class Replay:
     def required(self) -> float:
         """The deflection [rad] that is required at `dead_band` in the dynamic pressure of calm air.
 
-        Its sign opposes the wind.
+        In the plane of the campaign; its sign opposes the wind.
         """
+        return self._required("")
+
+    def _required(self, plane: str) -> float:
         from tvclin.answers.requirement import required_deflection
 
-        plant, wind = self._flown()
-        return float(required_deflection(plant, wind, self.dead_band).deflection)
+        one = self._plane(plane)
+        return float(required_deflection(one.plant, one.wind, self.dead_band).deflection)
 
-    def response(self, capability: float = 1.0, points: int = 401) -> "TimeResponseData":
+    def response(
+        self, capability: float = 1.0, points: int = 401, plane: str = ""
+    ) -> "TimeResponseData":
         """Return the exact response to the wind and to trim until the dead band is left.
 
         `capability`: deflection limit over what is required, positive. With more than one the limit
@@ -76,15 +99,16 @@ class Replay:
         from the onset of the wind to twice its duration. `InputError` when the case cannot be, or
         needs no deflection.
         """
-        plant, wind = self._flown()
-        if self.required == 0.0:
+        one = self._plane(plane)
+        required = self._required(plane) if plane else self.required
+        if required == 0.0:
             raise InputError(f"case {self.case} needs no deflection")
         deflection = trim_then_hold(
-            plant, wind, capability * self.required, self.dead_band, "literal"
+            one.plant, one.wind, capability * required, self.dead_band, "literal"
         )
-        start, end = float(wind.onset), float(wind.end)
+        start, end = float(one.wind.onset), float(one.wind.end)
         return attitude_response(
-            plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)
+            one.plant, deflection, one.wind, np.linspace(start, 2.0 * end - start, points)
         )
 
     @property
@@ -101,13 +125,17 @@ class Replay:
 
     @property
     def _needs(self) -> float:
-        return self.outputs.get(required_name(self.dead_band), abs(self.required))
+        known = self.outputs.get(required_name(self.dead_band))
+        if known is not None or self.campaign.planes != BOTH:
+            return abs(self.required) if known is None else known
+        asked = replace(self.campaign, outputs=("required",), law=AUTOPILOT)
+        return float(evaluate(asked, self.case, 1)[required_name(self.dead_band)][0])
 
     @property
     def fate(self) -> str:
         """What becomes of the case at the limit of the campaign, in words; empty without one."""
         limit = self.campaign.nozzle.limit
-        if limit is None or self.plant is None:
+        if limit is None or not self.planes:
             return ""
         if "flight_survived" in self.outputs:
             known = {1.0: "survives", 0.0: "lost"}
@@ -125,14 +153,26 @@ class Replay:
     def extremes(self) -> dict[str, float]:
         """What is largest in `response` [deg], and its end [s]; nothing where there is none.
 
-        It has as much of what it needs as the limit, where it is lost, and else all.
+        It has as much of what it needs as the limit, where it is lost, and else all. Of two planes
+        the names say which.
         """
-        return _extremes(lambda: self.response(self.capability), ("attitude", "angle_of_attack"))
+        return self._extremes(
+            lambda plane: self.response(self.capability, plane=plane),
+            ("attitude", "angle_of_attack"),
+        )
 
     @property
     def extremes_flown(self) -> dict[str, float]:
         """The same of `flown`, with the deflection."""
-        return _extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
+        return self._extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
+
+    def _extremes(
+        self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
+    ) -> dict[str, float]:
+        every = {plane: _extremes(partial(made, plane), names) for plane in self.planes}
+        if len(every) < 2:
+            return next(iter(every.values()), {})
+        return {f"{plane}_{k}": v for plane, found in every.items() for k, v in found.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON; units are told."""
@@ -150,7 +190,7 @@ class Replay:
             for k, v in self.inputs.items()
         )
         part = "on the boundary"
-        if self.plant is not None and self.capability < 1.0:
+        if self.planes and self.capability < 1.0:
             part = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
         every = (
             quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
@@ -161,31 +201,32 @@ class Replay:
         )
         return tuple(one for one in every if one.rows)
 
-    def flown(self) -> "TimeResponseData":
+    def flown(self, plane: str = "") -> "TimeResponseData":
         """Return its flight with limits, at the samples of its law, until some time after its wind.
 
         `InputError` when the case cannot be, or the campaign flies nothing.
         """
-        plant, wind = self._flown()
-        if self.law is None or self.campaign.nozzle.limit is None:
+        one = self._plane(plane)
+        plant, wind = one.plant, one.wind
+        if one.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
         poles = np.real(unstable_modes(plant).poles)
         begin, rate = float(wind.onset), hardware["sample_rate"]
         end = float(wind.end) + (_WATCHED / float(poles.max()) if poles.size else 0.0)
         return fly(
-            self.flexible or plant,
-            self.law,
+            one.flexible or plant,
+            one.law,
             wind,
             begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
-            deflection_limit=self.campaign.nozzle.limit,
+            deflection_limit=self.campaign.nozzle.limit * one.share,
             **hardware,
         )
 
-    def _flown(self) -> tuple[Plant, History]:
-        if self.plant is None or self.wind is None:
+    def _plane(self, plane: str) -> ReplayedPlane:
+        if not self.planes:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
-        return self.plant, self.wind
+        return self.planes[one_of("plane", plane or self.campaign.plane, self.planes)]
 
 
 def _angles(found: dict[str, float]) -> Iterator[Row]:
@@ -230,18 +271,10 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     with pinned(compiled):
         row = evaluate(campaign, case, 1)
     drawn = draw_case(campaign, case)
-    plant: Plant | None = None
-    wind: History | None = None
-    law: Law | None = None
-    flexible: FlexiblePlant | None = None
+    planes: dict[str, ReplayedPlane] = {}
     if drawn.possible[0]:
-        try:
-            made = batch(campaign, drawn)
-            plant, wind = made.one()
-            flexible = made.one_flexible()
-            law = law_of(campaign, made) if "flight" in campaign.outputs else None
-        except InputError:  # its status says why
-            pass
+        with suppress(InputError):  # its status says why
+            planes = _planes(campaign, batch(campaign, drawn))
     found: dict[str, Any] = {name: values[0] for name, values in row.items()}
     status = str(found.pop("status"))
     del found["case"]
@@ -252,8 +285,20 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
         inputs,
         {k: float(v) for k, v in found.items()},
         status,
-        plant,
-        wind,
-        law,
-        flexible,
+        planes,
     )
+
+
+def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
+    """The first case of a batch in each plane."""
+    flies = "flight" in campaign.outputs
+    shares = shares_of(campaign, made) if made.parts else {}
+    return {
+        plane: ReplayedPlane(
+            *one.one(),
+            law_of(campaign.parts[plane], one) if flies else None,
+            one.one_flexible(),
+            float(np.ravel(shares.get(plane, 1.0))[0]),
+        )
+        for plane, one in (made.parts or {campaign.plane: made}).items()
+    }

@@ -10,8 +10,9 @@ import numpy as np
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.campaign.chunks import chunk_file, read_columns
 from tvclin.answers.campaign.dispersions import UNITS_OF
+from tvclin.answers.campaign.flights import MOTIONS
 from tvclin.answers.campaign.manifest import Manifest, read_manifest
-from tvclin.answers.campaign.outputs import MOTIONS, columns
+from tvclin.answers.campaign.outputs import columns
 from tvclin.answers.campaign.plan import Campaign, checkpoints
 from tvclin.answers.campaign.replay import Replay, replay_case
 from tvclin.answers.campaign.statistics import (

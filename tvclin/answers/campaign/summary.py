@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.campaign.outputs import required_name
+from tvclin.answers.campaign.batch import in_planes, required_name
 from tvclin.answers.campaign.results import CampaignResults
 from tvclin.answers.campaign.statistics import Quantile, Success, shares
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
+from tvclin.vehicle.coefficients import BOTH
 
 _MOST = 5
 """So many cases and drivers are shown."""
@@ -66,14 +67,19 @@ class CampaignSummary(Shown):
     def trusts_a_forecast(self) -> bool:
         """Whether the output is a boundary with a dead band below one."""
         bands = {required_name(K): K for K in self.found.campaign.dead_bands}
+        bands |= {of: K for name, K in bands.items() for of in in_planes(name).values()}
         return bands.get(self.output, 1.0) < 1.0
 
     @property
     def pressure(self) -> str:
         """Which dynamic pressure the output has, in words."""
         plan, required = self.found.campaign, self.output.startswith("required_")
-        if plan.plane != "pitch" or plan.sign == FROZEN or not required:
+        both = plan.planes == BOTH
+        across = plan.plane != "pitch" and not both
+        if across or plan.sign == FROZEN or not required:
             return "of calm air"
+        if both:
+            return "met in each wind"
         if plan.sign is not None:
             return f"met in a {plan.sign} wind"
         return "met in each wind" if plan.wind.count else "met in a head or tail wind, the worse"
@@ -117,7 +123,8 @@ class CampaignSummary(Shown):
     def tables(self) -> tuple[Table, Table]:
         """Return the answer with what drives it, and how it converges."""
         plan, r = self.found.campaign, self.required
-        caption = f"{plan.vehicle.name}, {plan.model}: {self.output}"
+        planes = f", both planes, {plan.nozzle.stop} stop" if plan.planes == BOTH else ""
+        caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
         rows = tuple(
             (
                 significant(f"convergence.{one.cases}", one.cases, 9),

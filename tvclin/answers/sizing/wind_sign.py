@@ -83,7 +83,13 @@ def pressure_ratios(path: ArrayLike, angle: FloatArray) -> FloatArray:
 
 
 def batch_factors(
-    vehicle: Vehicle, model: str, plane: str, winds: History, dead_band: float, sign: str | None
+    vehicle: Vehicle,
+    model: str,
+    plane: str,
+    winds: History,
+    dead_band: float,
+    sign: str | None,
+    along: History | None = None,
 ) -> FloatArray:
     """Return what vehicles need in winds by their sign, over what they need in calm air's.
 
@@ -99,29 +105,34 @@ def batch_factors(
         K.
     sign : {"head", "tail", "frozen"}, optional
         The one that counts; without it the worst of them. `OWN` is that of the winds themselves.
+    along : History, optional
+        The same winds in the pitch plane, for those in yaw.
 
     Returns
     -------
     ndarray
         ``(...)``; one for a wind across the path, and where what its sign changes is not known.
     """
-    if plane != "pitch" or sign == FROZEN:
+    along = winds if plane == "pitch" else along
+    if along is None or sign == FROZEN:
         return np.ones(())
     begin, end = np.ravel(winds.onset), np.ravel(winds.end)
     times = begin[:, np.newaxis] + (end - begin)[:, np.newaxis] * _PARTS
-    angle = np.real(pieces.value(winds.pieces, times if winds.batch else times[0]))
-    angle = angle.reshape(-1, _PARTS.size)
+    angle, turned = (
+        np.real(pieces.value(one.pieces, times if one.batch else times[0])).reshape(-1, _PARTS.size)
+        for one in (winds, along)
+    )
     path = np.ravel(vehicle.attitude)[:, np.newaxis]
     met = AirMet.held(
         *(Plant.from_vehicle(v, model, plane) for v in (vehicle, denser_air(vehicle)))
     )
-    given = np.sign(np.ravel(winds.peak))[:, np.newaxis]
+    given = np.sign(np.ravel(along.peak))[:, np.newaxis]
     turn = (
         1.0
         if sign == OWN
         else given * (SIGNS[sign] if sign in SIGNS else np.where(np.cos(path) < 0.0, 1.0, -1.0))
     )
-    found = need_ratio(met, times, pressure_ratios(path, turn * angle), angle, dead_band)[0]
+    found = need_ratio(met, times, pressure_ratios(path, turn * turned), angle, dead_band)[0]
     found = np.where(np.isnan(found), 1.0, found)
     return np.maximum(found, 1.0) if sign is None else found
 

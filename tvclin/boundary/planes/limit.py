@@ -222,17 +222,29 @@ def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
     )
 
 
+def in_vectors(pair: Pair, stop: Stop, K: float, least: float) -> float:
+    """Return the limit [rad] of the control in both planes, which trim itself leaves; or `least`.
+
+    `least`: the rectangle of what each plane asks for by itself, if that is more. The minimum of
+    both and their bound without a forecast are no more than this, and are not looked for.
+    `InputError` as `plane_limit`.
+    """
+    if _line(pair) is not None:  # along which the planes are one
+        return least
+    _turns_level(pair, K)
+    shape = stop if K == 0.0 else stop.inside
+    limit = max(least, float(shape.gauge(_left(pair, shape, K, literal=True)[0])))
+    if K in (0.0, 1.0) or max(one.size for one in pair.poles) == 1:
+        return limit
+    return _lost_after_trim(pair, stop.inside, K, True, limit)
+
+
 def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> list[Needed]:
     """Return what one wind asks of two planes at each dead band."""
     line = _line(pair)
     if line is not None:
         return [_straight(pair, *line, stop, K, literal) for K in bands]
-    falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
-    if any(falling) and max(bands) > 0.0 and not pair.wind.one_direction:
-        raise InputError(
-            "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
-            " when the wind is over; take dead_band=0, or what each plane requires by itself"
-        )
+    _turns_level(pair, max(bands))
     least = float(stop.inside.gauge(pair.demanded(np.asarray([float(pair.wind.onset)])))[0])
     doubt = ""
     if max(one.size for one in pair.poles) > 1:
@@ -242,6 +254,16 @@ def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> lis
             doubt = f"the minimum is not solved: at most {100.0 * best.certificate.gap:.2g}% less"
     bound = unforeseen(pair, stop.inside)
     return [_turning(pair, stop, K, literal, least, bound, doubt) for K in bands]
+
+
+def _turns_level(pair: Pair, K: float) -> None:
+    """Raise `InputError` for a wind that turns where b1 is below zero."""
+    falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
+    if any(falling) and K > 0.0 and not pair.wind.one_direction:
+        raise InputError(
+            "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
+            " when the wind is over; take dead_band=0, or what each plane requires by itself"
+        )
 
 
 def _turning(
@@ -271,7 +293,7 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
     """The largest limit [rad] that is lost when the dead band is left at K times it, or `least`.
 
     L <- max(K L, m(L)) from the largest trim on, as in `after_trim`. The rectangle of what each
-    plane asks for by itself is no less than m.
+    plane asks for by itself is no less than m, and tried first.
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
@@ -280,8 +302,8 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
     heights = np.asarray(stop.gauge(driver(times)))
     limit = float(max(heights.max(), stop.gauge(pair.trim(times)).max()))
 
-    def asked(limit: float, enough: float) -> float:
-        """m(L), or what is no less and enough."""
+    def asked(limit: float, enough: float, solved: bool) -> float:
+        """m(L) solved, or what is no less."""
 
         def over(t: float) -> float:
             return float(stop.gauge(driver(np.asarray([t])))[0]) - K * limit
@@ -297,18 +319,20 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
             alone.append(float(peaks_of(poles, z / poles)[0]))
         corners = [complex(alone[0], side * alone[1]) for side in (1.0, -1.0)]
         apart = float(np.max(stop.gauge([*corners, *(-one for one in corners)])))
-        return apart if apart <= enough else least_in_planes(pair, stop, t).peak
+        return apart if apart <= enough or not solved else least_in_planes(pair, stop, t).peak
 
-    limit = max(limit, asked(heights.max() / K * (1.0 + _CLOSE), limit))
-    while limit > least:
-        lowest = max(K * limit, least)
-        below = max(asked(limit, lowest), lowest)
-        if below > limit * (1.0 - _CLOSE):
-            return limit
-        limit = below
-        if limit <= least * (1.0 + _NEAR) and asked(least, least) <= least * (1.0 + _CLOSE):
-            return least
-    return least
+    limit = max(limit, asked(heights.max() / K * (1.0 + _CLOSE), limit, False))
+    for solved in (False, True):
+        while limit > least:
+            lowest = max(K * limit, least)
+            below = max(asked(limit, lowest, solved), lowest)
+            if below > limit * (1.0 - _CLOSE):
+                break
+            limit = below
+            near = limit <= least * (1.0 + _NEAR)
+            if near and asked(least, least, solved) <= least * (1.0 + _CLOSE):
+                return least
+    return max(limit, least)
 
 
 def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:

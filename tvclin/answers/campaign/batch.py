@@ -1,0 +1,85 @@
+"""Cases that are computed together: their plants and winds, in one plane or in both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.campaign.structures import first_plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Cases to be computed together.
+
+    `plant`: a batch of shape ``(n,)``, or one plant for all. `wind`: a batch of shape ``(n,)``, or
+    one wind for all. `gains`: gains of the autopilot, if one flies, ``(n,)`` where they are
+    dispersed. `vehicle`: what the plant was made of. `flexible`: the same vehicles with their
+    structure. `parts`: the same in each plane in which the wind blows, where both are judged.
+    """
+
+    plant: Plant
+    wind: History
+    gains: dict[str, Any]
+    count: int
+    vehicle: Vehicle
+    flexible: FlexiblePlant | None = None
+    parts: Mapping[str, Batch] = field(default_factory=dict)
+
+    @property
+    def each(self) -> tuple[Batch, ...]:
+        """Those of all planes that are judged."""
+        return tuple(self.parts.values()) or (self,)
+
+    @property
+    def plants(self) -> dict[str, Plant]:
+        """The plants of both planes."""
+        model = self.plant.model
+        return {name: Plant.from_vehicle(self.vehicle, model, name) for name in PLANES}
+
+    @property
+    def vectors(self) -> PlaneWind:
+        """The winds of both planes; of one in which nothing blows zero."""
+        winds = {name: one.wind for name, one in self.parts.items()}
+        return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
+
+    @property
+    def flying(self) -> AnyPlant:
+        """What flies, and what the autopilot controls."""
+        return self.plant if self.flexible is None else self.flexible
+
+    def one(self) -> tuple[Plant, History]:
+        """Return the plant and the wind of the first case, no longer as a batch."""
+        shape = (self.count,)
+        return self.plant.one(0, shape), self.wind.one(0, shape)
+
+    def one_flexible(self) -> FlexiblePlant | None:
+        """Return the flexible plant of the first case; None where vehicles are rigid."""
+        return None if self.flexible is None else first_plant(self.flexible, self.count)
+
+    def one_vehicle(self) -> Vehicle:
+        """Return the vehicle of the first case."""
+        given = ((name, getattr(self.vehicle, name)) for name in NUMBERS)
+        return self.vehicle.replace(
+            **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
+        )
+
+
+def in_planes(name: str) -> dict[str, str]:
+    """Return the names of a column of both planes in each."""
+    return {plane: f"{name}_{plane}" for plane in PLANES}
+
+
+def required_name(dead_band: float, kind: str = "required") -> str:
+    """Return the name of the column of a dead band."""
+    short = f"{dead_band:g}"
+    return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
