@@ -83,9 +83,9 @@ def test_what_did_not_change_is_not_computed_again(few: None) -> None:
     computed = [parts.need, parts.loop_margins, parts.motion, parts.fate]
 
     def grown(**changes: Any) -> list[int]:
-        before = [one.cache_info().misses for one in computed]
+        before = [len(one.kept) for one in computed]
         answer(moved(**start | changes))
-        return [one.cache_info().misses - b for one, b in zip(computed, before, strict=True)]
+        return [len(one.kept) - b for one, b in zip(computed, before, strict=True)]
 
     assert grown(duration=8.2501) == [1, 0, 1, 1]
     assert grown(limit=0.3501) == [0, 0, 1, 1]

@@ -11,6 +11,7 @@ from tvclin.answers.parts import told
 from tvclin.answers.planes import words_of
 from tvclin.answers.requirement import covers
 from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
 from tvclin.control.margins.record import Margins
@@ -106,25 +107,25 @@ def answer(choices: Choices, most: int | None = None) -> Answer:
 
 def _steps(choices: Choices) -> list[tuple[Callable[[], parts.Part], bool]]:
     """The steps to an answer, and whether each takes longer than a slider may wait."""
-    asked, wind = choices.of_need, choices.wind
-    sought = wind.gust is not None and wind.gust_at is None
-    slow = _slow(choices)
+    asked, wind, gust = choices.of_need, choices.wind, choices.of_gust
+    sought = wind.gust is not None and wind.gust_at is None and (gust,) not in parts.placed.kept
 
-    def of_flight(part: Callable[..., parts.Part]) -> parts.Part:
-        at = parts.placed(choices.of_gust)
+    def of_flight(part: parts.Kept) -> parts.Part:
+        at = parts.placed(gust)
         if at.value is None:
             return at
         return part(replace(choices.of_motion, wind=at.value), choices.law)
 
-    def lasting(duration: float) -> parts.Part:
-        return parts.need(replace(asked, wind=replace(wind, duration=duration)))
+    def of_need(plan: StudyPlan) -> tuple[Callable[[], parts.Part], bool]:
+        return (lambda: parts.need(plan)), _slow(choices) and (plan,) not in parts.need.kept
 
+    lasting = (replace(wind, duration=one) for one in _durations(choices).tolist())
     return [
         (lambda: parts.loop_margins(choices.of_margins), False),
         (lambda: of_flight(parts.motion), sought),
         (lambda: of_flight(parts.fate), sought),
-        (lambda: parts.need(asked), slow),
-        *((lambda one=one: lasting(one), slow) for one in _durations(choices).tolist()),
+        of_need(asked),
+        *(of_need(replace(asked, wind=one)) for one in lasting),
     ]
 
 

@@ -6,7 +6,6 @@ computed again.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, wraps
 from typing import Any
 
 import numpy as np
@@ -61,42 +60,50 @@ class Motion:
     deflection: FloatArray
 
 
-def _part(compute: Callable[..., Any]) -> Callable[..., Part]:
-    """Keep what is found, with warnings and refusals as sentences beside it."""
+class Kept:
+    """A function whose answers are kept, with warnings and refusals as sentences beside them."""
 
-    @lru_cache(maxsize=_KEPT)
-    @wraps(compute)
-    def found(*plain: Any) -> Part:
+    def __init__(self, compute: Callable[..., Any]) -> None:
+        self._compute = compute
+        self.kept: dict[tuple[Any, ...], Part] = {}
+
+    def __call__(self, *plain: Any) -> Part:
+        """Return what is kept of these arguments, or is found now."""
+        if plain not in self.kept:
+            self.kept[plain] = self._found(plain)
+            while len(self.kept) > _KEPT:
+                del self.kept[next(iter(self.kept))]
+        return self.kept[plain]
+
+    def _found(self, plain: tuple[Any, ...]) -> Part:
         said: list[str] = []
         with warned(said.append):
             try:
-                value = compute(*plain)
+                value = self._compute(*plain)
             except InputError as error:
                 return Part(None, (str(error),))
         return Part(value, tuple(one for one in said if not one.startswith(COMPILED)))
 
-    return found
 
-
-@_part
+@Kept
 def need(plan: StudyPlan) -> CaseNeed:
     """Return what is required, as `tvclin study` says it."""
     return case_need(plan, plan.dead_band, plan.sign)
 
 
-@_part
+@Kept
 def loop_margins(plan: StudyPlan) -> Margins:
     """Return the margins of the autopilot, as `tvclin margins` says them."""
     return plan.autopilot.margins(plan.plant)
 
 
-@_part
+@Kept
 def placed(plan: StudyPlan) -> ShapedWind:
     """Return the wind with its gust at its time, or at the worst one."""
     return plan.wind_at(plan.dead_band)
 
 
-@_part
+@Kept
 def motion(plan: StudyPlan, law: str) -> Motion:
     """Return what the vehicle does in a wind whose gust has its time.
 
@@ -121,7 +128,7 @@ def motion(plan: StudyPlan, law: str) -> Motion:
     return Motion(times, wind(times), flown.outputs["attitude"], flown.outputs["deflection"])
 
 
-@_part
+@Kept
 def fate(plan: StudyPlan, law: str) -> str | None:
     """Return what becomes of the flight of a law, as of `FlownCases`; None of what is no law."""
     if law == REPORT:
