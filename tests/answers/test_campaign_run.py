@@ -386,6 +386,15 @@ def test_a_case_that_fails_takes_no_other_with_it(plan, whole, tmp_path, monkeyp
     )
 
 
+def test_arrays_that_do_not_fit_are_no_fault_of_a_case(plan, monkeypatch):
+    def work(campaign, batch):
+        return {"required_K1": np.zeros(batch.count) + np.zeros(batch.count + 1)}
+
+    monkeypatch.setitem(REGISTRY, "required", replace(REGISTRY["required"], work=work))
+    with pytest.raises(ValueError, match="could not be broadcast"):
+        evaluate(replace(plan, outputs=("required",)), 0, 8)
+
+
 def test_a_dataset_has_every_column_with_its_unit(whole):
     pytest.importorskip("xarray")
     table = whole.to_xarray()

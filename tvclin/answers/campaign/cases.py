@@ -28,6 +28,8 @@ from tvclin.winds.shaped import WindEnsemble
 
 _TOGETHER = 4096
 """Cases that are held in memory at a time."""
+_OF_A_CASE = (InputError, ArithmeticError, np.linalg.LinAlgError, RuntimeError)
+"""What one case can raise: it is refused, overflows, is singular, or is not solved."""
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
 PAIRED = "two unstable poles are a pair or equal: the dead band must never be left"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
@@ -180,13 +182,16 @@ def _divide(
     refused: Callable[[np.intp, Exception], None],
     which: IndexArray,
 ) -> None:
-    """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
+    """Do the work for all at once, or halve what is refused until the bad cases stand alone.
+
+    What no case alone can be at fault for, as arrays that do not fit together, is raised.
+    """
     if not which.size:
         return
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
             work(which)
-    except (ValueError, ArithmeticError, RuntimeError) as error:
+    except _OF_A_CASE as error:
         if which.size == 1:
             refused(which[0], error)
             return
