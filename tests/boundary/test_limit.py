@@ -428,6 +428,8 @@ def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i,
     least = tvclin.optimum_deflection(plant, wind).peak
     np.testing.assert_array_equal(needs[BOUNDARY], np.abs(boundary.deflection))
     np.testing.assert_array_equal(needs[NO_FORECAST], [0.0, bound])
+    whole = open_loop_needs(plant, wind, 1.0, boundary_alone(plant, wind, 1.0, True)[0])
+    assert whole[NO_FORECAST] == bound
     np.testing.assert_allclose(needs[MINIMUM], [least, least], rtol=1e-9)
     assert needs[AFTER_TRIM][0] > max(needs[name][0] for name in (BOUNDARY, MINIMUM))
     assert needs[AFTER_TRIM][1] == 0.0
