@@ -443,3 +443,13 @@ def test_a_path_that_grows_without_an_aerodynamic_moment_has_no_limit_over_trim(
         growing = Plant.from_coefficients(calm.replace(mu_alpha=mu_alpha, C1=-0.1), "drift-exact")
         with pytest.raises(InputError, match=r"^plant must have an aerodynamic moment, mu_alpha"):
             boundary_limit(growing, wind)
+
+
+def test_a_table_has_a_row_for_each_place_and_a_column_for_each_dead_band():
+    durations, dead_bands = np.array([5.0, 10.0]), np.array([0.0, 0.5, 1.0])
+    wind = tvclin.TriangularWind(peak=0.05, duration=durations[:, np.newaxis])
+    found = boundary_limit(plant_of(), wind, dead_bands)
+    table = found.table("y", "tau [s]", durations, dead_bands)
+    assert table.head == ("tau [s]", "K = 0", "K = 0.5", "K = 1")
+    shown = [[number.value for (number,) in row] for row in table.rows]
+    np.testing.assert_array_equal(shown, np.column_stack([durations, found.limit]))
