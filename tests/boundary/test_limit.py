@@ -320,6 +320,9 @@ def test_a_batch_of_stable_vehicles_needs_no_deflection():
     stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.6), "fixed-path")
     found = boundary_limit(stable, sampled())
     assert found.limit.tolist() == found.deflection.tolist() == [0.0, 0.0]
+    rate, paired = leading_pole(stable)
+    assert np.isnan(rate).tolist() == [True, True]
+    assert paired.tolist() == [False, False]
 
 
 @pytest.mark.parametrize("bad", [-1e-9, 1.000001, np.nan, "all"], ids=repr)
@@ -428,8 +431,6 @@ def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i,
     least = tvclin.optimum_deflection(plant, wind).peak
     np.testing.assert_array_equal(needs[BOUNDARY], np.abs(boundary.deflection))
     np.testing.assert_array_equal(needs[NO_FORECAST], [0.0, bound])
-    whole = open_loop_needs(plant, wind, 1.0, boundary_alone(plant, wind, 1.0, True)[0])
-    assert whole[NO_FORECAST] == bound
     np.testing.assert_allclose(needs[MINIMUM], [least, least], rtol=1e-9)
     assert needs[AFTER_TRIM][0] > max(needs[name][0] for name in (BOUNDARY, MINIMUM))
     assert needs[AFTER_TRIM][1] == 0.0
@@ -453,3 +454,11 @@ def test_a_table_has_a_row_for_each_place_and_a_column_for_each_dead_band():
     assert table.head == ("tau [s]", "K = 0", "K = 0.5", "K = 1")
     shown = [[number.value for (number,) in row] for row in table.rows]
     np.testing.assert_array_equal(shown, np.column_stack([durations, found.limit]))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_trim_throughout_needs_the_bound_without_a_forecast_on_every_model(configuration_i, model):
+    plant, wind = Plant.from_vehicle(configuration_i, model), sampled()
+    boundary = boundary_alone(plant, wind, 1.0, True)[0]
+    needs = open_loop_needs(plant, wind, 1.0, boundary)
+    assert needs[NO_FORECAST] == abs(tvclin.forecast_free_limit(plant, wind).deflection)
