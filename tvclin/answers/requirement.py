@@ -43,8 +43,6 @@ from tvclin.winds.histories import History
 
 TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"
-_WIDEST = 1e9
-"""Limits beyond this [rad] mean nothing."""
 _LITTLE = 1.005
 """What a flight that survives with so many times (4b) adds to it is not looked for."""
 
