@@ -367,3 +367,21 @@ def test_the_report_s_control_flown_survives_with_what_is_required(seed, dead_ba
     control = tv.flights.ReportControl(dead_band)
     survives = planar_verdict(vehicle, wind, control, plane="yaw")
     assert survives(1.01 * abs(found.deflection)), found
+
+
+def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
+    time = [0.0, 30.0, 60.0, 75.0, 90.0]
+    whole, part = (
+        tv.SampledWind(time=time, angle=angle)
+        for angle in ([0.0, -0.05, 0.0, 0.05, 0.0], [0.0, 0.0, 0.0, 0.05, 0.0])
+    )
+    alone = tv.required_deflection(plant, part, 0.5)
+    found = tv.required_deflection(plant, part, 0.5, whole=whole)
+    both = [tv.optimum_deflection(plant, w, float(w.onset)).peak for w in (part, whole)]
+    assert alone.needs[MINIMUM] == pytest.approx(both[0], rel=1e-9)
+    assert found.needs[MINIMUM] == pytest.approx(max(both), rel=1e-9)
+    assert both[1] > both[0]
+    for other, says in ((0.05, "whole must be a History"), (whole * [1.0, 2.0], "of shape")):
+        with pytest.raises(tv.InputError, match=says):
+            tv.required_deflection(plant, part, 0.5, whole=other)

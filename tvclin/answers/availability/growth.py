@@ -24,7 +24,6 @@ FloatArray = NDArray[np.float64]
 
 HALF_DAY = 12.0
 """h between the soundings of most stations."""
-_LARGEST = np.pi / 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from tvclin.winds.soundings.many_levels import Rows, collected
 
 _HEADER = re.compile(rb"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b")
 BEGINS = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
-_WIDTH, _WIDEST = 51, 60
+_WIDEST = 60
 _BLANK = (33, 39, 45)
 _DERIVED = "-drvd"
 _AT_ONCE = 100_000
