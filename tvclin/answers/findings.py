@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.nozzle_cards.record import FlightCard
     from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.sizing.total import DeflectionTotal
+    from tvclin.answers.sizing.total_record import DeflectionTotal
     from tvclin.answers.trials import LawTrial
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront

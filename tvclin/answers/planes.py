@@ -59,7 +59,7 @@ def vector_need(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
 ) -> VectorNeed:
     """Return what a wind that ends asks of two planes; zeros where (4b) has no vector for them."""
-    from tvclin.boundary.planes.limit import needed
+    from tvclin.boundary.planes.needed import needed
     from tvclin.boundary.planes.pair import Pair, checked
 
     pair = Pair((pitch, yaw), wind)
@@ -176,7 +176,7 @@ def _vector(
     shape: tuple[int, ...],
 ) -> float:
     """What the vector of one wind of a batch asks for [rad]; `least` where that is no less."""
-    from tvclin.boundary.planes.limit import in_vectors
+    from tvclin.boundary.planes.needed import in_vectors
     from tvclin.boundary.planes.pair import Pair, checked
 
     pitch, yaw = (plants[plane].one(case, shape) for plane in PLANES)

@@ -15,7 +15,7 @@ from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.measured import MeasuredWind
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.total import DeflectionTotal, total_table
+from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan

@@ -19,7 +19,8 @@ from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.signed import base_of, by_sign
 from tvclin.answers.sizing.size import WORDS, size
-from tvclin.answers.sizing.total import DeflectionTotal, worst_total
+from tvclin.answers.sizing.total import worst_total
+from tvclin.answers.sizing.total_record import DeflectionTotal
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.record import TRIM, Sizing
-from tvclin.answers.sizing.total import DeflectionTotal, total_deflection
-from tvclin.answers.sizing.total import Line as Part
+from tvclin.answers.sizing.total import total_deflection
+from tvclin.answers.sizing.total_record import DeflectionTotal
+from tvclin.answers.sizing.total_record import Line as Part
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, number, positive, small_angle

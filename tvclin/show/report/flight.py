@@ -3,7 +3,7 @@
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.total import total_table
+from tvclin.answers.sizing.total_record import total_table
 from tvclin.plots import sizing_chart
 from tvclin.show.report.blocks import (
     Block,
