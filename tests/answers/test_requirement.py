@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import drawn
+from tvclin.answers import requirement
 from tvclin.answers.requirement import NOTHING
 from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
@@ -385,3 +386,58 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
     for other, says in ((0.05, "whole must be a History"), (whole * [1.0, 2.0], "of shape")):
         with pytest.raises(tv.InputError, match=says):
             tv.required_deflection(plant, part, 0.5, whole=other)
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Put in the place of flights what they are asked: limit and cases looked at, cases flown."""
+    told = {}
+
+    def looked_at(_plant, _wind, limit, cases):
+        told.update(limit=limit, looked_at=cases.tolist())
+        return np.zeros(cases.shape, dtype=bool)
+
+    def flown(_plant, _wind, cases, _least):
+        told.update(flown=cases.tolist())
+        return np.zeros(cases.shape)
+
+    monkeypatch.setattr(requirement, "lost_flown", looked_at)
+    monkeypatch.setattr(requirement, "trim_law_flown", flown)
+    return told
+
+
+def test_the_trim_law_is_flown_for_each_reason_alone_and_else_looked_at(
+    configuration_i, asked, monkeypatch
+):
+    c = tv.Coefficients.from_vehicle(configuration_i)
+    plant = tv.Plant.from_coefficients(c, "drift-exact")
+    quick_path = tv.Plant.from_coefficients(c.replace(b1=[c.b1, 0.06]), "drift-exact")
+    found = tv.required_deflection(quick_path, triangle(7.5))
+    assert (asked["looked_at"], asked["flown"]) == ([True, False], [False, True])
+    np.testing.assert_allclose(asked["limit"], 1.005 * np.abs(found.deflection), rtol=1e-14)
+    asked.clear()
+    tv.required_deflection(plant, triangle(7.5))
+    assert (asked["looked_at"], asked["flown"]) == (True, False)
+    asked.clear()
+    tv.required_deflection(plant, triangle(7.5), 0.5)
+    assert asked == {"flown": False}
+    tv.required_deflection(plant, triangle(7.5), whole=triangle(7.5))
+    assert asked == {"flown": True}
+    back = tv.SampledWind(time=np.arange(6.0), angle=[0.0, 0.08, 0.04, 0.04, 0.08, 0.0])
+    tv.required_deflection(plant, back)
+    assert asked == {"flown": True}
+    needs = requirement.open_loop_needs
+
+    def more(*given):
+        found = needs(*given)
+        return found | {MINIMUM: 1.5 * found[BOUNDARY]}
+
+    monkeypatch.setattr(requirement, "open_loop_needs", more)
+    tv.required_deflection(plant, triangle(7.5))
+    assert asked == {"flown": True}
+
+
+def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():
+    calm = tv.Coefficients(mu_alpha=0.0, mu_delta=2.0, C1=0.1, q=0.01)
+    found = tv.required_deflection(tv.Plant.from_coefficients(calm, "drift-exact"), triangle(7.5))
+    assert (found.limit, found.deflection, found.governs) == (0.0, 0.0, NOTHING)
