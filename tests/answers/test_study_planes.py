@@ -9,9 +9,11 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.answers.findings import Findings, find
+from tvclin.answers.planes import missing_part, rectangle
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.boundary.stops import CircularStop, PolygonStop
 from tvclin.cli.app import app
 
 HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")
@@ -169,3 +171,24 @@ def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections
     assert one.yes is False
     assert f"turn the nozzle by {most:.3f}" in one.text
     assert one.text.endswith("in both planes")
+
+
+@pytest.mark.parametrize("turns", range(4))
+def test_a_rectangle_is_inside_every_edge_of_its_stop(turns):
+    corners = np.array([1.0, 0.6j, -0.5, -0.8j]) * 1j**turns
+    sides = np.stack([corners, np.roll(corners, -1)], axis=-1)
+    normals = np.linalg.solve(
+        np.stack([sides.real, sides.imag], axis=-1), np.ones((4, 2, 1))
+    )  # of edges n . v = 1
+    x, y = np.array([0.2, 0.0, 0.3, -0.2]), np.array([0.1, 0.4, 0.0, 0.1])
+    expected = (np.abs(normals) * np.abs([x, y])).sum(axis=1).max(axis=0)
+    np.testing.assert_allclose(rectangle(PolygonStop(corners), x, y), expected, rtol=1e-14)
+
+
+def test_where_a_plane_has_no_limit_neither_has_the_rectangle():
+    found = rectangle(CircularStop(), [3.0, np.inf, 1.0, np.nan], [4.0, 1.0, np.inf, 1.0])
+    np.testing.assert_array_equal(found, [5.0, np.inf, np.inf, np.nan])
+
+
+def test_one_plane_misses_no_part_of_nothing():
+    np.testing.assert_array_equal(missing_part([0.0, 3.0, 4.0], [0.0, 4.0, 4.0]), [0.0, 0.25, 0.0])
