@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
 from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.wind_sign import own_sign
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     between,
@@ -31,8 +32,6 @@ from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.passage import LARGEST_ANGLE
-
-FloatArray = NDArray[np.float64]
 
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, number, text
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LATEST = 124
 """Steps, up to which soundings are compared: two months of two a day."""

@@ -10,15 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.availability.met import on_lines
 from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
 from tvclin.answers.sizing.growing import GrowingMode
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
-BoolArray = NDArray[np.bool_]
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 
 _LEAST, _MOST, _LOOKS = 0.5, 1.2, 24
 """Of the bound: with less nothing is flown, for the attitude is then off by more than is linear;
@@ -43,7 +39,7 @@ class PlaneFlights:
     winds: Sequence[tuple[FloatArray, FloatArray]]
     bound: FloatArray
 
-    def lost(self, which: IntArray, parts: FloatArray) -> BoolArray:
+    def lost(self, which: IndexArray, parts: FloatArray) -> BoolArray:
         """Return which of some are lost with parts of their bounds, each ``(w, p)``."""
         steps = flight_steps(self.mode)
         there = np.broadcast_to(steps, (which.size, steps.size))

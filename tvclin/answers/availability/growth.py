@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -19,8 +20,6 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
-
-FloatArray = NDArray[np.float64]
 
 HALF_DAY = 12.0
 """h between the soundings of most stations."""

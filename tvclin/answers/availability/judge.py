@@ -13,23 +13,19 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.availability.flights import PlaneFlights, survives_all
 from tvclin.answers.availability.growth import WindGrowth
-from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines, with_gust
-from tvclin.answers.availability.needs import needs_of_winds
-from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
-from tvclin.answers.sizing.air_met import AirMet, even_steps, met_pressure, need_ratio
-from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
+from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines
+from tvclin.answers.availability.sides import Sides, at_most, flown_needs, in_air
+from tvclin.answers.availability.tables import FlightTables, flight_tables
+from tvclin.answers.sizing.air_met import AirMet, even_steps
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 STOPS = ("round", "square")
 UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
@@ -41,9 +37,6 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
 )
 _AT_ONCE = 200_000
 """Levels of soundings that are looked at together."""
-_RETURNS, _DRIFTS_FAST = 1.2, 1.02
-"""Of what a wind asks for, so much a flight may need that meets the limit more than once while the
-path drifts, or once while it drifts fast, as far as docs/availability.md says what was measured."""
 _HEIGHTS = 40
 """Of a flight, at which the strength of winds in an archive is looked at."""
 
@@ -151,6 +144,10 @@ class Judge:
         path = FlownPath.of(flight)
         return cls(flight, path, _parts(flight, model, planes), planes, model, **asked)
 
+    @property
+    def _sides(self) -> Sides:
+        return Sides(self.path, self.growth, self.gust, self.gust_speed)
+
     def used_to(self, soundings: Soundings) -> Judge:
         """Return the same that takes what is not known to be as strong as in an archive."""
         known = KnownWinds.of(soundings[soundings.usable], self.path)
@@ -191,7 +188,7 @@ class Judge:
         last = len(soundings) - index.size
         cuts = np.arange(_AT_ONCE, ends.max(initial=0), _AT_ONCE)
         for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
-            within = known.some(some).flat(self.path, self._more)
+            within = known.some(some).flat(self.path, self._sides.strongest)
             heights[index[some]] = within
             flat = ~np.isnan(within[:, 0])
             winds, within, those = known.some(some[flat]), within[flat], index[some[flat]]
@@ -263,21 +260,6 @@ class Judge:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
-    def _growth(self, height: FloatArray) -> Any:
-        """What the wind may become at heights [m/s]."""
-        return 0.0 if self.growth is None else self.growth.at(height)
-
-    def _more(self, height: FloatArray) -> Any:
-        """The same with the speed of the gust."""
-        return self._growth(height) + abs(self.gust_speed or 0.0)
-
-    def _gust_size(self, times: FloatArray, plane: str) -> FloatArray:
-        """The gust whose middle is at times [s], over the one that is given."""
-        if self.gust is None or self.gust_speed is None:
-            return np.ones(times.shape)
-        speed = np.full(times.shape, self.gust_speed)
-        return self.path.angle(speed, times, plane) / float(self.gust.peak)
-
     def _needs(
         self,
         known: KnownWinds,
@@ -337,7 +319,7 @@ class Judge:
                 alike = not held and self.gust is None and self.growth is None
                 each = flown and not alike  # the same wind to both sides is flown once
                 sides = [
-                    self._side(
+                    self._sides.to_one(
                         tables, height, times, np.where(hidden, strong, blows), fine, rows, each
                     )
                     for blows in (wind, -wind)
@@ -346,116 +328,19 @@ class Judge:
                 calm = [need for need, _ in sides]
                 need = np.maximum(*calm)
                 if flown and alike:
-                    need = _flown(tables.mode, *winds[0], need)
+                    need = flown_needs(tables.mode, *winds[0], need)
                     calm = [need, need]
                 if self.pressure:
                     other = blow["pitch" if plane == "yaw" else "yaw"]
+                    beside = on_lines(times, other, fine)
                     factors = [
-                        self._in_air(part, plane, side, winds, on_lines(times, other, fine), fine)
+                        in_air(part.path, part.met[plane], plane, side, winds, beside, fine)
                         for side, (_, winds) in zip((1.0, -1.0), sides[: 2 - alike], strict=False)
                     ]
                     need = np.maximum(calm[0] * factors[0], calm[1] * factors[-1])
-                need = np.stack([need[0], _at_most(need)])
+                need = np.stack([need[0], at_most(need)])
                 pairs = np.asarray(rows.paired.any(axis=1))
                 yield self.planes.index(plane), a, need, np.maximum(*calm)[0], winds, pairs
-
-    def _in_air(
-        self,
-        part: FlightPart,
-        plane: str,
-        side: float,
-        winds: list[Winds],
-        other: FloatArray,
-        fine: FloatArray,
-    ) -> FloatArray:
-        """What winds to a side need in the dynamic pressure met, over calm air's, ``(3, n)``.
-
-        The other plane's wind [m/s] is that at the `fine` times.
-        """
-        steps, met = part.met[plane]
-        at = np.broadcast_to(steps, (fine.shape[0], steps.size))
-        path, every = part.path, []
-        speed, climb = (np.interp(steps, path.time, one) for one in (path.speed, path.climb))
-        beside = on_lines(fine, other, at) / speed
-        for times, angle in winds:
-            turned = on_lines(times, angle, at)
-            own = side * np.sin(turned)
-            along, across = (own / np.sin(climb), beside) if plane == "pitch" else (beside, own)
-            ratio = met_pressure(climb, along, across)
-            blows = turned / np.sqrt(ratio)
-            every.append(need_ratio(met, steps[np.newaxis], ratio, turned, 1.0, blows))
-        found = np.fmax.reduce(every)[[0, 0, 1]]
-        return np.where(np.isnan(found), 1.0, found)
-
-    def _side(
-        self,
-        tables: FlightTables,
-        height: FloatArray,
-        times: FloatArray,
-        wind: FloatArray,
-        fine: FloatArray,
-        rows: TableRows,
-        flown: bool,
-    ) -> tuple[FloatArray, list[Winds]]:
-        """What winds [m/s] at heights and times ask for to one side, as `_on_lines`.
-
-        And these winds, with their gusts.
-        """
-        plane = tables.mode.plane
-        angle = self.path.angle(wind + self._growth(height), times, plane)
-        if fine is not times:
-            angle = on_lines(times, angle, fine)
-        need, at_limit = self._on_lines(tables, fine, angle, rows, flown)
-        winds = [(fine, angle)]
-        if self.gust is not None:
-            top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
-            blows = np.max(angle, axis=1) > 0.0
-            winds = [
-                with_gust(self.gust, blows * self._gust_size(at, plane), fine, angle, at)
-                for at in (top, at_limit)
-            ]
-            gusty = [self._on_lines(tables, *wind, None, flown)[0] for wind in winds]
-            need = np.where(blows, np.maximum(*gusty), need)
-        return need, winds
-
-    def _on_lines(
-        self,
-        tables: FlightTables,
-        times: FloatArray,
-        angle: FloatArray,
-        rows: TableRows | None,
-        flown: bool,
-    ) -> tuple[FloatArray, FloatArray]:
-        """What wind angles [rad] ask for, and when trim and demand are that large.
-
-        The least, what a flight may need more, and the largest trim, ``(3, n)``.
-        """
-        found = needs_of_winds(tables, times, angle, rows)
-        fast = tables.at(found.at).drifts_fast
-        part = np.where(found.returns, _RETURNS, np.where(fast, _DRIFTS_FAST, 1.0))
-        part = np.where(tables.order > 0, part, 1.0)
-        need = np.stack([found.limit, part * found.limit, found.trim])
-        return (_flown(tables.mode, times, angle, need) if flown else need), found.at
-
-
-def _flown(mode: GrowingMode, times: FloatArray, angle: FloatArray, need: FloatArray) -> FloatArray:
-    """Needs ``(3, n)`` in wind angles [rad], flown where they differ."""
-    doubted = _at_most(need) > need[0]
-    if not np.any(doubted):
-        return need
-    steps = flight_steps(mode)
-    winds = on_lines(
-        times[doubted], angle[doubted], np.broadcast_to(steps, (int(doubted.sum()), steps.size))
-    )
-    found = need.copy()
-    found[:, doubted] = trim_law_needs(mode, steps, winds, need[0, doubted])
-    return found
-
-
-def _at_most(need: FloatArray) -> FloatArray:
-    """What needs ``(3, n)`` are at the most: what a flight may need more, or the largest trim."""
-    least, more, trim = need
-    return np.maximum(least, np.minimum(more, trim))
 
 
 @lru_cache(maxsize=8)

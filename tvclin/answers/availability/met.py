@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gathered
 from tvclin.winds.soundings.passage import LARGEST_ANGLE, checked_flight, longest_run
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Winds = tuple[FloatArray, FloatArray]
 """Knots [s], and the wind angles [rad] there, each ``(n, k)``; straight lines between them."""
 

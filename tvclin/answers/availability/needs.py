@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.availability.tables import FlightTables, TableRows
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from tvclin.base.arrays import BoolArray, FloatArray
 
 _MOST_STEPS, _MET = 40, 1e-10
 """Of the search on a line for where trim and demand meet; and how near, over either, they do."""

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tvclin.answers.availability.confidence import part_of
 from tvclin.answers.availability.judge import Judge
 from tvclin.answers.requirement import covers
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, card
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
@@ -27,8 +28,6 @@ from tvclin.base.errors import (
 from tvclin.base.lines import degrees, text
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
-
-FloatArray = NDArray[np.float64]
 
 _BETWEEN = "its trim reaches the limit more than once, and was not flown: ask for this limit"
 _LESS = 1.0 - 1e-9
@@ -118,7 +117,7 @@ class Availability(Tabled):
     model: str
     least: FloatArray
     most: FloatArray
-    known: NDArray[np.bool_]
+    known: BoolArray
     persistence: FloatArray
     confidence: float
     notes: tuple[str, ...]
@@ -310,7 +309,7 @@ class Availability(Tabled):
         known = ~np.isnan(self.least)
         return np.where(known & enough, 1.0, np.where(known & lost, 0.0, np.nan))
 
-    def _for_each(self, limit: float, which: NDArray[np.bool_], unknown: float = np.nan) -> Any:
+    def _for_each(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]
         flown = np.nan_to_num(self._flies(limit), nan=unknown)

@@ -20,14 +20,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.answers.sizing.collocation import solved
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.trim_flown import path_counts
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.limit import leading_pole
-
-FloatArray = NDArray[np.float64]
 
 _STEP = 5e-4
 """Between the times of a table, over the time in which the fastest mode grows by e: straight lines
@@ -104,12 +102,12 @@ class TableRows:
         return np.asarray(self.per_wind * wind + np.sum(drifted * path, axis=-1))
 
     @property
-    def paired(self) -> NDArray[np.bool_]:
+    def paired(self) -> BoolArray:
         """Whether two modes grow together: trim must then never be limited."""
         return np.asarray(self.rows[..., -2] > 0.0)
 
     @property
-    def drifts_fast(self) -> NDArray[np.bool_]:
+    def drifts_fast(self) -> BoolArray:
         """Whether the path has a say beside the fastest mode."""
         return np.asarray(self.rows[..., -1] > 0.0)
 
