@@ -20,6 +20,7 @@ from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_sizing
+from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
@@ -38,7 +39,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import draw, print_json, print_tables, say, say_lines, say_notes
+from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
@@ -156,12 +157,8 @@ def size(
     )
     asked = case.sizing
     assert asked is not None
-    times = asked.times(case)
-    if plot is not None and times.size < 2:
-        raise InputError(
-            "--plot draws over the flight, which takes two or more flight times; got"
-            f" {times[0]:g} s alone (--from, --to, --every)"
-        )
+    if plot is not None:
+        _check_drawn(asked.times(case))
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
@@ -171,19 +168,27 @@ def size(
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
-    if as_json:
-        verdict = picked(whole, "limit_deg sufficient left_deg not_sized")
-        beside = {
-            "total": whole,
-            "controllability": ratio,
-            "notes": [*found.notes, *said],
-            "verdict": verdict,
-        }
-        print_json(found.as_dict() | beside)
-    else:
-        _print(found, whole, ratio, source, asked.counted(found, case.sign), said)
-    if whole.too_slow or (whole.limit is not None and not whole.sufficient):
-        raise typer.Exit(1)
+    beside = {
+        "total": whole,
+        "controllability": ratio,
+        "notes": [*found.notes, *said],
+        "verdict": picked(whole, "limit_deg sufficient left_deg not_sized"),
+    }
+    answer(
+        as_json,
+        lambda: found.as_dict() | beside,
+        lambda: _print(found, whole, ratio, source, asked.counted(found, case.sign), said),
+        not whole.too_slow and (whole.limit is None or bool(whole.sufficient)),
+    )
+
+
+def _check_drawn(times: FloatArray) -> None:
+    """Raise `InputError` where a figure over the flight would have one flight time [s] alone."""
+    if times.size < 2:
+        raise InputError(
+            "--plot draws over the flight, which takes two or more flight times; got"
+            f" {times[0]:g} s alone (--from, --to, --every)"
+        )
 
 
 def _print(

@@ -17,7 +17,7 @@ from tvclin.answers.sizing.record import (
     Sizing,
     beyond_one_pole,
 )
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.stops import Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -59,27 +59,7 @@ def in_both_planes(
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
     ]
-    known = [name for name in pitch.required if name in yaw.required]
-    held = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in known}
-    sides = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
-    alone = {  # a stop reaches no further in a plane than its support
-        name: np.maximum(pitch.required[name] / sides[0], yaw.required[name] / sides[1])
-        for name in known
-    }
-    required = dict(held)
-    required[TRIM] = _larger(alone[TRIM], needs, lambda one: one.trim)
-    required[MINIMUM] = _larger(alone[MINIMUM], needs, lambda one: one.minimum)
-    if pitch.law == "bound":
-        required[NO_FORECAST] = _larger(alone[NO_FORECAST], needs, lambda one: one.no_forecast)
-    names = [f"K = {K:g}" for K in bands]
-    for k, name in enumerate(names):
-        required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
-        if (along := f"{name}{VARYING}") in held:  # what the vector asks for beyond the planes
-            beyond_planes = np.divide(
-                required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
-            )
-            required[along] = held[along] * beyond_planes
-    more = np.any([required[name] > held[name] for name in names], axis=0)
+    required, more = _required(pitch, yaw, needs, stop)
     refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
     spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]
     said = (*pitch.said, *yaw.said, *spoken)
@@ -100,6 +80,37 @@ def in_both_planes(
         alone=parts,
         stop=stop,
     )
+
+
+def _required(
+    pitch: Sizing, yaw: Sizing, needs: list[list[VectorNeed]], stop: Stop
+) -> tuple[dict[str, FloatArray], BoolArray]:
+    """What both planes require, by names, and where the vector asks for more than each by itself.
+
+    Of the trim, the minimum and the bound without a forecast the larger of both planes counts, of
+    dead bands the corner of both; and what the vector of the wind asks for, if that is more.
+    """
+    known = [name for name in pitch.required if name in yaw.required]
+    held = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in known}
+    sides = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    alone = {  # a stop reaches no further in a plane than its support
+        name: np.maximum(pitch.required[name] / sides[0], yaw.required[name] / sides[1])
+        for name in known
+    }
+    required = dict(held)
+    required[TRIM] = _larger(alone[TRIM], needs, lambda one: one.trim)
+    required[MINIMUM] = _larger(alone[MINIMUM], needs, lambda one: one.minimum)
+    if pitch.law == "bound":
+        required[NO_FORECAST] = _larger(alone[NO_FORECAST], needs, lambda one: one.no_forecast)
+    names = [f"K = {K:g}" for K in pitch.dead_bands]
+    for k, name in enumerate(names):
+        required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
+        if (along := f"{name}{VARYING}") in held:  # what the vector asks for beyond the planes
+            beyond_planes = np.divide(
+                required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
+            )
+            required[along] = held[along] * beyond_planes
+    return required, np.any([required[name] > held[name] for name in names], axis=0)
 
 
 def _vector(

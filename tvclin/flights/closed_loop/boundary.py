@@ -208,23 +208,26 @@ def closed_loop_boundary(
     at = edge.limit if np.isfinite(edge.limit) else high
     hardware = Hardware(length, late, actuator, most_rate)
     batch = one_flight(plant, law, wind, at * scale, hardware, factor)
-    worst = worst_near_rest(batch)
-    growth = worst.real
-    words = [] if edge.status == OK else [edge.status]
-    creeps = bool(growth > _CREEPS * modes.poles[0])
-    if creeps and worst.imag > SLOW * modes.poles[0]:
-        words.append(
-            f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {growth:+.3g} 1/s"
-        )
-    elif creeps:
-        words.append(f"near rest a real mode grows with {growth:+.3g} 1/s")
+    worst, fastest = worst_near_rest(batch), float(modes.poles[0])
+    creeps = worst.real > _CREEPS * fastest
+    words = [edge.status] if edge.status != OK else []
+    words += [_grows(worst, fastest)] if creeps else []
     return ClosedLoopBoundary(
         limit=edge.limit,
         deflection=-edge.limit * float(plant.coefficients.B) * float(wind.peak),
         scan=edge.scan,
         survives=edge.found == SURVIVED,
         looked=edge.looked,
-        growth=growth,
+        growth=worst.real,
         creeps=creeps,
         status="; ".join(words) or OK,
     )
+
+
+def _grows(worst: complex, fastest: float) -> str:
+    """What grows near rest, in words; a mode that turns slowly beside the fastest pole is real."""
+    if worst.imag > SLOW * fastest:
+        return (
+            f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {worst.real:+.3g} 1/s"
+        )
+    return f"near rest a real mode grows with {worst.real:+.3g} 1/s"
