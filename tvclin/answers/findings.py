@@ -157,21 +157,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
     with warned(said.append):
         study = plan.study()
         reasons: dict[str, str] = {}
-
-        wanted = {
-            "trials": plan.laws,
-            "comparison": plan.design or plan.criteria,
-            "flexible": plan.vehicle.structure and (plan.design or plan.criteria),
-            "stop": plan.nozzle.limit and (plan.design or plan.criteria),
-            "flown": plan.nozzle.limit and (plan.design or plan.criteria),
-            "dispersed": plan.dispersions,
-            "flight": plan.sizing,
-            "card": plan.sizing and plan.sizing.card,
-            "availability": plan.availability,
-            "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
-            "loads": plan.load,
-        }
-        asked = [name for name, one in wanted.items() if one is not None]
+        asked = _asked(plan)
 
         def part(name: str, compute: Callable[[StudyPlan, Study, Told], Any]) -> Any:
             if name not in asked:
@@ -211,6 +197,25 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             reasons=reasons,
             warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
+
+
+def _asked(plan: StudyPlan) -> list[str]:
+    """What a plan asks for, by the names of fields of `Findings`."""
+    loop = plan.design or plan.criteria
+    wanted = {
+        "trials": plan.laws,
+        "comparison": loop,
+        "flexible": plan.vehicle.structure and loop,
+        "stop": plan.nozzle.limit and loop,
+        "flown": plan.nozzle.limit and loop,
+        "dispersed": plan.dispersions,
+        "flight": plan.sizing,
+        "card": plan.sizing and plan.sizing.card,
+        "availability": plan.availability,
+        "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
+        "loads": plan.load,
+    }
+    return [name for name, one in wanted.items() if one is not None]
 
 
 def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
