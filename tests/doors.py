@@ -767,7 +767,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SizingAsked.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
-        "SizingAsked.counted": Door(asked.counted, {"found": sizing}),
+        "SizingAsked.counted": Door(asked.counted, {"found": sizing, "sign": "head"}),
         "SizingAsked.pulses": Door(asked.pulses, {"case": study.case}),
         "SizingAsked.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
         "SizingAsked.times": Door(asked.times, {"case": study.case}),

@@ -17,6 +17,12 @@ STUDY = f'[study]\nvehicle = "configuration-i"\n{WIND}'
 CAMPAIGN = f'[campaign]\nvehicle = "configuration-i"\ncases = 10\n{WIND}'
 
 
+@pytest.fixture(autouse=True)
+def _says_not_how_far_it_is(monkeypatch) -> None:
+    """A slow machine would tell."""
+    monkeypatch.setattr("tvclin.cli.progress._LINES", float("inf"))
+
+
 def run(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(one) for one in arguments])
 

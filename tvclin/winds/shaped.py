@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -142,10 +142,11 @@ class ShapedWind:
                 "both planes need a wind with a direction: give where it blows from, and the"
                 " azimuth of the flight"
             )
-        angles = angles_of_vector(self.peak, self.heading, attitude)
+        flown = number("attitude", attitude, directions, "rad")
+        angles = angles_of_vector(self.peak, self.heading, flown)
         return dict(zip(PLANES, map(float, angles), strict=True))
 
-    def in_planes(self, values: dict[str, Any], attitude: ArrayLike) -> dict[str, History]:
+    def in_planes(self, values: Mapping[str, Any], attitude: ArrayLike) -> dict[str, History]:
         """Return the winds of cases in each plane, with the gust along them.
 
         Parameters
@@ -158,13 +159,14 @@ class ShapedWind:
         Raises
         ------
         InputError
-            As `peaks`.
+            As `peaks`, and for values that are not by name.
         """
+        instance("values", values, Mapping, "of dispersed values by name")
         if self.heading is None:
             self.peaks(0.0)
-        peak = np.asarray((self.nominal | values)["wind_peak"])
+        peak = np.asarray(values.get("wind_peak", self.peak))
         size, angles = np.abs(peak), angles_of_vector(peak, self.heading or 0.0, attitude)
-        whole = self.history(values | {"wind_peak": size})
+        whole = self.history({**values, "wind_peak": size})
         return {plane: whole * (one / size) for plane, one in zip(PLANES, angles, strict=True)}
 
     @property

@@ -21,7 +21,7 @@ from tvclin.answers.sizing.signed import base_of, by_sign
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import worst_total
 from tvclin.answers.sizing.total_record import DeflectionTotal
-from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
@@ -157,6 +157,8 @@ class SizingAsked:
         if self.count is not None:
             return one_of("count", self.count, found.required)
         instance("found", found, Sizing, "see sizing()")
+        if sign is not None:
+            one_of("sign", sign, (*SIGNS, FROZEN))
         name = base_of(found)
         signs = ("", *IN_A.values()) if sign is None else (IN_A.get(sign, ""),)
         known = [name + one for one in signs if name + one in found.worst]
