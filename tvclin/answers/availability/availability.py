@@ -85,8 +85,8 @@ def availability(
         On top of each wind, once with its middle where the wind is largest, and once where trim
         reaches the need; the larger counts.
     gust_speed : float, optional
-        Wind speed [m/s] at the gust's peak, in place of its angle: the flight meets it at the angle
-        of that time, eq (B1e), in each plane as if it blew in that plane alone.
+        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: the flight meets it
+        at the angle of that time, eq (B1e), in each plane as if it blew in that plane alone.
     known_to : float, optional
         Height [m] to which a sounding must go to be judged.
     utc_offset : float, optional
@@ -134,7 +134,8 @@ def availability(
     if gust_speed is not None:
         if gust is None:
             raise InputError("the speed of a gust needs the gust that it is of")
-        gust_speed = number("gust_speed", gust_speed, nonzero, "m/s")
+        nonzero("gust_speed", gust_speed, "m/s")
+        gust_speed = number("gust_speed", gust_speed, between(-1e3, 1e3), "m/s")
     azimuths = one_row_or_one("azimuth", azimuth)
     directions("azimuth", azimuths)
     growth = growth_of(persistence)
