@@ -405,6 +405,9 @@ def test_where_the_speed_stays_a_gust_of_it_is_one_of_an_angle(archive) -> None:
         assert by_speed == pytest.approx(by_angle, rel=1e-12)
     with pytest.raises(tv.InputError, match="speed of a gust needs the gust"):
         tv.availability(even, archive, gust_speed=9.0, **asked)
+    for speed in (0.0, -1000.1):
+        with pytest.raises(tv.InputError, match="gust_speed must be"):
+            tv.availability(even, archive, gust=other, gust_speed=speed, **asked)
 
 
 def test_nothing_is_judged_where_wind_and_gust_are_too_steep() -> None:
