@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,6 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.limit import boundary_alone, open_loop_needs
 from tvclin.linear.plant import Plant
 from tvclin.winds.shaped import ShapedWind
-
-if TYPE_CHECKING:
-    pass
 
 _COARSE, _FINE = 16, 64
 """Steps over the wind, at least and at most: two in each duration of the gust."""

@@ -58,16 +58,11 @@ def met_pressure(climb: FloatArray, along: FloatArray, across: FloatArray | floa
 class AirMet:
     """Vehicles while winds blow, and what more dynamic pressure adds to their equations.
 
-    Attributes
-    ----------
-    calm, more : ndarray
-        A beside the columns of deflection and wind in calm air, and what the dynamic pressure adds
-        for each part of it, ``(k, m, m + 2, n)`` of times and vehicles; each may be one for all.
-    end : ndarray
-        The growing part p at the end, and the reach of a deflection there, ``(m + 1, n)``; NaN
-        where nothing grows.
-    paired : ndarray of bool
-        Where two modes grow as a pair: trim must then never be limited, ``(k, n)``.
+    `calm` is A beside the columns of deflection and wind in calm air, `more` what the dynamic
+    pressure adds for each part of it, ``(k, m, m + 2, n)`` of times and vehicles, each of which may
+    be one for all. `end` is the growing part p at the end and the reach of a deflection there, ``(m
+    + 1, n)``, NaN where nothing grows. Where two modes grow as a pair, `paired`, ``(k, n)``, trim
+    must never be limited.
     """
 
     calm: FloatArray
@@ -118,26 +113,10 @@ def need_ratio(
 ) -> FloatArray:
     """Return what winds need, and the largest trim, in the air met over the same in calm air.
 
-    Parameters
-    ----------
-    met : AirMet
-        The vehicles.
-    times : ndarray
-        Ends of steps [s] and their middles by turns, ``(n, k)``, k odd; one row may be for all.
-    ratio : ndarray
-        The dynamic pressure at these over that of calm air, ``(n, k)``.
-    wind : ndarray
-        Wind angles [rad] ``(n, k)``; with a dead band below 1 of one sign.
-    dead_band : float
-        K, which trim leaves.
-    blows : ndarray, optional
-        The angles in the air met, of winds that have a speed: by eq (B1e) these are less in a head
-        wind. Without it they are the same.
-
-    Returns
-    -------
-    ndarray
-        ``(2, n)``; NaN where nothing grows, or is needed.
+    ``(2, n)``, NaN where nothing grows, or is needed. `times` are ends of steps [s] and their
+    middles by turns, ``(n, k)``, k odd, or one row for all. At these are `ratio`, the dynamic
+    pressure over that of calm air, the `wind` [rad], with a dead band below 1 of one sign, and, of
+    winds that have a speed, `blows`, the angles in the air met: by eq (B1e) less in a head wind.
     """
     calm = np.ones((times.shape[-1], 1))
     here = _need(met, times.T, calm, wind.T, dead_band)
@@ -154,16 +133,8 @@ def flight_ratio(
 ) -> FloatArray:
     """Return `need_ratio` of one wind in flight time at dead bands, ``(k,)``; one where NaN.
 
-    Parameters
-    ----------
-    mode : GrowingMode
-        The flight.
-    wind : History
-        The wind with the angles that it has in calm air's speed.
-    pressure : tuple of ndarray
-        Times [s], and the dynamic pressure there over that of calm air.
-    dead_bands : ndarray
-        K.
+    The wind has its angles in calm air's speed; `pressure` is times [s], and the dynamic pressure
+    there over that of calm air.
     """
     times = even_steps(mode, (float(wind.onset), float(wind.end)))[np.newaxis]
     met, ratio = AirMet.along(mode, times[0]), np.interp(times, *pressure, 1.0, 1.0)

@@ -34,20 +34,10 @@ def in_both_planes(
     stop: Stop,
     told: Callable[[Any], Any],
 ) -> Sizing:
-    """Return the sizing of both planes, without its notes.
+    """Return the sizing of both planes, without its notes, of those of each.
 
-    Parameters
-    ----------
-    parts : dict of str to Sizing
-        By planes.
-    vehicles : list of Vehicle
-        At the flight times.
-    placed : list of list of dict
-        For each flight time and wind its parts by planes.
-    stop : Stop
-        What the nozzle can do.
-    told : callable
-        Passes each need on, and tells that it is done.
+    Vehicles are those of the flight times, for each of which `placed` has every wind by planes;
+    `told` passes each need on, and tells that it is done.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
     beyond = pitch.beyond_one_pole | yaw.beyond_one_pole

@@ -59,18 +59,10 @@ def solved(
 ) -> PPoly:
     """Return the solution as a function of time, ``t.shape + (n, q)``.
 
-    Parameters
-    ----------
-    terms : callable
-        Of times ``(k,)`` the A ``(k, n, n)`` and the g ``(k, n, q)``.
-    times : ndarray
-        The mesh; see `mesh`. A and g are smooth within its steps.
-    first : ndarray
-        y at the first time, or backwards at the last, ``(n, q)``.
-    backwards : bool
-        Where `first` is.
-    direction : bool
-        Whether y is of the length one where each step begins, so that it never overflows.
+    `terms` gives at times ``(k,)`` the A ``(k, n, n)`` and the g ``(k, n, q)``, smooth within the
+    steps of a `mesh`; `first` is y at the first of its times, or backwards at the last, ``(n, q)``.
+    Only the `direction` of y may be kept: its length is one where each step begins, so that it
+    never overflows.
     """
     from scipy.interpolate import PPoly
 

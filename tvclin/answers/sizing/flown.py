@@ -50,16 +50,8 @@ def trim_law_needs(
 ) -> FloatArray:
     """Return the least limits [rad] above which all that are tried survive, ``(r,)``.
 
-    Parameters
-    ----------
-    mode : GrowingMode
-        The flight.
-    times : ndarray
-        `flight_steps`.
-    winds : ndarray
-        Wind angles [rad] at these, ``(r, t)``.
-    expected : array_like
-        What each needs at the least [rad], ``(r,)``.
+    Of winds [rad] at the `flight_steps`, ``(r, t)``; `expected` is what each needs at the least
+    [rad].
     """
     low = np.maximum(np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1]), _TINY)
     high = np.maximum(_largest_trim(mode, times, winds) * (1.0 + _MORE), low)

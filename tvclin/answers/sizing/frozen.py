@@ -29,24 +29,11 @@ _HIGHEST = 4.0
 class FrozenNeed:
     """Deflections [rad] that one wind asks of one vehicle; NaN where one is not defined.
 
-    Attributes
-    ----------
-    trim : float
-        |B alpha_w,max|, ideal trim without drift.
-    required : ndarray
-        What the control needs at each dead band, ``(k,)``; see `required_deflection`.
-    no_forecast : float
-        Laws that do not know when the wind will stop.
-    minimum : float
-        The whole wind being known, appendix C.
-    slow_mode : float
-        y of eq (C8) for this wind: from one on the slow mode of the flight path decides.
-    said : tuple of str
-        Why something is not defined, or not met exactly.
-    beyond : ndarray
-        What is required over the boundary (4b) alone, ``(k,)``, one or more.
-    paired : bool
-        Whether two modes grow together, so that the dead band must never be left.
+    `trim` is |B alpha_w,max|, without drift; `required` at each dead band, and `beyond`, that over
+    what the boundary (4b) alone asks for, ``(k,)``; `no_forecast` of laws that do not know when the
+    wind will stop; `minimum` that of appendix C; `slow_mode` y of eq (C8), from one on the slow
+    mode of the flight path decides. `said` is why something is not defined, or not met exactly.
+    Where two modes grow together, `paired`, the dead band must never be left.
     """
 
     trim: float
@@ -66,21 +53,10 @@ def frozen_need(
     law: str,
     whole: History | None = None,
 ) -> FrozenNeed:
-    """Return what a plant needs in a wind.
+    """Return what a plant needs in a wind that ends, at dead bands ``(k,)``.
 
-    Parameters
-    ----------
-    plant : Plant
-        One plant.
-    wind : History
-        One wind that ends.
-    dead_bands : ndarray
-        K, ``(k,)``.
-    law : {"bound", "flown"}
-        Whether `no_forecast` is the bound of all such laws or what the recoverable-attitude law
-        needs when it is flown.
-    whole : History, optional
-        The wind with what blows to the other side, as of `required_deflection`.
+    With the law "bound" `no_forecast` is the bound of all laws without one, with "flown" what the
+    recoverable-attitude law needs in flight. `whole` is the wind with what blows to the other side.
     """
     said: list[str] = []
 

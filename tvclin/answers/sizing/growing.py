@@ -41,17 +41,7 @@ _STEP = 0.5
 
 @dataclass(frozen=True, eq=False)
 class GrowingMode:
-    """The growing direction over a flight.
-
-    Attributes
-    ----------
-    schedule : FlightSchedule
-        The vehicle; outside its span that of its nearer end.
-    model, plane : str
-        As of `Plant`.
-    span : tuple of float
-        The flight [s]; parameters are constant after it.
-    """
+    """The growing direction over a flight, whose parameters are constant beyond its span [s]."""
 
     schedule: FlightSchedule
     model: str

@@ -126,15 +126,9 @@ def _time_of(vehicle: Vehicle) -> float:
 class MeasuredPlanes:
     """A measured wind in both planes, of which each gives what counts at a flight time.
 
-    Attributes
-    ----------
-    parts : dict of str to MeasuredWind
-        By planes, on the same times and with the same window; one in which nothing blows is left
-        out.
-    gust : History or callable, optional
-        As of `MeasuredWind`, along the vector of the wind where that is largest.
-    notes : tuple of str
-        As of `MeasuredWind`.
+    Its parts are on the same times and with the same window; one in which nothing blows is left
+    out. The gust is along the vector of the wind where that is largest; notes are as of
+    `MeasuredWind`.
     """
 
     parts: Mapping[str, MeasuredWind]

@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
-from tvclin.vehicle.coefficients import BOTH
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -33,22 +33,11 @@ _TOP = 1.0 - 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PlacedWind:
-    """A wind in a flight.
+    """A wind in a flight: in its own time, whose zero is at a flight time [s].
 
-    Attributes
-    ----------
-    history : History
-        The wind in its own time.
-    zero : float
-        Flight time [s] at its own zero.
-    known : bool
-        Whether it is known at all; what stands for an unknown wind is calm.
-    why : str
-        Why it is not, where the reason is not that a sounding ends.
-    whole : History or None
-        The same with what blows to the other side, where the wind blows to both.
-    pressure : tuple of ndarray, or None
-        Flight times [s], and the dynamic pressure there over that in calm air, where it is known.
+    What stands for an unknown wind is calm; `why` it is, where the reason is not that a sounding
+    ends. `whole` is a wind that blows to both sides with what blows to the other one, `pressure`
+    flight times [s] and the dynamic pressure there over that in calm air, where it is known.
     """
 
     history: History
@@ -101,28 +90,11 @@ def known_times(wind: WindOf) -> tuple[float, float]:
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
-    """Return a wind placed at a flight time; a measured one has its place already.
+    """Return a wind placed at a flight time [s] of a vehicle; a measured one has its place already.
 
-    Parameters
-    ----------
-    wind : History or callable
-        One wind that ends, or what gives it for a vehicle.
-    vehicle : Vehicle
-        The vehicle at that time.
-    time : float
-        Flight time [s].
-    placing : {"peak", "flight"}
-        Whether the wind's peak is moved to that time (the middle of a flat top), or the wind is in
-        flight time already and what blows within half a window of it counts.
-    window : float
-        Length of the window [s].
-
-    Raises
-    ------
-    InputError
-        For a batch of winds, and one that never ends or is zero.
-    NotKnownError
-        From what gives the wind.
+    With "peak" its peak is moved to that time (the middle of a flat top); with "flight" it is in
+    flight time already, and what blows within half a window [s] of it counts. `InputError` for a
+    batch of winds, and one that never ends or is zero; `NotKnownError` from what gives the wind.
     """
     if isinstance(wind, MeasuredWind):
         first, last = wind.known
@@ -133,8 +105,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         two_sided = values.min() < 0.0 < values.max()
         met = None if wind.pressure is None else (wind.wind.time, wind.pressure)
         return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None, pressure=met)
-    given = isinstance(wind, History | PlaneWind) or not callable(wind)
-    history: Any = wind if given else wind(vehicle)  # type: ignore[operator, arg-type]
+    history = _given(wind, vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError(
             "each wind must be one history, such as TriangularWind, or give one; a PlaneWind needs"
@@ -142,8 +113,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
             if isinstance(history, PlaneWind)
             else "each wind must be one history, such as TriangularWind, or give one"
         )
-    if not np.isfinite(history.end):
-        raise InputError("each wind must end, and be other than zero")
+    _ends(history)
     if placing == "peak":
         return PlacedWind(history, time - _middle_of_the_top(history, history.probe_times()))
     half = 0.5 * number("window", window, positive, "s")
@@ -160,68 +130,61 @@ def place_in(
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time by planes: in one as `place`, or as vectors in both.
 
-    What is `NotKnownError` at this time is placed as an unknown one.
-
-    Parameters
-    ----------
-    planes : tuple of str
-        One plane, or both.
-    wind, vehicle, time, placing, window
-        As of `place`; for both planes the wind is a PlaneWind, a measured one in both planes, or
-        what gives a PlaneWind. The peak that meets the time is that of the vector.
-
-    Raises
-    ------
-    InputError
-        As `place`, and for a wind without a direction where both planes are asked for.
+    What is `NotKnownError` at this time is placed as an unknown one. The peak that meets the time
+    is that of the vector. `InputError` as `place`, and in both planes for a wind without a
+    direction.
     """
     try:
-        return _placed_in(planes, wind, vehicle, time, placing, window)
+        if len(planes) == 1:
+            return {planes[0]: place(wind, vehicle, time, placing, window)}
+        return _in_both(wind, vehicle, time, placing, window)
     except NotKnownError as error:
         none = TriangularWind(peak=1.0, duration=1.0) * 0.0
         return dict.fromkeys(planes, PlacedWind(none, 0.0, known=False, why=str(error)))
 
 
-def _placed_in(
-    planes: tuple[str, ...],
-    wind: WindOf,
-    vehicle: Vehicle,
-    time: float,
-    placing: str,
-    window: float,
+def _in_both(
+    wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
 ) -> dict[str, PlacedWind]:
-    if len(planes) == 1:
-        return {planes[0]: place(wind, vehicle, time, placing, window)}
     if isinstance(wind, MeasuredPlanes):
-        parts = {plane: wind.part(plane, vehicle) for plane in planes}
-        calm = next(one for one in parts.values() if one is not None).wind * 0.0
+        measured = {plane: wind.part(plane, vehicle) for plane in PLANES}
+        calm = next(one for one in measured.values() if one is not None).wind * 0.0
         first, last = wind.known
         return {
             plane: PlacedWind(calm, 0.0, known=first <= time <= last)
             if one is None
             else place(one, vehicle, time, placing, window)
-            for plane, one in parts.items()
+            for plane, one in measured.items()
         }
-    made = not isinstance(wind, History | PlaneWind) and callable(wind)
-    given: Any = wind(vehicle) if made else wind  # type: ignore[arg-type]
-    if not isinstance(given, PlaneWind) or given.batch:
+    vector = _given(wind, vehicle)
+    if not isinstance(vector, PlaneWind) or vector.batch:
         raise InputError(
             "for both planes each wind must have a direction: give one PlaneWind (see"
             f" PlaneWind.towards), what gives one, or fly_through with plane={BOTH!r}"
         )
-    if not np.isfinite(given.end):
-        raise InputError("each wind must end, and be other than zero")
-    parts_of = dict(zip(planes, (given.pitch, given.yaw), strict=True))
+    _ends(vector)
+    parts = {plane: getattr(vector, plane) for plane in PLANES}
     if placing == "peak":
-        shown = np.union1d(given.pitch.probe_times(), given.yaw.probe_times())
-        zero = time - _middle_of_the_top(given, shown)
-        return {plane: PlacedWind(one, zero) for plane, one in parts_of.items()}
+        shown = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
+        zero = time - _middle_of_the_top(vector, shown)
+        return {plane: PlacedWind(one, zero) for plane, one in parts.items()}
     return {
         plane: place(one, vehicle, time, placing, window)
         if np.isfinite(one.onset)
         else PlacedWind(one, 0.0)
-        for plane, one in parts_of.items()
+        for plane, one in parts.items()
     }
+
+
+def _given(wind: Any, vehicle: Vehicle) -> Any:
+    """A wind, or the one that a function of the vehicle gives."""
+    made = callable(wind) and not isinstance(wind, History | PlaneWind)
+    return wind(vehicle) if made else wind
+
+
+def _ends(wind: History | PlaneWind) -> None:
+    if not np.isfinite(wind.end):
+        raise InputError("each wind must end, and be other than zero")
 
 
 def _middle_of_the_top(wind: History | PlaneWind, times: FloatArray) -> float:

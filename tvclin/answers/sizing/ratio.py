@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.record import TRIM, Sizing
 from tvclin.answers.sizing.total import total_deflection
-from tvclin.answers.sizing.total_record import DeflectionTotal
+from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, rows_of
 from tvclin.answers.sizing.total_record import Line as Part
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
-from tvclin.base.lines import Inline, Line, Table, degrees, significant
+from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 
 GOAL, LEAST = 2.0, 1.0
@@ -60,23 +60,12 @@ class ControllabilityRatio(Shown):
     @property
     def table(self) -> Table:
         """The ratio and what it is made of."""
-        rows: list[tuple[tuple[Inline, ...], ...]] = [
-            (
-                ("trim of the wind" if one.name == "wind" else one.name,),
-                (one.kind,),
-                degrees(f"ratio.{one.name.replace(' ', '_')}", one.deflection),
-            )
-            for one in self.takes.lines
-            if one.deflection
-        ]
-        sums = "sum and root of sum of squares"
-        rows.append(
-            (("trim and all that adds up",), (sums,), degrees("ratio.takes", self.takes.total))
-        )
+        rows = rows_of(self.takes, "ratio", "trim of the wind")
+        whole = degrees("ratio.takes", self.takes.total)
+        rows.append((("trim and all that adds up",), (SUMS,), whole))
         rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
         at = "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:g} s"
-        head = ("what", "how it adds up", "[deg]")
-        return Table(f"Controllability ratio{at}", head, tuple(rows))
+        return Table(f"Controllability ratio{at}", HEAD, tuple(rows))
 
     @property
     def verdict(self) -> Line:

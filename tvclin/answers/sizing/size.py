@@ -187,7 +187,7 @@ def _sized(
         [told(_frozen(schedule.plants(t, model, plane), w, bands, asked.law)) for w in row]
         for t, row in zip(asked.times, placed, strict=True)
     ]
-    required = _frozen_columns(needs, bands)
+    required = _columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
     said = _said(asked.times, needs)
     if varying is not False:
@@ -291,15 +291,6 @@ def _growing(
     return GrowingMode(schedule, model, plane, (first, last))
 
 
-def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[str, FloatArray]:
-    return {
-        TRIM: _table(needs, lambda need: need.trim),
-        **_bands(needs, bands, ""),
-        NO_FORECAST: _table(needs, lambda need: need.no_forecast),
-        MINIMUM: _table(needs, lambda need: need.minimum),
-    }
-
-
 def _varying_columns(
     mode: GrowingMode,
     placed: list[list[PlacedWind]],
@@ -335,11 +326,7 @@ def _varying_columns(
         [told(_varying(met, wind, need, bands)) for wind, need in zip(*row, strict=True)]
         for row in zip(placed, frozen, strict=True)
     ]
-    return {
-        f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
-        **_bands(needs, bands, VARYING),
-        f"{MINIMUM}{VARYING}": _table(needs, lambda need: need.minimum),
-    }
+    return {f"{name}{VARYING}": values for name, values in _columns(needs, bands).items()}
 
 
 def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
@@ -354,11 +341,14 @@ def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callabl
     return told
 
 
-def _bands(needs: Any, bands: FloatArray, ending: str) -> dict[str, FloatArray]:
-    return {
-        f"K = {K:g}{ending}": _table(needs, lambda need, k=k: need.required[k])
-        for k, K in enumerate(bands)
-    }
+def _columns(needs: Any, bands: FloatArray) -> dict[str, FloatArray]:
+    """What is required by names, of needs by flight times and winds."""
+    found = {TRIM: _table(needs, lambda need: need.trim)}
+    for k, K in enumerate(bands):
+        found[f"K = {K:g}"] = _table(needs, lambda need, k=k: need.required[k])
+    if isinstance(needs[0][0], FrozenNeed):
+        found[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
+    return found | {MINIMUM: _table(needs, lambda need: need.minimum)}
 
 
 def _table(needs: Any, value: Any) -> FloatArray:

@@ -32,20 +32,11 @@ def legend(s: Sizing) -> str:
 
 
 def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
-    """Return by flight time what one wind asks for, or the worst wind of each time.
+    """Return by flight time what one wind asks for, of its place, or the worst wind of each time.
 
     First with parameters that vary while the wind blows, where the sizing has them, and in head and
-    tail winds; then with those of each flight time, and for both planes what each plane by itself
-    asks for.
-
-    Parameters
-    ----------
-    s : Sizing
-        The sizing.
-    counted : str
-        The requirement that is shown by planes.
-    wind : int, optional
-        The place of a wind; the worst of all at each time without it.
+    tail winds; then with those of each flight time; and for both planes what each by itself asks
+    for of the requirement that is counted.
     """
     frozen = [name for name in s.required if ", " not in name]
     first = _first(s)

@@ -21,9 +21,11 @@ from tvclin.base.errors import (
     text,
     within,
 )
-from tvclin.base.lines import Inline, Table, degrees, significant
+from tvclin.base.lines import Line as Cell
+from tvclin.base.lines import Table, degrees, significant
 
 KINDS = ("systematic", "random")
+HEAD, SUMS = ("what", "how it adds up", "[deg]"), "sum and root of sum of squares"
 _WIDEST = 1e9
 """Deflections beyond this [rad] mean nothing."""
 _SMALL = float(np.radians(0.001))
@@ -34,16 +36,9 @@ RATES = (1e-15, 1e9)
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a total.
+    """What takes deflection, and how much [rad], zero or positive.
 
-    Attributes
-    ----------
-    name : str
-        What takes deflection.
-    deflection : float
-        How much [rad], zero or positive.
-    kind : {"systematic", "random"}
-        Whether it adds up with the others, or by the root of the sum of squares.
+    What is systematic adds up with the others, what is random by the root of the sum of squares.
     """
 
     name: str
@@ -116,13 +111,13 @@ class DeflectionTotal(Shown):
         return table(total_table(self), self.verdict)
 
     @property
-    def verdict(self) -> tuple[tuple[Inline, ...], ...]:
+    def verdict(self) -> tuple[Cell, ...]:
         """Whether the limit is enough, and where the total is not known, each as a line."""
-        said: list[tuple[Inline, ...]] = []
+        said: list[Cell] = []
         if self.limit is not None and self.left is not None:
             left = degrees("total.left", abs(self.left), unit="deg")
             beside = " left after the reserve" if self.reserve else " left"
-            line: tuple[Inline, ...] = ("SUFFICIENT, ", *left, beside)
+            line: Cell = ("SUFFICIENT, ", *left, beside)
             if self.sufficient is None:
                 known = "NOT KNOWN to be sufficient; where the winds are known "
                 line = (known, *line[1:])
@@ -198,22 +193,25 @@ class DeflectionTotal(Shown):
 def total_table(total: DeflectionTotal, counted: str = "") -> Table:
     """Return what takes deflection and the total, as a table; `counted` says what of a wind."""
     wind = f"wind, {counted}" if counted else "wind"
-    rows: list[tuple[tuple[Inline, ...], ...]] = [
-        (
-            (wind if one.name == "wind" else one.name,),
-            (one.kind,),
-            degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
-        )
-        for one in total.lines
-        if one.deflection
-    ]
-    sums = "sum and root of sum of squares"
-    rows.append((("total",), (sums,), degrees("total.total", total.total)))
+    rows = rows_of(total, "total", wind)
+    rows.append((("total",), (SUMS,), degrees("total.total", total.total)))
     if total.reserve:
         kept = significant("total.reserve_percent", 100 * total.reserve, unit="%")
         needed = degrees("total.required", total.required)
         rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
     known = " of those that are known" if total.not_sized else ""
     at = "" if total.time is None else f" at the worst flight time{known}, {total.time:g} s"
-    head = ("what", "how it adds up", "[deg]")
-    return Table(f"All that takes deflection{at}", head, tuple(rows))
+    return Table(f"All that takes deflection{at}", HEAD, tuple(rows))
+
+
+def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
+    """Return what takes deflection as rows of a table, that of the wind in other words."""
+    return [
+        (
+            (wind if one.name == "wind" else one.name,),
+            (one.kind,),
+            degrees(f"{key}.{one.name.replace(' ', '_')}", one.deflection),
+        )
+        for one in total.lines
+        if one.deflection
+    ]

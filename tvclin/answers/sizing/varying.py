@@ -25,7 +25,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,15 +50,10 @@ _LEAST = 1e-6
 class VaryingNeed:
     """Deflections [rad] that one wind asks of a vehicle along its flight.
 
-    Attributes
-    ----------
-    trim : float
-        Largest |B(t) alpha_w(t)|, ideal trim without drift.
-    required : ndarray
-        What the control needs at each dead band, ``(k,)``: for K = 1 of a law that lets go, for the
-        others what (4b) asks for; NaN for a wind that changes its sign.
-    minimum : float
-        The whole wind being known: least peak that leaves nothing of the fastest growing part.
+    `trim` is the largest |B(t) alpha_w(t)|, without drift; `required` what the control needs at
+    each dead band, ``(k,)``: for K = 1 of a law that lets go, for the others what (4b) asks for;
+    NaN for a wind that changes its sign. `minimum` is the least peak that leaves nothing of the
+    fastest growing part, the whole wind being known.
     """
 
     trim: float
@@ -70,23 +64,11 @@ class VaryingNeed:
 def varying_need(
     mode: GrowingMode, wind: History, dead_bands: FloatArray, whole: History | None = None
 ) -> VaryingNeed:
-    """Return what a wind asks of a vehicle whose parameters vary.
+    """Return what a wind, within the span of `mode`, asks of a vehicle whose parameters vary.
 
-    Parameters
-    ----------
-    mode : GrowingMode
-        The flight.
-    wind : History
-        One wind in flight time, within the span of `mode`.
-    dead_bands : ndarray
-        K, ``(k,)``.
-    whole : History, optional
-        The wind with what blows to the other side, where `wind` is its part to one side: a law with
-        K = 1 meets both.
-
-    Notes
-    -----
     The dead band is left when the trim deflection reaches K times the limit, as in a flight.
+    `whole` is the wind with what blows to the other side, where `wind` is its part to one: a law
+    with K = 1 meets both.
     """
     times = _times(wind)
     course = _Course.of(mode, wind)
@@ -255,10 +237,6 @@ class _Course:
 
     def trim(self, t: ArrayLike) -> FloatArray:
         """The deflection of ideal trim [rad]."""
-        return _trim(*self.mode.matrices(t), np.moveaxis(self.drifted(t), 0, -1), self.wind(t))
-
-
-def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: Any) -> FloatArray:
-    """The deflection [rad] that leaves the attitude nominal while the path drifts."""
-    kept = np.vecdot(A[..., 1, 2:], x)
-    return np.asarray(-(kept + inputs[..., 1, 1] * wind) / inputs[..., 1, 0])
+        A, inputs = self.mode.matrices(t)
+        kept = np.vecdot(A[..., 1, 2:], np.moveaxis(self.drifted(t), 0, -1))
+        return np.asarray(-(kept + inputs[..., 1, 1] * self.wind(t)) / inputs[..., 1, 0])

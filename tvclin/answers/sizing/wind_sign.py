@@ -58,10 +58,7 @@ def own_sign(sign: str | None) -> bool:
 def pressure_ratio(vehicle: Vehicle, angle: FloatArray) -> FloatArray:
     """Return the dynamic pressure in winds along the path of angles [rad], over that in calm air.
 
-    Raises
-    ------
-    InputError
-        Where no horizontal wind turns the path so far: it would be level.
+    `InputError` where no horizontal wind turns the path so far: it would be level.
     """
     path = float(np.asarray(vehicle.attitude))
     found = pressure_ratios(path, angle)
@@ -93,25 +90,10 @@ def batch_factors(
 ) -> FloatArray:
     """Return what vehicles need in winds by their sign, over what they need in calm air's.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Vehicles ``(...)`` or one, each frozen.
-    model, plane : str
-        As of `Plant`.
-    winds : History
-        One for each, or one for all.
-    dead_band : float
-        K.
-    sign : {"head", "tail", "frozen"}, optional
-        The one that counts; without it the worst of them. `OWN` is that of the winds themselves.
-    along : History, optional
-        The same winds in the pitch plane, for those in yaw.
-
-    Returns
-    -------
-    ndarray
-        ``(...)``; one for a wind across the path, and where what its sign changes is not known.
+    For each, ``(...)``: vehicles are frozen, winds one for each or one for all, and `along` the
+    same in the pitch plane, for those in yaw. The sign is the one that counts, without it the worst
+    of them, and `OWN` that of the winds themselves. One for a wind across the path, and where what
+    its sign changes is not known.
     """
     along = winds if plane == "pitch" else along
     if along is None or sign == FROZEN:
@@ -142,29 +124,11 @@ def sign_factors(
 ) -> dict[str, float]:
     """Return what a wind needs by its sign along the path, over what it needs in calm air's.
 
-    Parameters
-    ----------
-    case : Case
-        One vehicle; with a stop of both planes the factor is the larger one of the planes.
-    wind : History
-        The wind of the case in its plane, with its gust.
-    dead_band : float
-        K.
-    sign : {"head", "tail", "frozen"}, optional
-        The one that counts; frozen: none. A wind with a direction has its own.
-    size : float
-        Factor on the wind.
-
-    Returns
-    -------
-    dict of str to float
-        By `SIGNS`; empty for a wind across the path, and where nothing helps or is needed.
-
-    Raises
-    ------
-    InputError
-        For a sign of a wind whose direction says it, as `signed_need`, and for a vehicle of which
-        speed and attitude are not known.
+    By `SIGNS`; empty for a wind across the path, and where nothing helps or is needed. `wind` is
+    that of the case in its plane, with its gust, and `size` a factor on it; with a stop of both
+    planes the factor is the larger one of the planes. `sign` is the one that counts; a wind with a
+    direction has its own, and `InputError` is raised for another, and for a vehicle of which speed
+    and attitude are not known, and as `signed_need`.
     """
     if sign == FROZEN:
         return {}
@@ -242,23 +206,9 @@ def signed_need(
 ) -> float:
     """Return what a control needs [rad] in a wind with its sign along the path, as a size.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One vehicle, with a real unstable pole.
-    wind : History
-        Wind angle of attack of one sign, in the pitch plane positive from behind.
-    model, plane : str
-        As of `Plant`.
-    dead_band : float
-        K, which trim leaves, as in a flight.
-    along : History, optional
-        The same wind in the pitch plane, for one in yaw.
-
-    Raises
-    ------
-    InputError
-        As `pressure_ratio` and `varying_need`.
+    The wind has one sign, in the pitch plane positive from behind; `along` is the same in that
+    plane, for one in yaw. As in a flight trim leaves the dead band. `InputError` as
+    `pressure_ratio` and `varying_need`.
     """
     from tvclin.answers.sizing.growing import GrowingMode
     from tvclin.answers.sizing.schedule import FlightSchedule
