@@ -145,6 +145,7 @@ def availability(
         soundings = soundings.local(utc_offset)
     judge = Judge.of(
         flight,
+        soundings,
         plane=plane,
         model=model,
         azimuths=azimuths,
@@ -154,7 +155,7 @@ def availability(
         gust_speed=gust_speed,
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
         pressure=own_sign(sign),
-    ).used_to(soundings)
+    )
     needs = judge.needs(soundings, progress)
     added, told = _added(growth, needs.least, needs.most, soundings)
     needs, near = judge.decided(soundings, needs, capability - added)

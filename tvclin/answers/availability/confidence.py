@@ -96,25 +96,12 @@ def part_of(
     season: IntArray,
     confidence: float,
 ) -> Part:
-    """Return how many fly.
+    """Return how many fly, with the interval of a confidence.
 
-    Parameters
-    ----------
-    flies : ndarray
-        1 for those that fly, 0 for those that do not, NaN for unknown, ``(n,)``.
-    need : ndarray
-        What they ask for [rad], by which days are compared if all of them fly, or none.
-    times : ndarray of datetime64
-        When, ``(n,)``.
-    season : ndarray of int
-        The month of a year; only soundings of one season are compared.
-    confidence : float
-        Of the interval.
-
-    Notes
-    -----
-    The interval is that of Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up
-    to the first that is not positive.
+    `flies` is 1 for those that fly, 0 for those that do not, NaN for unknown; `need` what they ask
+    for [rad], by which days are compared if all of them fly, or none; only soundings of one
+    `season`, the month of a year, are compared; each ``(n,)``. The interval is that of Clopper and
+    Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first that is not positive.
     """
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 

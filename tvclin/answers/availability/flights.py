@@ -25,14 +25,8 @@ and up to so much, from the limit that is asked about, flights with so many limi
 class PlaneFlights:
     """Flights in one plane.
 
-    Attributes
-    ----------
-    mode : GrowingMode
-        The flight.
-    winds : sequence of tuple of ndarray
-        Knots [s] and wind angles [rad] there, ``(r, k)``: a flight must survive each of these.
-    bound : ndarray
-        The largest min(trim, demand) [rad], ``(r,)``.
+    A flight must survive each of its `winds`, knots [s] and wind angles [rad] there, ``(r, k)``;
+    `bound` is the largest min(trim, demand) [rad], ``(r,)``.
     """
 
     mode: GrowingMode
@@ -52,15 +46,9 @@ class PlaneFlights:
 
 
 def survives_all(planes: Sequence[PlaneFlights], part: FloatArray) -> BoolArray:
-    """Return which flights survive in all planes with a part of their bounds and more.
+    """Return which flights survive in all planes with a part of their bounds and more, ``(r,)``.
 
-    Parameters
-    ----------
-    planes : sequence of PlaneFlights
-        In one plane, or both.
-    part : ndarray
-        The part of each that is asked about, ``(r,)``; below a half, and from 1 on, nothing is
-        flown, and it is False.
+    Below a half, and from 1 on, nothing is flown, and it is False.
     """
     left = np.flatnonzero((part >= _LEAST) & (part < 1.0))
     for looks in (np.zeros(1), np.linspace(0.0, 1.0, _LOOKS)[1:]):  # most are lost with the first

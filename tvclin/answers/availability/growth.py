@@ -108,10 +108,7 @@ def grown_by(
 ) -> tuple[FloatArray, int]:
     """Return the growth [rad] of needs ``(a, n)``, and how many pairs there are.
 
-    Raises
-    ------
-    InputError
-        Where no two soundings are twelve hours apart.
+    `InputError` where no two soundings are twelve hours apart.
     """
     minutes = times.astype("datetime64[m]").astype(np.int64)
     order = np.argsort(minutes, kind="stable")

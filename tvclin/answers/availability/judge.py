@@ -8,7 +8,7 @@ The need lies between what these two ask for.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -45,19 +45,12 @@ _HEIGHTS = 40
 class Needs:
     """What soundings ask for.
 
-    Attributes
-    ----------
-    least, most : ndarray
-        With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
-        azimuths and soundings; NaN where nothing can be said. Where the limit is met more than
-        once, and the law is not flown, `most` holds what a flight may need more, up to the largest
-        trim, with which the law is never limited.
-    known : ndarray of bool
-        Whether the wind is known wherever it may count, ``(a, n)``.
-    why : list of str
-        Why it cannot, ``(n,)``; empty where it can.
-    judged : ndarray
-        First and last time [s] of the part of the flight of which it can, ``(n, 2)``.
+    `least` and `most` are with calm, and with a strong wind, where it is not known [rad], ``(a,
+    n)`` for azimuths and soundings; NaN where nothing can be said. Where the limit is met more than
+    once, and the law is not flown, `most` holds what a flight may need more, up to the largest
+    trim, with which the law is never limited. `known` is whether the wind is known wherever it may
+    count, ``(a, n)``. Of each sounding `why` is why nothing can be said, or empty, and `judged` the
+    first and last time [s] of the part of the flight of which it can, ``(n, 2)``.
     """
 
     least: FloatArray
@@ -71,14 +64,8 @@ class Needs:
 class FlightPart:
     """A part of a flight in which the air turns the vehicle to one side alone.
 
-    Attributes
-    ----------
-    path : FlownPath
-        The part over height.
-    tables : dict of str to FlightTables
-        By planes, those in which something grows.
-    met : dict of str to tuple
-        By the same planes even steps [s], and what dynamic pressure adds there.
+    By the planes in which something grows, `met` is even steps [s], and what dynamic pressure adds
+    there.
     """
 
     path: FlownPath
@@ -90,76 +77,60 @@ class FlightPart:
 class Judge:
     """A flight in one or both planes, ready for any wind.
 
-    Attributes
-    ----------
-    flight : FlightSchedule
-        The flight.
-    path : FlownPath
-        The same over height.
-    parts : tuple of FlightPart
-        The same in parts: in each the vehicle is flown by itself, and the largest need counts.
-    planes : tuple of str
-        Which count.
-    model : str
-        As of `Plant`.
-    azimuths : ndarray
-        Directions of flight [rad], ``(a,)``.
-    stop : {"round", "square"}
-        How the planes go together.
-    growth : WindGrowth or None
-        What the wind may become.
-    gust : History or None
-        On top of each wind.
-    gust_speed : float or None
-        Its wind speed [m/s], in place of its angle.
-    known_to : float or None
-        A height [m] to which each sounding must go.
-    pressure : bool
-        Whether the dynamic pressure that a wind makes counts, or that of calm air.
-    heights : ndarray
-        At which the strength of winds is known [m].
-    strength : dict
-        What 95 % of an archive stay below [m/s] at these heights, by plane and azimuth.
+    `parts`: of the flight; in each the vehicle is flown by itself, and the largest need counts.
+    `azimuths`: directions of flight [rad], ``(a,)``. `stop`: "round" or "square", how the planes go
+    together. `known_to`: a height [m] to which each sounding must go. `pressure`: whether the
+    dynamic pressure that a wind makes counts, or that of calm air. `strength`: what 95 % of an
+    archive stay below [m/s] at `heights` [m], by plane and azimuth.
     """
 
     flight: FlightSchedule
-    path: FlownPath
+    sides: Sides
     parts: tuple[FlightPart, ...]
     planes: tuple[str, ...]
-    model: str
     azimuths: FloatArray
     stop: str
-    growth: WindGrowth | None
-    gust: History | None
-    gust_speed: float | None
     known_to: float | None
-    pressure: bool = True
-    heights: FloatArray = field(default_factory=lambda: np.empty(0))
-    strength: dict[tuple[str, float], FloatArray] = field(default_factory=dict)
+    pressure: bool
+    heights: FloatArray
+    strength: dict[tuple[str, float], FloatArray]
 
     @classmethod
-    def of(cls, flight: FlightSchedule, *, plane: str, model: str, **asked: Any) -> Judge:
-        """Return that of a flight; `InputError` as `GrowingMode` and `FlownPath`."""
-        planes = PLANES if plane == BOTH else (plane,)
-        path = FlownPath.of(flight)
-        return cls(flight, path, _parts(flight, model, planes), planes, model, **asked)
+    def of(
+        cls,
+        flight: FlightSchedule,
+        soundings: Soundings,
+        *,
+        plane: str,
+        model: str,
+        azimuths: FloatArray,
+        growth: WindGrowth | None,
+        gust: History | None,
+        gust_speed: float | None,
+        **asked: Any,
+    ) -> Judge:
+        """Return that of a flight; what is not known will be as strong as in the archive.
 
-    @property
-    def _sides(self) -> Sides:
-        return Sides(self.path, self.growth, self.gust, self.gust_speed)
-
-    def used_to(self, soundings: Soundings) -> Judge:
-        """Return the same that takes what is not known to be as strong as in an archive."""
-        known = KnownWinds.of(soundings[soundings.usable], self.path)
-        path = self.path
+        `InputError` as `GrowingMode` and `FlownPath`.
+        """
+        planes, path = PLANES if plane == BOTH else (plane,), FlownPath.of(flight)
+        known = KnownWinds.of(soundings[soundings.usable], path)
         evenly = np.linspace(path.time[0], path.time[-1], _HEIGHTS)
         heights = np.interp(evenly, path.time, path.height)
-        found = {
-            (plane, azimuth): known.strength(heights, azimuth, plane)
-            for plane in self.planes
-            for azimuth in self.azimuths.tolist()
-        }
-        return replace(self, heights=heights, strength=found)
+        return cls(
+            flight,
+            Sides(path, growth, gust, gust_speed),
+            _parts(flight, model, planes),
+            planes,
+            azimuths,
+            heights=heights,
+            strength={
+                (plane, azimuth): known.strength(heights, azimuth, plane)
+                for plane in planes
+                for azimuth in azimuths.tolist()
+            },
+            **asked,
+        )
 
     def needs(
         self,
@@ -183,19 +154,20 @@ class Judge:
                 why[i] = why[i] or reason
             index = index[~holds[index]]
         index = index[np.argsort(soundings.counts[index], kind="stable")]
-        known = KnownWinds.of(soundings[index], self.path)
-        ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
+        path = self.sides.path
+        known = KnownWinds.of(soundings[index], path)
+        ends = np.cumsum(np.diff(known.offsets) + path.height.size)
         last = len(soundings) - index.size
         cuts = np.arange(_AT_ONCE, ends.max(initial=0), _AT_ONCE)
         for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
-            within = known.some(some).flat(self.path, self._sides.strongest)
+            within = known.some(some).flat(path, self.sides.strongest)
             heights[index[some]] = within
             flat = ~np.isnan(within[:, 0])
             winds, within, those = known.some(some[flat]), within[flat], index[some[flat]]
             if those.size:
                 low, high = self._needs(winds, within, False, flown, limits)
                 least[:, those], most[:, those] = low, high
-                open_ = winds.incomplete(self.path)
+                open_ = winds.incomplete(path)
                 if np.any(open_):
                     those, within = those[open_], within[open_]
                     held, higher = self._needs(
@@ -209,7 +181,7 @@ class Judge:
                 progress(last, len(soundings))
         fast = np.isnan(heights[:, 0])
         why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
-        times = np.interp(heights, self.path.height, self.path.time)
+        times = np.interp(heights, path.height, path.time)
         return Needs(least, most, known_all, why, times)
 
     def decided(
@@ -254,8 +226,9 @@ class Judge:
         level = np.append(soundings.height, np.nan)
         bottom = np.where(empty, np.nan, level[ends[:-1]])
         top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
+        densest = self.sides.path.densest
         with np.errstate(invalid="ignore"):
-            reasons = [(TOO_LOW, top < self.path.densest), (TOO_HIGH, bottom > self.path.densest)]
+            reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
             if self.known_to is not None:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
@@ -313,13 +286,13 @@ class Judge:
                 }
                 wind = blow[plane]
                 strong = np.abs(wind)
-                if held and self.strength:
+                if held:
                     most = np.interp(height, self.heights, self.strength[plane, azimuth])
                     strong = np.maximum(strong, there * most)
-                alike = not held and self.gust is None and self.growth is None
+                alike = not held and self.sides.gust is None and self.sides.growth is None
                 each = flown and not alike  # the same wind to both sides is flown once
                 sides = [
-                    self._sides.to_one(
+                    self.sides.to_one(
                         tables, height, times, np.where(hidden, strong, blows), fine, rows, each
                     )
                     for blows in (wind, -wind)

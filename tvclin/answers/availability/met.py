@@ -38,14 +38,9 @@ _GUST_PARTS = 64
 class FlownPath:
     """A flight over height: its arrays ``(f,)``, and the height of its largest dynamic pressure.
 
-    Attributes
-    ----------
-    height, time, speed, climb : ndarray
-        [m], [s], [m/s], flight path angle [rad].
-    densest : float
-        Height [m] at which rho V^2 is largest, in the standard atmosphere.
-    between : ndarray
-        Times [s] between those that are far apart, at which trim is looked at as well.
+    In [m], [s], [m/s]; `climb` is the flight path angle [rad], `densest` the height at which rho
+    V^2 is largest, in the standard atmosphere. `between` are times between those that are far
+    apart, at which trim is looked at as well.
     """
 
     height: FloatArray
@@ -83,14 +78,9 @@ class FlownPath:
 
 @dataclass(frozen=True, eq=False)
 class KnownWinds:
-    """Soundings with the edges of what they did not see.
+    """Soundings with the edges of what they did not see: two levels more in each gap.
 
-    Attributes
-    ----------
-    height, east, north, offsets
-        As of `Soundings`, with two levels more in each gap.
-    gaps : ndarray of int
-        The first of these two levels, for each gap.
+    `gaps` are the first of these two levels, for each gap.
     """
 
     height: FloatArray

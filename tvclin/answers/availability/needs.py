@@ -30,17 +30,11 @@ _MOST_LOOKS = 3
 class WindNeeds:
     """What winds ask for.
 
-    Attributes
-    ----------
-    limit : ndarray
-        [rad], ``(r,)``; zero where nothing blows to that side.
-    at : ndarray
-        When trim and demand are both as large [s]; the first knot where nothing is asked for.
-    returns : ndarray of bool
-        Whether trim is above the limit more than once, on either side: the path of a flight that
-        was limited before is then not that of trim, and the limit is met to some percent.
-    trim : ndarray
-        The largest size of trim [rad], ``(r,)``: a law with that limit is never limited.
+    `limit` is [rad], zero where nothing blows to that side; `at` when trim and demand are both as
+    large [s], the first knot where nothing is asked for. With `returns` trim is above the limit
+    more than once, on either side: the path of a flight that was limited before is then not that of
+    trim, and the limit is met to some percent. A law with the largest size of `trim` [rad] for its
+    limit is never limited. Each ``(r,)``.
     """
 
     limit: FloatArray
@@ -54,16 +48,8 @@ def needs_of_winds(
 ) -> WindNeeds:
     """Return the limits that winds ask for to the positive side.
 
-    Parameters
-    ----------
-    tables : FlightTables
-        The flight.
-    times : ndarray
-        Knots of each wind [s], not decreasing, ``(r, k)``; lines of no length count for nothing.
-    wind : ndarray
-        Wind angles [rad] at the knots, ``(r, k)``.
-    rows : TableRows, optional
-        ``tables.at(times)``, where it is there already.
+    Of wind angles [rad] at the knots of each, times [s] that do not decrease, ``(r, k)``; lines of
+    no length count for nothing. `rows` are ``tables.at(times)``, where they are there already.
     """
     rows = tables.at(times) if rows is None else rows
     blows = np.any(wind > 0.0, axis=-1)

@@ -24,7 +24,7 @@ path drifts, or once while it drifts fast, as far as docs/availability.md says w
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """What blows on top of winds along a path: `growth`, `gust` and `gust_speed` as of `Judge`.
+    """What blows on top of winds along a path: what they may still become, and a gust.
 
     Needs are ``(3, n)`` of n winds: the least, what a flight may need more, and the largest trim
     [rad].
@@ -34,6 +34,7 @@ class Sides:
     growth: WindGrowth | None
     gust: History | None
     gust_speed: float | None
+    """Of the gust [m/s], in place of its angle."""
 
     def grown(self, height: FloatArray) -> Any:
         """Return what the wind may become at heights [m/s]."""

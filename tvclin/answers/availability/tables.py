@@ -38,19 +38,10 @@ _LOOKS = 200
 class FlightTables:
     """What a flight in one plane makes of any wind, at even times.
 
-    Attributes
-    ----------
-    start, step : float
-        First time and the time between two [s].
-    rows : ndarray
-        For each time one row, ``(n, c)``: of the wind to come G0 and G1, from the end on; 1/(m
-        reach); -B; each as long as the path has states: G0 and G1 of the path, l.Psi/reach, and the
-        trim deflection of Psi; 1 where two modes grow as a pair; and 1 where the path has a say
-        beside the fastest mode. Signs are such that a limit is positive.
-    order : int
-        States of the path.
-    mode : GrowingMode
-        The flight itself.
+    `rows` has for each time one, ``(n, c)``: of the wind to come G0 and G1, from the end on; 1/(m
+    reach); -B; each as long as the path has states, its `order`: G0 and G1 of the path,
+    l.Psi/reach, and the trim deflection of Psi; 1 where two modes grow as a pair; and 1 where the
+    path has a say beside the fastest mode. Signs are such that a limit is positive.
     """
 
     start: float
@@ -115,10 +106,7 @@ class TableRows:
 def flight_tables(mode: GrowingMode) -> FlightTables:
     """Return the tables of a flight, in which the air turns the vehicle to one side alone.
 
-    Raises
-    ------
-    InputError
-        For a vehicle without a real unstable pole.
+    `InputError` for a vehicle without a real unstable pole.
     """
     start, stop = mode.span
     fastest = float(np.max(mode.rate(np.linspace(start, stop, 1000))))
