@@ -37,27 +37,12 @@ _SIZES = 5
 class CaseNeed:
     """What a wind requires of the nozzle of a case, at one dead band.
 
-    Attributes
-    ----------
-    case : Case
-        The vehicle, one, in its wind, with its nozzle; the verdict rests on its model.
-    dead_band : float
-        K of the verdict.
-    sign : {"head", "tail", "frozen"} or None
-        The sign of the wind along the path that counts; frozen: the dynamic pressure of calm air;
-        None: the worst of these.
-    blows : ShapedWind
-        The wind in the plane, with its gust.
-    requirement : RequiredDeflection
-        What a limit must be at `model` and `dead_band`, and what governs it, in the dynamic
-        pressure of calm air.
-    planes : PlanesNeeded or None
-        What a wind with a direction asks of both planes at the dead band and model of the verdict.
-    sign_factors : dict of str to float
-        What is required of a head and of a tail wind, over that; empty where the wind blows across
-        the path, or what its sign changes is not known.
-    sign_unknown : str
-        Why that is not known.
+    The verdict rests on the model of the case. `sign` is that of the wind along the path that
+    counts: "head", "tail", "frozen" for the dynamic pressure of calm air, None for the worst of
+    these. `blows` is the wind in the plane, with its gust. `requirement` is what a limit must be in
+    the dynamic pressure of calm air, `sign_factors` what is required of a head and of a tail wind
+    over that, empty where the wind blows across the path, or, as `sign_unknown` says, that is not
+    known. `planes` is what a wind with a direction asks of both.
     """
 
     case: Case
@@ -137,11 +122,7 @@ class CaseNeed:
         """Return the factor of the sign that counts in winds of so many times this size.
 
         Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
-
-        Raises
-        ------
-        InputError
-            For sizes that are negative, or no numbers.
+        `InputError` for sizes that are negative, or no numbers.
         """
         wanted = within("sizes", nonnegative("sizes", sizes), 0.0, _LARGEST_SIZE)
         name, factor = self.counts
@@ -187,18 +168,7 @@ class CaseNeed:
 
 
 def case_need(case: Case, dead_band: float = 1.0, sign: str | None = None) -> CaseNeed:
-    """Return what a wind of one shape requires of the nozzle of a case.
-
-    Parameters
-    ----------
-    case, dead_band, sign
-        As of `Study.of`.
-
-    Raises
-    ------
-    InputError
-        As `Study.of`.
-    """
+    """Return what a wind of one shape requires of the nozzle of a case; it raises as `Study.of`."""
     if sign is not None:
         one_of("sign", sign, (*SIGNS, FROZEN))
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)

@@ -52,42 +52,16 @@ MOST_CASES = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """A plan and all that was found for it.
+    """A plan and all that was found for it; None, or empty, where that is not asked for.
 
-    Attributes
-    ----------
-    plan : StudyPlan
-        What was asked.
-    study : Study
-        The boundaries and the verdict.
-    trials : tuple of LawTrial
-        The laws, each in each wind; none where none were asked for.
-    comparison : TrimComparison or None
-        The autopilot in the wind, with its margins.
-    flexible : FlexibleAnswer or None
-        The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
-        asked for.
-    stop : ClosedLoopBoundary or None
-        The least limit with which the autopilot, flown with it as a stop, survives the wind; None
-        without a limit or an autopilot.
-    flown : FlownMargins or None
-        What the limit leaves of the margins in the wind; None without a limit or an autopilot.
-    dispersed : DispersedStudy or None
-        The study with vehicle and wind dispersed.
-    flight : tuple of Sizing and DeflectionTotal, or None
-        The whole flight, and the worst of all that its nozzle has to do.
-    card : FlightCard or None
-        What the flight asks of the nozzle; None unless a law is named for it.
-    availability : Availability or None
-        On how many days of an archive it flies.
-    rates : RateFront or None
-        What limit and rate limit leave in the wind; None unless both are given.
-    loads : LoadFront or None
-        The limit over what the structure bears; None unless that is given.
-    reasons : dict of str to str
-        Why something that was asked for has no answer, by the name of its field.
-    warnings : tuple of str
-        What was said on the way.
+    `trials` are the laws, each in each wind; `comparison` is the autopilot in the wind, with its
+    margins; `flexible` the same around a flexible vehicle. `stop` is the least limit with which the
+    autopilot, flown with it as a stop, survives the wind, `flown` what the limit leaves of the
+    margins there. `flight` is the whole flight, and the worst of all that its nozzle has to do;
+    `card` what a law asks of the nozzle there. `availability` says on how many days of an archive
+    it flies, `rates` what limit and rate limit leave in the wind, `loads` the limit over what the
+    structure bears. Of what has no answer `reasons` has the reason, by the name of its field;
+    `warnings` is what was said on the way.
     """
 
     plan: StudyPlan
@@ -145,13 +119,8 @@ def _plain(value: Any) -> Any:
 def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
     """Return everything that a plan asks for, and tell how many of its parts are found.
 
-    A part that cannot be answered for this vehicle, such as margins of laws for one that is
-    stable, has its reason in place of an answer.
-
-    Raises
-    ------
-    InputError
-        As `StudyPlan.study`.
+    A part that cannot be answered for this vehicle, such as margins of laws for one that is stable,
+    has its reason in place of an answer. `InputError` as `StudyPlan.study`.
     """
     said: list[str] = []
     with warned(said.append):
@@ -294,7 +263,6 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
-    del study
     assert plan.sizing is not None
     found = plan.sizing.sizing(plan, told)
     return found, plan.sizing.total(plan, found)
@@ -303,14 +271,12 @@ def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, Deflecti
 def _card(plan: StudyPlan, study: Study, told: Told) -> FlightCard:
     from tvclin.answers.nozzle_cards.whole import flight_card
 
-    del study
     assert plan.sizing is not None
     assert plan.sizing.card is not None
     return flight_card(plan, plan.sizing, plan.sizing.card, progress=told)
 
 
 def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
-    del study
     assert plan.availability is not None
     return plan.availability.availability(plan, told)
 

@@ -35,21 +35,10 @@ _LONG, _POINTS = 2.0, 401
 class FlexibleAnswer:
     """An autopilot around a flexible vehicle.
 
-    Attributes
-    ----------
-    plant, autopilot : FlexiblePlant, Autopilot
-        The loop.
-    bands : BandMargins
-        Its margins.
-    detuned : Detuned or None
-        With detuned modes; None where there are no modes.
-    sample_rate : float
-        Samples of the law in what is flown [Hz].
-    boundaries : tuple of ClosedLoopBoundary
-        The least limit of the autopilot, flown in the wind: of the flexible vehicle, and of the
-        rigid one.
-    flight : SampledFlight or None
-        With the limit in question; None without one.
+    `bands` are its margins, and `detuned` those with detuned modes, if there are any. What is flown
+    has `sample_rate` samples of the law in a second: `boundaries`, the least limit of the autopilot
+    in the wind, of the flexible vehicle and of the rigid one; and a `flight` with the limit in
+    question, if there is one.
     """
 
     plant: FlexiblePlant
@@ -69,29 +58,11 @@ def flexible_answer(
     limit: float | None,
     **hardware: Any,
 ) -> FlexibleAnswer:
-    """Return what an autopilot does with a flexible vehicle.
+    """Return what an autopilot, designed on the rigid plant, does with a flexible vehicle.
 
     Gains that are sought, such as those for the least nozzle, are sought with the structure.
-
-    Parameters
-    ----------
-    plant : FlexiblePlant
-        One plant.
-    autopilot : Autopilot
-        One, designed on the rigid plant.
-    criteria : Criteria
-        What detuned modes are held to.
-    wind : History
-        One wind that ends.
-    limit : float or None
-        The deflection limit in question [rad].
-    **hardware
-        As of `Case.hardware`.
-
-    Raises
-    ------
-    InputError
-        As `Autopilot.band_margins` and `closed_loop_boundary`.
+    Detuned modes are held to the criteria; the limit [rad] is the one in question; hardware is as
+    of `Case.hardware`. `InputError` as `Autopilot.band_margins` and `closed_loop_boundary`.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
@@ -116,17 +87,8 @@ def flexible_answer(
 def law_asked(case: Case, name: str, rate_limit: float, **own: Any) -> Law:
     """Return a law by its name for a case, with the filters of its autopilot.
 
-    Parameters
-    ----------
-    case : Case
-        The law is designed on its rigid vehicle, for its wind; "autopilot" has its gains.
-    name, rate_limit, **own
-        As of `design_law`.
-
-    Raises
-    ------
-    InputError
-        As `design_law` and `Case.autopilot`.
+    It is designed on the rigid vehicle of the case, for its wind, as by `design_law`; "autopilot"
+    has the gains of the case. `InputError` as `design_law` and `Case.autopilot`.
     """
     if name == AUTOPILOT:
         own = {AUTOPILOT: case.autopilot} | own

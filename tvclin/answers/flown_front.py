@@ -30,19 +30,12 @@ _MULTIPLES = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
 
 @dataclass(frozen=True, eq=False)
 class FlownFront(Shown):
-    """What laws need in one case over the deflection rate, flown.
+    """What laws need in one case over the deflection rate, flown with so many sudden stops.
 
-    Attributes
-    ----------
-    front : RateFront
-        The least of theory at the same rates, and the nozzle's point.
-    limits : dict of str to ndarray
-        Least deflection limit [rad] of each law at each rate limit, ``(n,)``; infinite where none
-        was found up to three times the largest trim deflection.
-    monotone : dict of str to ndarray of bool
-        Whether every limit that was tried above one that survives survives as well, ``(n,)``.
-    cuts : int
-        How many sudden stops were tried.
+    `front` is the least of theory at the same rates, and the nozzle's point. `limits` are the least
+    deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none was found
+    up to three times the largest trim deflection; `monotone` is whether every limit that was tried
+    above one that survives survives as well.
     """
 
     front: RateFront

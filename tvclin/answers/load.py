@@ -84,13 +84,13 @@ class LoadBound:
         """Return the front of a case, whose stop may leave its plane a part of the limit."""
         instance("case", case, Case, "of a wind and a nozzle")
         part = number("part", part, between(1e-9, 1.0))
-        limit, rate = case.nozzle.limit, case.nozzle.rate_limit
+        limit = case.nozzle.limit
         return load_front(
             case.plant.rigid,
             case.history,
             limit=None if limit is None else limit * part,
             load=self.bound,
-            rate_limit=np.inf if rate is None else rate,
+            rate_limit=case.hardware["rate_limit"],
             moment_ratio=self.ratio,
         )
 

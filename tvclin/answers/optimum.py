@@ -24,14 +24,8 @@ _FEW = 6
 class KnownWind(Shown):
     """The least deflection in a wind that is known beforehand, and what stands beside it.
 
-    Attributes
-    ----------
-    plant, wind : Plant, History
-        The case.
-    best : Optimum
-        The deflection of least peak.
-    limited : RateLimitedOptimum or None
-        The same with a rate limit, where that is asked for.
+    `best` is the deflection of least peak, `limited` the same with a rate limit, where that is
+    asked for.
     """
 
     plant: Plant

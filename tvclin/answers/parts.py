@@ -97,10 +97,7 @@ QUESTIONS = tuple(_REFUSED)
 def entry(question: str, part: str) -> str:
     """Return what a question does with a part of a case: `COMPUTED`, `TOLD` or `REFUSED`.
 
-    Raises
-    ------
-    InputError
-        For a question or a part that there is not.
+    `InputError` for a question or a part that there is not.
     """
     one_of("question", question, QUESTIONS)
     one_of("part", part, OPTIONS)

@@ -36,16 +36,9 @@ _LARGEST = 1e99
 class VectorNeed:
     """What the vector of a wind asks for [rad], in the measure of the stop.
 
-    Attributes
-    ----------
-    trim : float
-        The largest gauge of -B times the wind.
-    required : ndarray
-        The limit of `plane_limit` at each dead band, ``(k,)``.
-    no_forecast, minimum : float
-        What no law without a forecast, and what nothing undercuts.
-    said : tuple of str
-        Why something is not defined, or is more than (4b) says.
+    `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
+    dead band, ``(k,)``, `no_forecast` what no law without a forecast undercuts, and `minimum` what
+    nothing does; `said` is why something is not defined, or is more than (4b) says.
     """
 
     trim: float
@@ -97,16 +90,8 @@ def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
 class PlanesNeeded:
     """What one wind with a direction, or each of a batch, asks of both planes at one dead band.
 
-    Attributes
-    ----------
-    stop : Stop
-        What the nozzle can do.
-    wind : PlaneWind
-        The wind.
-    deflection : float or ndarray
-        What is required [rad], in the measure of the stop.
-    alone : dict of str to float or ndarray
-        What each plane by itself requires [rad].
+    `deflection` is what is required [rad], in the measure of the stop, `alone` what each plane by
+    itself requires.
     """
 
     stop: Stop

@@ -18,16 +18,8 @@ from tvclin.control.margins.record import DIGITS, factor_to
 class Measure:
     """What is needed for a yes beside what there is, both in the unit that is shown.
 
-    Attributes
-    ----------
-    needed, there : float
-        The numbers.
-    unit : str
-        Their unit.
-    digits : int
-        Shown behind the point.
-    at_most : bool
-        Whether what is there must not be above, in place of not below.
+    With so many digits behind the point. `at_most`: what there is must not be above what is needed,
+    in place of not below.
     """
 
     needed: float
@@ -54,22 +46,11 @@ class Measure:
 class Question:
     """One question of a study file.
 
-    Attributes
-    ----------
-    name : str
-        "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
-        "probability", "autopilot", "margins" or "flexible flight".
-    yes : bool or None
-        The answer; None where it is not known.
-    line : Line
-        Why.
-    needs : float
-        The deflection [rad] that a yes takes; not a number of a question that asks for none.
-    whose : str
-        Who needs it, in words, with the verb.
-    measure : Measure, optional
-        What a yes takes beside what there is; where a deflection is needed it is beside the limit
-        unless something else is given.
+    `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
+    "probability", "autopilot", "margins" or "flexible flight"; the answer is None where it is not
+    known, and `line` is why. `needs` is the deflection [rad] that a yes takes, not a number of a
+    question that asks for none, and `whose` says who needs it, with the verb. `measure` is what a
+    yes takes beside what there is: a deflection is beside the limit unless something else is given.
     """
 
     name: str

@@ -242,20 +242,8 @@ def law_curve(
 ) -> FloatArray:
     """Return the boundary of a law in triangular winds, over tau times beta.
 
-    Parameters
-    ----------
-    plant : Plant or FlexiblePlant
-        The plant that flies.
-    law : Law
-        The law.
-    tau_beta : ndarray
-        Duration of the wind times beta, or with damping the pole, ``(n,)``.
-    peak : float
-        Peak of the wind [rad].
-    sample_rate : float
-        Samples of the law in a second [Hz].
-    **hardware
-        As of `law_trials`.
+    With damping over tau times the pole. The wind has a peak [rad], the law so many samples in a
+    second [Hz]; hardware is as of `law_trials`.
     """
     pole = float(plant.coefficients.pole)
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]

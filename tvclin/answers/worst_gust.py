@@ -20,23 +20,12 @@ _CLOSE = 1e-4
 
 
 def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
-    """Return a wind with its gust at the time at which a plant needs most.
+    """Return a wind without a heading with its gust at the time at which a plant needs most.
 
-    Parameters
-    ----------
-    wind : ShapedWind
-        Without a heading. It is returned as it is where it has no gust, or one with a time.
-    plant : Plant
-        One plant.
-    dead_band : float
-        K.
-
-    Returns
-    -------
-    ShapedWind
-        With the `gust_at`, from the beginning of the wind to its end, of the largest of
-        `open_loop_needs`: of a scan, refined between the neighbours of the best. Without one, the
-        gust in the middle, where it blows against the wind, and where no limit is defined.
+    It is returned as it is where it has no gust, or one with a time. The time is that of the
+    largest of `open_loop_needs` from the beginning of the wind to its end: of a scan, refined
+    between the neighbours of the best. Where the gust blows against the wind, and where no limit is
+    defined, it stays in the middle.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:

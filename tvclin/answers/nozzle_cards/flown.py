@@ -28,16 +28,9 @@ from tvclin.vehicle.linear_vehicle import whole_vehicle
 class FlownCard(Shown):
     """What a law's flight asks of the nozzle.
 
-    Attributes
-    ----------
-    law, status : str
-        The name of the law, and what became of its flight, as of `fly_many`.
-    card : NozzleCard or None
-        Until 15 times the fast mode's time after the wind; None of a flight that is lost.
-    notes : tuple of str
-        Of the design of the law, and of what is left out of the card.
-    verdict : NozzleVerdict
-        What the flight takes of what the nozzle can do.
+    `status` is what became of the flight, as of `fly_many`. The card is until 15 times the fast
+    mode's time after the wind; None of a flight that is lost. Notes are of the design of the law,
+    and of what is left out of the card.
     """
 
     law: str

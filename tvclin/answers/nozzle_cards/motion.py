@@ -16,18 +16,10 @@ from tvclin.linear.extremes import Point
 class Motion:
     """A motion of a nozzle and of its vehicle.
 
-    Attributes
-    ----------
-    times, deflection : ndarray
-        Times [s] and deflections [rad], ``(n + 1,)``; straight lines between.
-    at : ndarray
-        One time [s] of each step, ``(n,)``, to which all below belongs.
-    angle, rate, acceleration : ndarray
-        Deflection [rad] and its derivatives [rad/s, rad/s2], ``(n,)``.
-    sharpest : Point
-        The largest acceleration [rad/s2].
-    angle_of_attack, swing : ndarray
-        Of the vehicle: angle of attack [rad] and angular acceleration [rad/s2], ``(n,)``.
+    Times [s] and deflections [rad] ``(n + 1,)`` have straight lines between. All else is of `at`,
+    one time of each step, ``(n,)``: the deflection and its derivatives [rad/s, rad/s2], the
+    vehicle's angle of attack [rad] and its angular acceleration, `swing` [rad/s2]. `sharpest` is
+    the largest acceleration.
     """
 
     times: FloatArray

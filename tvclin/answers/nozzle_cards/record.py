@@ -37,29 +37,14 @@ _SHOWN = (
 
 @dataclass(frozen=True, eq=False)
 class CardPoint(Shown):
-    """The nozzle at one flight time in one wind, in one plane.
+    """The nozzle at one flight time [s] in one wind, in one plane.
 
-    Attributes
-    ----------
-    time : float
-        Flight time [s].
-    wind, plane : str
-        The wind, with its sign along the path where that matters, and the plane.
-    least : float
-        Least angle [rad] at any rate, the wind being known.
-    pole : float
-        The fast unstable pole [1/s]; zero where nothing grows.
-    limit : float
-        The part of the stop [rad] that this plane has.
-    status : str
-        What became of the flight, as of `fly_many`; empty where nothing is flown.
-    card : NozzleCard or None
-        Of the flight; None where it is lost, or nothing is flown.
-    said : tuple of str
-        Of the design of the law.
-    alone, quiet : ndarray
-        Travel [rad] and energy [J] of the flight beside what noise alone takes, and that
-        [rad/s, W].
+    The wind has its sign along the path where that matters. `least` is the least angle [rad] at any
+    rate, the wind being known; `pole` the fast unstable one [1/s], zero where nothing grows;
+    `limit` the part of the stop [rad] that this plane has. `status` is what became of the flight,
+    as of `fly_many`, empty where nothing is flown; `card` is None then, or where it is lost; `said`
+    is of the design of the law. `alone` is travel [rad] and energy [J] of the flight beside what
+    noise takes by itself, `quiet` that [rad/s, W].
     """
 
     time: float
@@ -107,14 +92,8 @@ class CardPoint(Shown):
 class Duty(Shown):
     """What a whole flight in one wind asks of a nozzle, one moment after the other.
 
-    Attributes
-    ----------
-    wind, plane : str
-        The wind and the plane.
-    travel : float
-        Integral of ``|delta'|`` [rad]; not a number where a flight is lost.
-    energy : float
-        Energy [J] that the actuators give; not a number without nozzle data.
+    Travel is the integral of ``|delta'|`` [rad], not a number where a flight is lost; energy [J]
+    what the actuators give, not a number without nozzle data.
     """
 
     wind: str

@@ -46,14 +46,7 @@ def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dic
 class Need(Shown):
     """A line of a data sheet; numbers in its unit.
 
-    Attributes
-    ----------
-    name, unit : str
-        What, and in which unit.
-    needed : float
-        What is needed; infinite where nothing is enough, and not a number where it is not known.
-    there : float or None
-        What there is, where that is given.
+    What is needed is infinite where nothing is enough, and not a number where it is not known.
     """
 
     name: str
@@ -86,14 +79,9 @@ class Need(Shown):
 
 @dataclass(frozen=True)
 class NozzleVerdict(Shown):
-    """Whether a nozzle is enough, line by line.
+    """Whether a nozzle is enough, line by line: that of which the largest part is needed first.
 
-    Attributes
-    ----------
-    needs : tuple of Need
-        That of which the largest part is needed comes first.
-    lost, unknown : tuple of str
-        Flights that are not survived, and winds that are not known, in words.
+    `lost` and `unknown` are flights that are not survived, and winds that are not known, in words.
     """
 
     needs: tuple[Need, ...]

@@ -257,7 +257,7 @@ class _Flying:
         pole = float(np.abs(unstable_modes(plant).poles).max())
         point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
         mine = {AUTOPILOT: own.autopilot} if self.law == AUTOPILOT else {}
-        most = np.inf if nozzle.rate_limit is None else nozzle.rate_limit
+        most = own.hardware["rate_limit"]
         law: Any = design_law(self.law, plant, float(wind.peak), rate_limit=most, **mine)
         said = tuple(design_notes(law))
         chains = own.asked.chains
@@ -318,7 +318,7 @@ def _verdict(
     """What all flights and the theory of a known wind need, each in the measure of the stop."""
     nozzle = flying.case.nozzle
     assert nozzle.limit is not None
-    most = np.inf if nozzle.rate_limit is None else nozzle.rate_limit
+    most = flying.case.hardware["rate_limit"]
     least, pole, limit = (
         np.array([getattr(one, name) for one in points]) for name in ("least", "pole", "limit")
     )

@@ -21,24 +21,12 @@ AT_REST = 1e-6
 class Work(Shown):
     """What the actuators give.
 
-    Attributes
-    ----------
-    torque : Point
-        Largest torque [N m] while the nozzle turns, with friction.
-    holding : float
-        Largest torque [N m] at rest, to which friction adds or takes up to M_f.
-    rms_torque : float
-        Root of the mean square [N m], holding included.
-    power : Point
-        Largest power [W] that is given.
-    energy : float
-        Energy [J] that is given; what the nozzle gives back is not taken off.
-    returned : float
-        Energy [J] that the nozzle gives back.
-    corner_power : float
-        Largest torque times largest rate [W], never below the largest power.
-    stiffness : float
-        k + s_E a_x [N m/rad] at the least; below zero the nozzle turns away by itself.
+    `torque` is the largest [N m] while the nozzle turns, with friction; `holding` that at rest, to
+    which friction adds or takes up to M_f; the root of the mean square includes it. `power` is the
+    largest [W] that is given, `energy` [J] what is given, of which what the nozzle gives back,
+    `returned`, is not taken off. `corner_power` [W] is the largest torque times the largest rate,
+    never below the largest power. `stiffness` is k + s_E a_x [N m/rad] at the least; below zero the
+    nozzle turns away by itself.
     """
 
     torque: Point
