@@ -11,7 +11,7 @@ from tests.flexible import BOOSTER, MODES, TANKS
 from tests.turns import usual
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.batch_arrays import flights
-from tvclin.flights.closed_loop.growth import growth_near_rest
+from tvclin.flights.closed_loop.growth import worst_near_rest
 
 PEAK = np.radians(5.0)
 PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
@@ -185,9 +185,8 @@ def test_a_millionth_beyond_each_margin_the_step_of_a_flight_grows(plant, hertz,
     law = tv.SaturatedLaw(gains)
 
     def growth(gain, delay):
-        return growth_near_rest(
-            one_flight(plant, law, WIND, 1.0, Hardware(1.0 / rate, delay, nozzle), gain)
-        )
+        hardware = Hardware(1.0 / rate, delay, nozzle)
+        return worst_near_rest(one_flight(plant, law, WIND, 1.0, hardware, gain)).real
 
     for beyond in (1.0 - 1e-6, 1.0 + 1e-6):
         changes = [(beyond * m.gain_increase, late), (1.0, late + beyond * m.delay_margin)]

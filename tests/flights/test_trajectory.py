@@ -120,23 +120,7 @@ def test_the_nominal_deflection_turns_the_nose_with_the_path(flight):
     v = flight.vehicle
     expected = -v.moment_of_inertia * bend / (v.thrust * v.control_arm)
     assert flight.deflection(t) == pytest.approx(expected, rel=1e-3)
-
-
-def test_the_nominal_flight_as_histories_is_its_values(flight):
-    """Straight lines of 0.05 s are off by an eighth of the step's square times the curvature."""
-    found = flight.histories()
-    times = np.linspace(flight.start, flight.stop - 1e-6, 997)
-    speed, path, _ = flight.states(times)
-
-    np.testing.assert_allclose(found["velocity"](times), speed, rtol=1e-6)
-    for name in ("attitude", "flight_path_angle"):
-        np.testing.assert_allclose(found[name](times), path, atol=1e-6)
-    nominal = flight.deflection(times)
-    largest = np.abs(nominal).max()
-    np.testing.assert_allclose(found["deflection"](times), nominal, atol=2e-5 * largest)
-    assert 0.0 < np.degrees(largest) < 0.01
-    with pytest.raises(InputError, match="step must be positive"):
-        flight.histories(step=0.0)
+    assert 0.0 < np.degrees(np.abs(flight.deflection(flight.time)).max()) < 0.01
 
 
 def test_aerodynamic_forces_go_with_the_dynamic_pressure(flight):

@@ -41,8 +41,8 @@ def flexible(rng, modes, damping=(1e-3, 1e-1)):
 
 def cascade(sections):
     """Return A, B, C and D of the sections behind each other."""
-    whole = state_space.gain(1.0)
-    for one in sections:
+    whole = section(*sections[0])
+    for one in sections[1:]:
         whole = state_space.series(whole, section(*one))
     return whole
 

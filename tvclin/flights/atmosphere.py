@@ -26,7 +26,6 @@ _BEYOND = 14_000.0
 """So far [m] the ends of the range are continued; farther off the air stays what it is there."""
 _EARTH_RADIUS = 6_356_766.0
 _GAS_CONSTANT = 8.31432 / 28.9644e-3
-_HEAT_RATIO = 1.4
 _BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
 _LAPSES = np.array([-6.5e-3, 0.0, 1.0e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3])
 _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
@@ -36,13 +35,12 @@ _SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
 class Air:
     """Air at some altitudes; every field has their shape.
 
-    `temperature`: [K]. `pressure`: [Pa]. `density`: [kg/m^3]. `sound_speed`: [m/s].
+    `temperature`: [K]. `pressure`: [Pa]. `density`: [kg/m^3].
     """
 
     temperature: FloatArray
     pressure: FloatArray
     density: FloatArray
-    sound_speed: FloatArray
 
 
 def standard_atmosphere(altitude: ArrayLike) -> Air:
@@ -72,8 +70,7 @@ def air_at(altitude: FloatArray) -> Air:
     temperature = base + lapse * above
     pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
     density = pressure / (_GAS_CONSTANT * temperature)
-    sound = np.sqrt(_HEAT_RATIO * _GAS_CONSTANT * temperature)
-    return Air(temperature, pressure, density, sound)
+    return Air(temperature, pressure, density)
 
 
 def density_at(altitude: float) -> float:

@@ -24,14 +24,11 @@ from tvclin.base.errors import (
     finite,
     instance,
     number,
-    positive,
     single,
 )
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.flights.condition import FlightCondition
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-from tvclin.winds.histories import History, Piecewise
-from tvclin.winds.sampled import straight_lines
 
 _RTOL = 1e-11
 """Of the solver: the nominal flight enters all others, which are exact to about 1e-9."""
@@ -132,39 +129,6 @@ class NominalFlight:
         v = self.vehicle
         moment = v.moment_of_inertia * bend + v.pitch_damping * rates[1]
         return np.asarray(-moment / (v.control_force * v.control_arm))
-
-    def histories(self, step: float = 0.05) -> dict[str, History]:
-        """Return Theta_n, gamma_n, V_n and delta_n as histories, from `start` to `stop`.
-
-        Parameters
-        ----------
-        step : float
-            Straight lines lead from one value to the next after this time [s].
-
-        Returns
-        -------
-        dict of str to History
-            "attitude", "flight_path_angle" [rad], "velocity" [m/s] and "deflection" [rad]. The
-            first two are one: without lift the nose is on the path. No force asks for a
-            deflection, the thrust going through the centre of gravity; what there is turns the
-            nose with the path.
-
-        Raises
-        ------
-        InputError
-            For a step that is not positive.
-        """
-        length = number("step", step, positive, "s")
-        count = int(np.ceil((self.stop - self.start) / length)) + 1
-        times: FloatArray = np.linspace(self.start, self.stop, max(count, 2))
-        speed, path, _ = self.states(times)
-        turned = Piecewise(straight_lines(times, path))
-        return {
-            "attitude": turned,
-            "flight_path_angle": turned,
-            "velocity": Piecewise(straight_lines(times, speed)),
-            "deflection": Piecewise(straight_lines(times, self.deflection(times))),
-        }
 
     def vehicle_at(self, t: ArrayLike) -> Vehicle:
         """Return the vehicle at other times: a batch of the shape of `t`."""

@@ -10,17 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-
-
-def gain(value: ArrayLike) -> Matrices:
-    """Return the system without states of a gain ``(...)``."""
-    through = np.asarray(value, float)[..., np.newaxis, np.newaxis]
-    return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), through
 
 
 def series(first: Matrices, second: Matrices) -> Matrices:
@@ -29,21 +22,6 @@ def series(first: Matrices, second: Matrices) -> Matrices:
     n = A1.shape[-1], A2.shape[-1]
     A = stacked(beside(A1, np.zeros(n)), beside(B2 @ C1, A2))
     return A, stacked(B1, B2 @ D1), beside(D2 @ C1, C2), D2 @ D1
-
-
-def parallel(first: Matrices, second: Matrices) -> Matrices:
-    """Return the sum of two systems with the same input."""
-    (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
-    return _diagonal(A1, A2), stacked(B1, B2), beside(C1, C2), D1 + D2
-
-
-def summed(systems: Sequence[Matrices]) -> Matrices:
-    """Return the sum of systems with an input each."""
-    A, B, C, D = systems[0]
-    for one in systems[1:]:
-        A, B = _diagonal(A, one[0]), _diagonal(B, one[1])
-        C, D = beside(C, one[2]), beside(D, one[3])
-    return A, B, C, D
 
 
 def to_steps(system: Matrices, c: FloatArray) -> Matrices:
@@ -86,8 +64,3 @@ def stacked(*blocks: FloatArray) -> FloatArray:
 def _spread(blocks: Sequence[FloatArray]) -> list[FloatArray]:
     shape = np.broadcast_shapes(*(block.shape[:-2] for block in blocks))
     return [np.broadcast_to(block, (*shape, *block.shape[-2:])) for block in blocks]
-
-
-def _diagonal(first: FloatArray, second: FloatArray) -> FloatArray:
-    (m, n), (p, q) = first.shape[-2:], second.shape[-2:]
-    return stacked(beside(first, np.zeros((m, q))), beside(np.zeros((p, n)), second))

@@ -71,30 +71,10 @@ class LinearSystem:
         """The eigenvalues of A, ``(..., n)``: s [1/s], or z in steps."""
         return np.linalg.eigvals(self.A).astype(complex)
 
-    def response(self, s: ArrayLike) -> ComplexArray:
-        """Return C (s - A)^-1 B + D, ``batch + s.shape + (outputs, inputs)``.
-
-        Parameters
-        ----------
-        s : array_like of complex
-            Off the poles: s [1/s], or z in steps.
-        """
-        points = np.asarray(s, complex)
-        pencil = points.reshape(-1, 1, 1) * np.eye(len(self.states))
-        A, B, C, D = (one[..., np.newaxis, :, :] for one in self.matrices())
-        found = C @ np.linalg.solve(pencil - A, B) + D
-        return np.asarray(found.reshape(*self.batch, *points.shape, *D.shape[-2:]))
-
     def series(self, behind: LinearSystem) -> LinearSystem:
         """Return this system with another behind it, whose inputs are the outputs of this one."""
         found = state_space.series(self.matrices(), behind.matrices())
         names = (self.inputs, behind.outputs, (*self.states, *behind.states))
-        return LinearSystem(*found, *names, self.period)
-
-    def parallel(self, other: LinearSystem) -> LinearSystem:
-        """Return the sum of this system and another with the same inputs."""
-        found = state_space.parallel(self.matrices(), other.matrices())
-        names = (self.inputs, self.outputs, (*self.states, *other.states))
         return LinearSystem(*found, *names, self.period)
 
     def feedback(self, output: str, input: str) -> LinearSystem:

@@ -26,19 +26,11 @@ _BEYOND = 1e100
 """An eigenvalue in place of one that is no number."""
 
 
-def growth_near_rest(batch: Batch) -> float:
-    """Return the growth rate [1/s] of one loop: vehicle, nozzle, law and delay together.
-
-    The spectral radius of its step near rest says how fast the worst mode grows (positive) or
-    decays.
-    """
-    return worst_near_rest(batch).real
-
-
 def worst_near_rest(batch: Batch) -> complex:
     """Return the pole [1/s] of the worst mode of one loop, log(z)/h, upper where there are two.
 
-    Its frequency is what the samples show, at most half their rate.
+    The spectral radius of its step near rest says how fast it grows (positive) or decays. Its
+    frequency is what the samples show, at most half their rate.
     """
     values = np.linalg.eigvals(step_near_rest(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]

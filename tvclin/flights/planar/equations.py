@@ -61,11 +61,6 @@ class PlanarMotion:
         scales[4:] = self.vehicle.velocity
         return scales
 
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs, as those of a `Plant` with a flight path."""
-        return (*STATES[:3], "angle_of_attack")
-
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return the derivatives of the states `x`.
 
