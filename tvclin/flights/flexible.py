@@ -31,14 +31,9 @@ FATES = {
 class SampledFlight(FlightBeside):
     """A flight of a law in steps with the limits of the nozzle; `linear` is the rigid vehicle.
 
-    Of a rigid plant the two are the same.
-
-    Attributes
-    ----------
-    status : tuple of str
-        What became of both, flown and rigid, as of `FlownCases`.
-    peak_rates : tuple of float
-        Largest rate of the nozzle [rad/s] of both, a mean over a sample.
+    Of a rigid plant the two are the same. `status`: what became of both, flown and rigid, as of
+    `FlownCases`. `peak_rates`: the largest rate of the nozzle [rad/s] of both, a mean over a
+    sample.
     """
 
     status: tuple[str, str]
@@ -60,17 +55,8 @@ def fly_sampled(
 ) -> SampledFlight:
     """Return a flight by samples, what became of it, and the same of the rigid vehicle.
 
-    Parameters
-    ----------
-    plant, law, wind, timepts
-        As of `fly`.
-    **nozzle
-        deflection_limit, rate_limit, actuator, sample_rate and delay, as of `fly`.
-
-    Raises
-    ------
-    InputError
-        As `fly` and `fly_many`.
+    Arguments and errors as of `fly`; `nozzle`: deflection_limit, rate_limit, actuator, sample_rate
+    and delay.
     """
     many: list[FlownCases] = [fly_many(one, law, wind, **nozzle) for one in (plant, plant.rigid)]
     status = [str(one.status) for one in many]

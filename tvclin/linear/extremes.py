@@ -50,18 +50,9 @@ class Point:
 class Extremes:
     """What stands out in an attitude response; None where there is no such thing.
 
-    Attributes
-    ----------
-    with_wind : Point or None
-        Largest attitude error on the side to which the wind turns the vehicle, with its sign.
-    against_wind : Point or None
-        Largest attitude error on the other side.
-    back_at_zero : Point or None
-        When the attitude comes back through zero from the wind's side for the last time.
-    at_wind_end : Point or None
-        Attitude error when the wind ends; None if the response is shorter.
-    at_end : Point
-        Attitude error at the end.
+    `with_wind`, `against_wind`: largest attitude error on the side to which the wind turns the
+    vehicle, with its sign, and on the other. `back_at_zero`: when it comes back through zero from
+    the wind's side for the last time. `at_wind_end`, `at_end`: of the wind and of the response.
     """
 
     with_wind: Point | None

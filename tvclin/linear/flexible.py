@@ -41,12 +41,7 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 class Shift(NamedTuple):
     """By how many percent a structure moves what the open-loop theory rests on.
 
-    Attributes
-    ----------
-    fast_pole : float or ndarray
-        Of the fast pole [percent].
-    trim_price : float or ndarray
-        Of the deflection that the wind asks for there, B K1 [percent].
+    That is the fast pole, and the deflection that the wind asks for there, B K1.
     """
 
     fast_pole: float | FloatArray

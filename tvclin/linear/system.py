@@ -37,15 +37,8 @@ WHOLE = 1e-9
 class LinearSystem:
     """A linear system with named inputs, outputs and states; the batch leads the matrices.
 
-    Attributes
-    ----------
-    A, B, C, D : ndarray
-        ``(..., n, n)``, ``(..., n, inputs)``, ``(..., outputs, n)`` and ``(..., outputs,
-        inputs)``; their batches broadcast.
-    inputs, outputs, states : tuple of str
-        Names of the signals.
-    period : ndarray or None
-        Length of a step [s], ``(...)``; None in continuous time.
+    The batches of the matrices broadcast. `period`: length of a step [s], ``(...)``; None in
+    continuous time.
     """
 
     A: FloatArray
@@ -80,10 +73,7 @@ class LinearSystem:
     def feedback(self, output: str, input: str) -> LinearSystem:
         """Return the system with an output added to an input, which is then no input any more.
 
-        Raises
-        ------
-        InputError
-            Where the output follows that input at once.
+        `InputError` where the output follows that input at once.
         """
         back = gain(input, {output: 1.0})
         inputs = tuple(name for name in self.inputs if name != input)
@@ -119,19 +109,9 @@ class LinearSystem:
             x[k+1] = F x[k] + G0 u[k-d] + G1 u[k-d-1],    e^([A, B; 0, 0] t) = [E(t), P(t); 0, 1],
             F = E(h - f) E(f),    G0 = P(h - f),    G1 = E(h - f) P(f),
 
-        and commands that have not arrived are states.
-
-        Parameters
-        ----------
-        period : array_like
-            h [s], ``(...)``.
-        delay : array_like
-            From a sample until its command acts [s], of the only input, ``(...)``.
-
-        Raises
-        ------
-        InputError
-            With a delay, for more inputs than one, and outputs that follow at once.
+        and commands that have not arrived are states. `period`: h [s], ``(...)``. `delay`: from a
+        sample until its command acts [s], ``(...)``; `InputError` with one, for more inputs than
+        one, and outputs that follow at once.
         """
         h, late = np.asarray(period, float), np.asarray(delay, float)
         whole, rest = delay_parts(late, h)
@@ -171,13 +151,7 @@ class LinearSystem:
         return exponentials(every, times.ravel()).reshape(shape)[..., : len(self.states), :]
 
     def to_control(self, name: str) -> control.StateSpace:
-        """Return one system in continuous time as `control.StateSpace`, its signals named.
-
-        Raises
-        ------
-        InputError
-            For a batch.
-        """
+        """Return one system as `control.StateSpace`; `InputError` for a batch."""
         import control
 
         if self.batch:
@@ -220,19 +194,9 @@ def connect(
     """Return the system of blocks whose signals are joined by their names.
 
     A signal is the sum of all outputs, and of the input from outside, that have its name; it goes
-    to every input of that name.
-
-    Parameters
-    ----------
-    blocks : sequence of LinearSystem
-        All in continuous time, or all in steps of one length.
-    inputs, outputs : sequence of str
-        Names of what comes from outside, and of the signals to look at.
-
-    Raises
-    ------
-    InputError
-        For an algebraic loop, in which a signal follows itself at once.
+    to every input of that name. `blocks`: all in continuous time, or all in steps of one length.
+    `inputs`, `outputs`: what comes from outside, and the signals to look at. `InputError` for an
+    algebraic loop, in which a signal follows itself at once.
     """
     given = [name for one in blocks for name in one.inputs]
     made = [name for one in blocks for name in one.outputs]

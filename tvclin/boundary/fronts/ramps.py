@@ -45,19 +45,10 @@ def ramped_deflection(
 
 
 def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
-    """Return the least deflection rate [rad/s] at a limit, of one pole.
+    """Return the least deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
 
     It is `ramped_deflection` turned round: d0 = d f(x) with x = p d/r, which Lambert's W solves.
-
-    Parameters
-    ----------
-    least, pole, deflection : array_like
-        d0 [rad], p [1/s] and the limit d [rad], which broadcast.
-
-    Returns
-    -------
-    ndarray
-        Zero where nothing is needed, and infinite where no rate is enough.
+    Zero where nothing is needed, and infinite where no rate is enough.
     """
     from scipy.special import lambertw
 

@@ -32,18 +32,9 @@ _NAME = "angle_of_attack"
 
 @dataclass(frozen=True, eq=False)
 class LoadCase:
-    """A plant in a wind, and a deflection that survives it.
+    """A plant in a wind, and a known deflection [rad] that survives it, constant between nodes.
 
-    Attributes
-    ----------
-    plant : Plant
-        One plant.
-    wind, known : History
-        The wind and the deflection [rad], which is constant between nodes.
-    ratio : float
-        M, deflection's part of the load.
-    rate : float
-        Rate limit [rad/s]; infinite if none.
+    `ratio`: M, deflection's part of the load. `rate`: the rate limit [rad/s]; infinite if none.
     """
 
     plant: Plant
@@ -110,14 +101,8 @@ class LoadCase:
     def load_in(self, shown: FloatArray, widths: FloatArray, ends: FloatArray) -> FloatArray:
         """The load [rad] of a deflection within cells, at even places, both ends among them.
 
-        Parameters
-        ----------
-        shown : ndarray
-            That of the known one there, ``(n, q)``.
-        widths : ndarray
-            Of the cells [s], ``(n,)``.
-        ends : ndarray
-            Deflection at start and end less the known one [rad], ``(2, n)``.
+        `shown`: that of the known one there, ``(n, q)``. `widths`: of the cells [s], ``(n,)``.
+        `ends`: the deflection at start and end less the known one [rad], ``(2, n)``.
         """
         n, grows, x = widths.size, self.grows, np.linspace(0.0, 1.0, shown.shape[1])
         over, near, far = carried(self.rates, widths[:, np.newaxis])

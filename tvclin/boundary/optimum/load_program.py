@@ -31,18 +31,10 @@ _PARTS = 4
 class Solution:
     """A deflection that survives, and what the prices of its program prove.
 
-    Attributes
-    ----------
-    value : float
-        The least that was asked for [rad], the load at the nodes alone.
-    peak, load : float
-        The largest size [rad] of it, and that of its load [rad], between the nodes too.
-    ends : ndarray
-        Deflection [rad] at start and end of each cell, ``(2, n)``.
-    bound, slope : float
-        No deflection has a peak below ``bound - slope * load`` [rad].
-    finer : ndarray
-        Nodes [s] of a program that may do better.
+    `value`: the least that was asked for [rad], the load at the nodes alone. `peak`, `load`: the
+    largest size [rad] of it and of its load, between the nodes too. `ends`: deflection [rad] at
+    start and end of each cell, ``(2, n)``. `bound`, `slope`: no deflection has a peak below
+    ``bound - slope * load`` [rad]. `finer`: nodes [s] of a program that may do better.
     """
 
     value: float

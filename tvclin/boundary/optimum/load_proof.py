@@ -26,18 +26,9 @@ _PLACES, _SHARES = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
 class Weighed:
     """Weights of the load, at nodes and all over the cells, and prices of what grows.
 
-    Attributes
-    ----------
-    case : LoadCase
-        The case.
-    widths : ndarray
-        Lengths of the cells [s], ``(n,)``.
-    at : ndarray
-        Weights at the nodes, ``(n + 1,)``.
-    spread : ndarray
-        Density [1/s] at start and end of each cell, straight between, ``(2, n)``.
-    prices : ndarray
-        Of the growing modes at the first node, complex, ``(k,)``; zero for the others.
+    `widths`: of the cells [s], ``(n,)``. `at`: weights at the nodes, ``(n + 1,)``. `spread`: the
+    density [1/s] at start and end of each cell, straight between, ``(2, n)``. `prices`: of the
+    growing modes at the first node, ``(k,)``; zero for the others.
     """
 
     case: LoadCase
@@ -49,12 +40,8 @@ class Weighed:
     def proof(self, known: FloatArray, turning: FloatArray | None) -> tuple[float, float]:
         """Return INT h delta_0 + rate INT |K|, and INT |h - K'|.
 
-        Parameters
-        ----------
-        known : ndarray
-            delta_0 in the cells [rad], ``(n,)``.
-        turning : ndarray, optional
-            Prices of the rate in the cells, ``(n,)``: K' = h where there is one.
+        `known`: delta_0 in the cells [rad], ``(n,)``. `turning`: prices of the rate there: K' = h
+        where there is one.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))

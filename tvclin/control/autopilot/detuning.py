@@ -34,15 +34,9 @@ interval is halved in which the loop becomes unstable."""
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """Where a loop becomes unstable as the frequency of one mode is moved.
+    """The factors on the frequency of a mode, nearest to one, at which the loop becomes unstable.
 
-    Attributes
-    ----------
-    name : str
-        Name of the mode.
-    lower, upper : float
-        The factors on its frequency, below and above one and nearest to it, at which the loop
-        becomes unstable; NaN where it stays stable as far as it was asked.
+    NaN where it stays stable as far as it was asked.
     """
 
     name: str

@@ -84,17 +84,7 @@ class FilteredLaw(Law):
 
 @dataclass(frozen=True)
 class NoisyLaw(FilteredLaw):
-    """A law with filters and a gyro that is noisy.
-
-    Parameters
-    ----------
-    law, filters, attitude_filters, rate_filters
-        As of `FilteredLaw`.
-    noise : float
-        Of the measured attitude rate [rad/s], rms for each sample.
-    seed : int
-        Of the noise.
-    """
+    """A law with filters and a gyro that is noisy: its noise [rad/s], rms for each sample."""
 
     noise: float = 0.0
     seed: int = 0

@@ -29,21 +29,11 @@ class SampledLoop(Loop):
     """The loop of a sampled autopilot, from the command to minus what the law returns.
 
     Made by `Autopilot.exact_loop`. Frequencies are those of the s plane, from zero to half the
-    sample rate.
+    sample rate; `form` is in the variable w, z = (1 + w h/2)/(1 - w h/2).
 
-    Attributes
-    ----------
-    form : StateLoop
-        The same loops in the variable w, z = (1 + w h/2)/(1 - w h/2).
-    batch : tuple of int
-        Shape of the batch.
-    period, late : ndarray
-        h, and the delay [s], ``(...)``.
-    later : callable
-        Takes delays below h [s] ``(k,)`` and the positions ``(k,)`` of loops in the flattened
-        batch, and gives these loops with those delays.
-    closed_later : callable
-        Takes delays [s] and positions alike, and gives the closed-loop poles z ``(k, n)``.
+    `period`, `late`: h, and the delay [s], ``(...)``. `later`: takes delays below h [s] ``(k,)``
+    and the positions ``(k,)`` of loops in the flattened batch, and gives these loops with those
+    delays. `closed_later`: takes any delays and positions, and gives the closed-loop poles z.
     """
 
     period: FloatArray
@@ -66,13 +56,7 @@ class SampledLoop(Loop):
             object.__setattr__(self, name, value)
 
     def response(self, omega: ArrayLike) -> AnyArray:
-        """Return L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
-
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s] below half the sample rate, of any shape.
-        """
+        """Return L(e^(j omega h)) below half the sample rate [rad/s], as of `Loop`."""
         highest = float(np.pi / np.max(self.period))
         frequencies = within("omega", omega, -highest, highest, "rad/s")
         half = 0.5 * self.period.reshape(-1, 1)

@@ -26,20 +26,11 @@ _IN_A_SAMPLE, _MOST = 4, 50_000
 
 @dataclass(frozen=True, eq=False)
 class NozzleFlight:
-    """What became of a flight, and how its nozzle moved.
+    """What became of a flight, and how its nozzle moved; angles in rad.
 
-    Attributes
-    ----------
-    status : str
-        As of `fly_many`.
-    times : ndarray
-        Even times [s] from the first command on, at which commands change too, ``(n,)``; of a
-        flight that is lost none.
-    deflection, angle_of_attack, attitude : ndarray
-        At these [rad], ``(n,)``.
-    rate, acceleration : ndarray or None
-        Of the actuator right after these [rad/s, rad/s2], ``(n,)``; None without an actuator, whose
-        times are the samples.
+    `times`: even times [s] from the first command on, at which commands change too, ``(n,)``; of a
+    flight that is lost none. `rate`, `acceleration`: of the actuator right after these; None
+    without an actuator, whose times are the samples.
     """
 
     status: str
