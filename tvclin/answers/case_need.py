@@ -13,15 +13,7 @@ from tvclin.answers.planes import PlanesNeeded, of_heading
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    nonnegative,
-    number,
-    one_of,
-    single,
-    within,
-)
+from tvclin.base.errors import InputError, between, nonnegative, number, one_of, single, within
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
@@ -145,9 +137,12 @@ class CaseNeed:
         except InputError:
             return np.inf
 
-    def judged(self, limit: float) -> dict[str, Any]:
-        """Return whether a limit [rad] is enough, and what peak it survives."""
-        needed = self.required_deflection
+    @property
+    def judged(self) -> dict[str, Any]:
+        """Whether the limit is enough, and what peak it survives; None without one."""
+        limit, needed = self.limit, self.required_deflection
+        if limit is None:
+            return {"sufficient": None, "survivable_peak": None}
         peak = self.planes.peak if self.planes is not None and self.in_both else self.history.peak
         size = limit / needed if needed else np.inf
         if self.counts[0] != FROZEN and 0.0 < size < np.inf:

@@ -85,7 +85,7 @@ def questions(found: Findings) -> tuple[Question, ...]:
     """Return all that the plan of these findings asks, in its order, with the answers."""
     limit = found.study.limit
     return tuple(
-        replace(one, measure=Measure(float(np.degrees(one.needs)), float(np.degrees(limit))))
+        replace(one, measure=_of_angles(one.needs, limit))
         if one.measure is None and limit is not None and not np.isnan(one.needs)
         else one
         for one in _asked(found)
@@ -149,8 +149,7 @@ def _rate(found: Findings) -> Question:
     if np.isinf(front.needed_rate):
         line = ("with this limit no rate is enough",)
     need = front.needed * found.study.of_both
-    needed, there = np.degrees([front.needed_rate, front.rate_limit or np.nan])
-    measure = Measure(float(needed), float(there), "deg/s")
+    measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
     return Question(name, front.enough, line, need, "at this rate any control needs", measure)
 
 
@@ -179,9 +178,8 @@ def _flight(found: Findings) -> Question:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
     limit = found.study.limit
     if total.too_slow and (limit is None or covers(limit, total.required)):  # the angle is enough
-        needed, there = np.degrees([total.needed_rate, total.rate_limit or np.nan])
         line = (f"the least rate with which the limit is enough for {whole}", reserve)
-        measure = Measure(float(needed), float(there), "deg/s")
+        measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
 
@@ -303,8 +301,13 @@ def _flexible(found: Findings) -> Question:
         line += (f", the rigid one {rigid}",)
     least = abs(float(f.boundaries[0].deflection)) * found.study.of_both
     limit = found.study.limit
-    measure = None if limit is None else Measure(*np.degrees((least, limit)).tolist())
+    measure = None if limit is None else _of_angles(least, limit)
     return Question("flexible flight", f.flight.survived, line, measure=measure)
+
+
+def _of_angles(needed: float, there: float, unit: str = "deg") -> Measure:
+    """The measure of angles [rad] or rates [rad/s]."""
+    return Measure(float(np.degrees(needed)), float(np.degrees(there)), unit)
 
 
 def _reason(found: Findings, part: str) -> str:

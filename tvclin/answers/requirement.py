@@ -18,13 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.trim_flown import (
-    can_fly,
-    comes_back,
-    lost_flown,
-    path_counts,
-    trim_law_flown,
-)
+from tvclin.answers.trim_flown import can_fly, comes_back, lost_flown, path_counts, trim_law_flown
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within

@@ -25,11 +25,7 @@ from tvclin.answers.study_notes import (
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    one_of,
-)
+from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
@@ -218,20 +214,18 @@ class Study(CaseNeed, Shown):
             *along_the_path(case, history, sign, need.sign_unknown),
             *words_of(need.planes, case.plane, need.in_both),
         )
-        found = cls(
+        return cls(
             **vars(need),
+            **need.judged,
+            **needed,
             coefficients=coefficients,
             wind=replace(need.blows, gust=None).history({}),
             switch=switch,
             modes=modes,
             trim_deflection=abs(float(coefficients.B * history.peak)),
             dead_bands=dead_bands,
-            sufficient=None,
-            survivable_peak=None,
             notes=notes,
-            **needed,
         )
-        return found if found.limit is None else replace(found, **found.judged(found.limit))
 
     @property
     def shape(self) -> str:

@@ -14,7 +14,7 @@ from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.doubts import doubts as slips
@@ -29,9 +29,6 @@ _SLOWER = 0.04
 """By about so much air and jet slow the pole of a booster."""
 _LONG = 2.5
 """Duration over the time of the pole, from which a slower one may ask for more."""
-
-_ONE_POLE = ("fixed-path", "drift")
-"""Models that leave the slow mode of the flight path out."""
 OUTLASTS = "is too long for the single-pole theory"
 TRUSTS = "trusts a forecast"
 """Of a wind and of a dead band, in the notes of a study."""
@@ -81,7 +78,7 @@ def slow_or_paired(
         )
         return
     edge = float(single_pole_validity(plant.coefficients))
-    flown = dead_band == 1.0 and plant.model not in _ONE_POLE
+    flown = dead_band == 1.0 and plant.model not in ONE_POLE
     if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
         yield (
             f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
@@ -92,7 +89,7 @@ def slow_or_paired(
 def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
     """Say where the exact model has unstable modes beside, which this one leaves out."""
     name = USUAL_MODEL
-    if plant.model not in _ONE_POLE or name not in modes:
+    if plant.model not in ONE_POLE or name not in modes:
         return
     more = modes[name].poles.size > modes[plant.model].poles.size
     if more and np.isnan(single_pole_validity(plant.coefficients)):

@@ -54,14 +54,8 @@ def vehicle(
 ) -> Table:
     """Return the numbers of the vehicle, first in the units of its file where these are others.
 
-    Parameters
-    ----------
-    s : Study
-        The study.
-    source : str
-        What a vehicle without a name is called.
-    own : mapping of str to (float, str)
-        Numbers as they stand in the file, by name, with units; see `as_written`.
+    `source` is what a vehicle without a name is called, `own` numbers as they stand in the file, by
+    name, with units; see `as_written`.
     """
     rows = [(one.label, _in_units(one, own or {})) for one in s.vehicle.quantities()]
     planes = "pitch and yaw" if s.in_both else s.plane

@@ -14,6 +14,8 @@ from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle,
 USUAL_MODEL = "drift-exact"
 """The model where none is named: the path as it moves, without an approximation."""
 MODELS = (FIXED_PATH, "drift", USUAL_MODEL, "drift-and-speed")
+ONE_POLE = (FIXED_PATH, "drift")
+"""Models that leave the slow mode of the flight path out."""
 
 
 def available_models(coefficients: Coefficients) -> list[str]:

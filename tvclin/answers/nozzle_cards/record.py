@@ -50,11 +50,11 @@ class CardPoint(Shown):
     time: float
     wind: str
     plane: str
-    least: float
-    pole: float
     limit: float
-    status: str
-    card: NozzleCard | None
+    least: float = 0.0
+    pole: float = 0.0
+    status: str = ""
+    card: NozzleCard | None = None
     said: tuple[str, ...] = ()
     alone: FloatArray = field(default_factory=lambda: np.zeros(2))
     quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -170,21 +170,24 @@ class FlightCard(Shown):
 
     def _whole(self) -> Table:
         planes = len({one.plane for one in self.points}) > 1
+
+        def where(one: CardPoint | Duty) -> Line:
+            return (f"{one.wind}, {one.plane}" if planes else one.wind,)
+
         rows: list[tuple[Line, ...]] = []
         for key, one in self._worst().items():
             name, unit = named(key)
-            where = f"{one.wind}, {one.plane}" if planes else one.wind
             value = _cell(f"card.{key}", key, one.numbers[key])
             label = f"{name} [{unit}]" if unit else name
-            rows.append(((label,), value, (f"{one.time:.6g}",), (where,)))
+            rows.append(((label,), value, (f"{one.time:.6g}",), where(one)))
         for key in ("travel_deg", "energy_J"):
             sums = [one.as_dict()[key] for one in self.duties]
             if np.isfinite(sums).any():
                 worst = self.duties[k := int(np.nanargmax(sums))]
                 name, unit = named(key)
-                where = f"{worst.wind}, {worst.plane}" if planes else worst.wind
                 value = _cell(f"card.whole.{key}", key, sums[k])
-                rows.append(((f"{name} of the whole flight [{unit}]",), value, ("",), (where,)))
+                label = f"{name} of the whole flight [{unit}]"
+                rows.append(((label,), value, ("",), where(worst)))
         head = ("", "largest", "at [s]", "in the wind")
         return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
 

@@ -189,11 +189,11 @@ class _Flying:
                 continue
             poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
             if not poles.size:
-                yield CardPoint(time, name, plane, 0.0, 0.0, limits[plane], "", None)
+                yield CardPoint(time, name, plane, limits[plane])
                 continue
             share = self.edges[i : i + 2] if measured else None
             for called, met, history in self._met(name, vehicle, one, placed, share, signed):
-                point = CardPoint(time, called, plane, 0.0, 0.0, limits[plane], "", None)
+                point = CardPoint(time, called, plane, limits[plane])
                 yield self._flown(point, met, history, share)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:

@@ -19,12 +19,11 @@ from tvclin.answers.sizing.record import (
 )
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.stops import Stop
+from tvclin.linear.models import ONE_POLE
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-
-_ONE_POLE = ("fixed-path", "drift")
 
 
 def in_both_planes(
@@ -118,7 +117,7 @@ def _vector(
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     both = PlaneWind(**{plane: one.history for plane, one in wind.items()})
     found = vector_need(pitch, yaw, both, stop, bands)
-    if not (beyond and model in _ONE_POLE):
+    if not (beyond and model in ONE_POLE):
         return found
     pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
     exact = vector_need(pitch, yaw, both, stop, bands)

@@ -42,6 +42,11 @@ def mesh(times: FloatArray, rate: float) -> FloatArray:
             f" fastest motion, {1.0 / rate:.4g} s; this asks for {times[-1] - times[0]:.4g} s:"
             " shorten the winds, or let the vehicle be frozen"
         )
+    return refined(times, counts)
+
+
+def refined(times: FloatArray, counts: FloatArray) -> FloatArray:
+    """Return increasing times [s] with so many even steps from each to the next."""
     between = [
         np.linspace(a, b, int(count), endpoint=False)
         for (a, b), count in zip(pairwise(times), counts, strict=True)

@@ -20,12 +20,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.collocation import mesh, solved
+from tvclin.answers.sizing.collocation import mesh, refined, solved
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
@@ -119,10 +118,7 @@ class GrowingMode:
                 f"varying parameters can be followed for at most {_MOST_ROWS * _STEP:.4g} s; the"
                 f" flight lasts {rows[-1] - rows[0]:.4g} s: shorten the winds"
             )
-        between = [
-            np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
-        ]
-        times = np.concatenate([*between, rows[-1:]])
+        times = refined(rows, np.ceil(np.diff(rows) / _STEP))
         plant = self.schedule.plants(times, self.model, self.plane)
         A, inputs, _, _ = plant.matrices()
         both = np.concatenate([A, inputs], axis=-1)

@@ -9,16 +9,7 @@ import numpy as np
 from tvclin.answers.sizing.air_met import met_pressure
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    each,
-    flag,
-    instance,
-    number,
-    one_of,
-    positive,
-    single,
-)
+from tvclin.base.errors import InputError, each, flag, instance, number, one_of, positive, single
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust

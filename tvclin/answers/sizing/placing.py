@@ -8,14 +8,7 @@ import numpy as np
 
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    NotKnownError,
-    instance,
-    number,
-    one_of,
-    positive,
-)
+from tvclin.base.errors import InputError, NotKnownError, instance, number, one_of, positive
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -80,13 +73,6 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
         one_of("placing's winds", name, winds)
         one_of(f"placing of {name}", value, PLACINGS)
     return {name: placing.get(name, PLACINGS[0]) for name in winds}
-
-
-def known_times(wind: WindOf) -> tuple[float, float]:
-    """Return the first and the last flight time [s] at which a wind is known."""
-    if isinstance(wind, MeasuredWind | MeasuredPlanes):
-        return wind.known
-    return -np.inf, np.inf
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:

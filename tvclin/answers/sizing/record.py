@@ -35,17 +35,7 @@ def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
 
 @dataclass(frozen=True)
 class Worst(Shown):
-    """The largest of one requirement.
-
-    Attributes
-    ----------
-    deflection : float
-        The deflection [rad].
-    time : float
-        The flight time [s] to which it belongs.
-    wind : str
-        The wind.
-    """
+    """The largest deflection [rad] of one requirement, its flight time [s] and its wind."""
 
     deflection: float
     time: float

@@ -10,19 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.notes import flight_times, notes_of, unknown_rows
-from tvclin.answers.sizing.placing import (
-    PlacedWind,
-    WindOf,
-    known_times,
-    named_winds,
-    place_in,
-    placings,
-)
+from tvclin.answers.sizing.placing import PlacedWind, WindOf, named_winds, place_in, placings
 from tvclin.answers.sizing.record import (
     MINIMUM,
     NO_FORECAST,
@@ -32,7 +24,7 @@ from tvclin.answers.sizing.record import (
     beyond_one_pole,
 )
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts, varying_need
+from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -41,7 +33,6 @@ from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
 _LOOKS = 33
@@ -148,12 +139,13 @@ def size(
     ]
     rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
     told = _counted(progress, len(placed) * len(named) * rounds)
+    always = -np.inf, np.inf
+    known = np.array([getattr(wind, "known", always) for wind in named.values()])
     parts = {}
     for one in planes:
         in_plane = [[wind[one] for wind in row] for row in placed]
-        asked = _Asked(schedule, chosen, tuple(named), bands, model, one, law)
-        known = np.array([known_times(wind) for wind in named.values()])
-        parts[one] = _sized(asked, vehicles, in_plane, known, varying, told)
+        asked = _Asked(schedule, chosen, tuple(named), known, bands, model, one, law)
+        parts[one] = _sized(asked, vehicles, in_plane, varying, told)
     found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
     steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
     whys = [[wind[planes[0]].why for wind in row] for row in placed]
@@ -167,6 +159,7 @@ class _Asked:
     schedule: FlightSchedule
     times: FloatArray
     winds: tuple[str, ...]
+    known_times: FloatArray
     dead_bands: FloatArray
     model: str
     plane: str
@@ -177,7 +170,6 @@ def _sized(
     asked: _Asked,
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
-    known: FloatArray,
     varying: bool | None,
     told: Callable[[Any], Any],
 ) -> Sizing:
@@ -208,7 +200,6 @@ def _sized(
         edge=np.array(edges),
         said=tuple(dict.fromkeys(said)),
         notes=(),
-        known_times=known,
         **_circumstances(schedule, plane, vehicles, placed),
     )
 
@@ -298,28 +289,13 @@ def _varying_columns(
     bands: FloatArray,
     told: Callable[[VaryingNeed], VaryingNeed],
 ) -> dict[str, FloatArray]:
-    def in_air(wind: PlacedWind) -> Callable[[GrowingMode, History], FloatArray]:
-        def factor(flight: GrowingMode, blows: History) -> FloatArray:
-            if wind.pressure is None:
-                return np.ones(bands.shape)
-            return flight_ratio(flight, blows, wind.pressure, bands)
-
-        return factor
-
     along: dict[bytes, VaryingNeed] = {}  # without a window one wind meets every flight time
 
     def met(wind: PlacedWind) -> VaryingNeed:
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            found = varying_need(mode, wind.in_flight, bands, wind.whole)
-            if np.any(np.isnan(found.required)) and len(mode.schedule.parts) > 1:
-                parts = need_in_parts(mode, wind.in_flight, bands, wind.whole, in_air(wind))
-                found = replace(found, required=parts)
-            else:
-                required = found.required * in_air(wind)(mode, wind.in_flight)
-                found = replace(found, required=required)
-            along[key] = found
+            along[key] = need_in_parts(mode, wind.in_flight, bands, wind.whole, wind.pressure)
         return along[key]
 
     needs = [

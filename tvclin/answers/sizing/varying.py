@@ -23,12 +23,13 @@ path is quick, is flown (`flown`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.answers.sizing.air_met import flight_ratio
 from tvclin.answers.sizing.collocation import mesh, solved
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
@@ -101,25 +102,34 @@ def need_in_parts(
     mode: GrowingMode,
     wind: History,
     dead_bands: FloatArray,
-    whole: History | None,
-    factor: Callable[[GrowingMode, History], FloatArray],
-) -> FloatArray:
-    """Return the most that a wind requires in one of the `FlightSchedule.parts`, ``(k,)``.
+    whole: History | None = None,
+    pressure: tuple[FloatArray, FloatArray] | None = None,
+) -> VaryingNeed:
+    """Return `varying_need` in the dynamic pressure that is met, as of `flight_ratio`, or calm air.
 
-    Each times its `factor` of that part.
+    Where the wind turns the vehicle to both sides of a flight it requires the most that it does in
+    one of the `FlightSchedule.parts`.
     """
-    parts, (first, last) = mode.schedule.parts, mode.span
-    ends = [first, *(part.span[0] for part in parts[1:]), last]
-    required = np.zeros(dead_bands.shape)
+
+    def in_air(flight: GrowingMode, blows: History, calm: VaryingNeed) -> FloatArray:
+        if pressure is None:
+            return calm.required
+        return calm.required * flight_ratio(flight, blows, pressure, dead_bands)
+
+    found, parts = varying_need(mode, wind, dead_bands, whole), mode.schedule.parts
+    if len(parts) == 1 or not np.any(np.isnan(found.required)):
+        return replace(found, required=in_air(mode, wind, found))
+    ends = [mode.span[0], *(part.span[0] for part in parts[1:]), mode.span[1]]
+    most = np.zeros(dead_bands.shape)
     for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
         alone = GrowingMode(part, mode.model, mode.plane, (start, stop))
         blows, both = (
             None if one is None else one.before(stop) - one.before(start) for one in (wind, whole)
         )
         if alone.grows and blows is not None and np.any(blows(blows.probe_times())):
-            needed = varying_need(alone, blows, dead_bands, both).required * factor(alone, blows)
-            required = np.maximum(required, needed)
-    return required
+            calm = varying_need(alone, blows, dead_bands, both)
+            most = np.maximum(most, in_air(alone, blows, calm))
+    return replace(found, required=most)
 
 
 def _times(wind: History) -> FloatArray:
