@@ -150,8 +150,11 @@ class FlexiblePlant(Shown):
         """Those of the rigid vehicle."""
         return self.rigid.coefficients
 
-    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> FlexiblePlant:
-        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
+    def some(self, cases: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
+        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there.
+
+        One position returns one plant, no longer as a batch.
+        """
         return replace(
             self,
             vehicle=chosen(self.vehicle, cases, shape),

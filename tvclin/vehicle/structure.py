@@ -245,8 +245,8 @@ class Structure(_Batched):
         return not (self.bending or self.slosh) and all(part is None for part in parts)
 
 
-def chosen(value: Any, cases: IndexArray, shape: tuple[int, ...]) -> Any:
-    """Return some of a batch spread to `shape`, ``(k,)``, by flat positions there: every number."""
+def chosen(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
+    """Return some of a batch spread to `shape`, ``(k,)``, or one, by flat positions there."""
     if isinstance(value, Filter):
         rows = [
             np.broadcast_to(one, (*shape, one.shape[-1]))

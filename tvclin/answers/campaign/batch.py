@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from tvclin.answers.campaign.structures import first_plant
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.vehicle.structure import chosen
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
@@ -64,14 +62,12 @@ class Batch:
 
     def one_flexible(self) -> FlexiblePlant | None:
         """Return the flexible plant of the first case; None where vehicles are rigid."""
-        return None if self.flexible is None else first_plant(self.flexible, self.count)
+        return None if self.flexible is None else self.flexible.some(0, (self.count,))
 
     def one_vehicle(self) -> Vehicle:
         """Return the vehicle of the first case."""
-        given = ((name, getattr(self.vehicle, name)) for name in NUMBERS)
-        return self.vehicle.replace(
-            **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
-        )
+        first: Vehicle = chosen(self.vehicle, 0, (self.count,))
+        return first
 
 
 def in_planes(name: str) -> dict[str, str]:

@@ -4,19 +4,19 @@ A case has the same bits whichever cases are computed with it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from tvclin.answers.campaign.batch import Batch
-from tvclin.answers.campaign.dispersions import WIND, is_of_modes
+from tvclin.answers.campaign.dispersions import WIND, Dispersed, is_of_modes, names_of_modes
 from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.outputs import REGISTRY, columns, compute
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.structures import dispersed_modes
-from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
+from tvclin.control.autopilot.detuning import with_modes
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.models import flexible_model
@@ -35,36 +35,19 @@ PAIRED = "two unstable poles are a pair or equal: the dead band must never be le
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
-@dataclass(frozen=True, eq=False)
-class Cases:
-    """What was drawn for some cases.
-
-    `values`: dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
-    `possible`: which of the cases can be.
-    """
-
-    values: dict[str, AnyArray]
-    possible: BoolArray
-
-    def take(self, which: slice | AnyArray) -> "Cases":
-        """Return some of the cases."""
-        return Cases({k: v[which] for k, v in self.values.items()}, self.possible[which])
-
-
 def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
     """Return the random numbers of the cases `first` to `first + count`, a row for each."""
     dimension = len(campaign.dispersions.each) + (1 if campaign.wind.count else 0)
     return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
 
 
-def drawn(campaign: Campaign, rows: FloatArray) -> Cases:
+def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
     """Return the cases that have these random numbers."""
     each = len(campaign.dispersions.each)
     found = campaign.dispersions.apply(campaign.nominal, rows[:, :each])
-    values: dict[str, AnyArray] = dict(found.values)
     if isinstance(campaign.wind, WindEnsemble):
-        values["wind"] = campaign.wind.chosen(rows[:, each])
-    return Cases(values, found.possible)
+        found.values["wind"] = campaign.wind.chosen(rows[:, each])
+    return found
 
 
 def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
@@ -80,12 +63,12 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def draw_case(campaign: Campaign, case: int) -> Cases:
+def draw_case(campaign: Campaign, case: int) -> Dispersed:
     """Return one case."""
     return drawn(campaign, numbers(campaign, case, 1))
 
 
-def batch(campaign: Campaign, cases: Cases) -> Batch:
+def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     """Return plant, wind and gains of possible cases.
 
     `InputError` when one of the cases is no vehicle or no wind.
@@ -143,7 +126,22 @@ def _flexible(
         return None
     model = flexible_model(vehicle, campaign.model)
     plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
-    return dispersed_modes(plant, values)
+    if not any(map(is_of_modes, values)):
+        return plant
+
+    one = np.ones(np.shape(next(v for k, v in values.items() if is_of_modes(k))))
+
+    def factors(number: str) -> FloatArray:
+        return np.stack(
+            [
+                values.get(f"{kind}_{number}", 1.0) * values.get(f"{name}_{number}", one)
+                for kind, names in names_of_modes(vehicle.structure).items()
+                for name in names
+            ],
+            axis=-1,
+        )
+
+    return with_modes(plant, factors("frequency"), factors("damping"))
 
 
 def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.base.errors import InputError, each, finite, flag, instance, number, one_of, positive
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.file import VEHICLE_TABLE
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import NUMBERS
 
 SHAPES = ("normal", "uniform", "truncated")
@@ -67,12 +68,16 @@ class Dispersion:
 class Dispersed:
     """Dispersed numbers, ``(n,)`` each, and which of the cases are possible.
 
-    `values`: by parameter [SI]. `possible`: False where a number cannot be: a thrust below zero is
-    no vehicle.
+    `values`: by parameter [SI], and under "wind" which of an ensemble. `possible`: False where a
+    number cannot be: a thrust below zero is no vehicle.
     """
 
-    values: dict[str, FloatArray]
+    values: dict[str, AnyArray]
     possible: BoolArray
+
+    def take(self, which: AnyArray) -> "Dispersed":
+        """Return some of the cases."""
+        return Dispersed({k: v[which] for k, v in self.values.items()}, self.possible[which])
 
 
 @dataclass(frozen=True)
@@ -210,6 +215,23 @@ def known_parameter(what: str, name: Any) -> str:
 def is_of_modes(name: str) -> bool:
     """Return whether a parameter is a factor on modes."""
     return name in MODES or _ONE_MODE.fullmatch(name) is not None
+
+
+def names_of_modes(structure: Structure | None) -> dict[str, list[str]]:
+    """Return names of modes, as in "bending_1", by kind, in the order of their bands."""
+    parts = {} if structure is None else {"bending": structure.bending, "slosh": structure.slosh}
+    each = {kind: range(1, len(modes) + 1) for kind, modes in parts.items() if modes}
+    return {kind: [f"{kind}_{k}" for k in numbers] for kind, numbers in each.items()}
+
+
+def modes_nominal(structure: Structure | None) -> dict[str, float]:
+    """Return what can be dispersed in a structure: factors on the numbers of its modes, one.
+
+    "bending_frequency" is a factor on all bending modes, "bending_2_frequency" on the second one.
+    """
+    names = names_of_modes(structure)
+    bodies = [*names, *(name for some in names.values() for name in some)]
+    return {f"{body}_{number}": 1.0 for body in bodies for number in ("frequency", "damping")}
 
 
 KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND

@@ -7,19 +7,21 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.campaign.batch import Batch, in_planes, required_name
-from tvclin.answers.campaign.both import least_of_both, required_of_both
+from tvclin.answers.campaign.dispersions import names_of_modes
 from tvclin.answers.campaign.flights import COLUMNS, flights
 from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.planes import VectorNeed, planes_needed, vector_need
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.sizing.wind_sign import OWN, batch_factors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.stops import stop_of
 from tvclin.control.margins.record import loop_margins
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.coefficients import BOTH
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 
 _FLOWN_TO = 5e-4
@@ -68,16 +70,30 @@ def _of_planes(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
 
 
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    if batch.parts:
-        every = (required_of_both(campaign, batch, K) for K in campaign.dead_bands)
-        return {name: values for one in every for name, values in one.items()}
-    sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
-    given = (batch.vehicle.rigid, campaign.model, campaign.plane, batch.wind)
-    return {
-        required_name(K): np.abs(required_deflection(batch.plant, batch.wind, K).deflection)
-        * batch_factors(*given, K, sign)
-        for K in campaign.dead_bands
-    }
+    every = (_required_at(campaign, batch, K) for K in campaign.dead_bands)
+    return {name: values for one in every for name, values in one.items()}
+
+
+def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str, FloatArray]:
+    """What is required in the dynamic pressure of each wind; of both planes each beside it.
+
+    As a study has it: the larger factor of the planes counts for both.
+    """
+    name, vehicles = required_name(dead_band), batch.vehicle.rigid
+    if not batch.parts:
+        needs = required_deflection(batch.plant, batch.wind, dead_band).deflection
+        sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
+        of = (vehicles, campaign.model, campaign.plane, batch.wind, dead_band)
+        return {name: np.abs(needs) * batch_factors(*of, sign)}
+    stop = stop_of(campaign.nozzle.stop or "")
+    found = planes_needed(batch.plants, batch.vectors, stop, dead_band)
+    along = batch.parts["pitch"].wind if "pitch" in batch.parts else None
+    factor: Any = 1.0
+    for plane, one in batch.parts.items():
+        of = (vehicles, campaign.model, plane, one.wind, dead_band)
+        factor = np.maximum(factor, batch_factors(*of, campaign.sign or OWN, along))
+    alone = {of: found.alone[plane] for plane, of in in_planes(name).items()}
+    return {k: one * factor for k, one in ({name: found.deflection} | alone).items()}
 
 
 def _slow(campaign: Campaign) -> bool:
@@ -94,15 +110,33 @@ def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     def alone(plant: Plant, wind: History) -> Any:
         return np.abs(forecast_free_limit(plant, wind).deflection)
 
-    if batch.parts:
-        return least_of_both(campaign, batch, "forecast_free", alone, lambda one: one.no_forecast)
-    return {"forecast_free": alone(batch.plant, batch.wind)}
+    return _least(campaign, batch, "forecast_free", alone, lambda one: one.no_forecast)
 
 
 def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    if batch.parts:
-        return least_of_both(campaign, batch, "minimum", least_peaks, lambda one: one.minimum)
-    return {"minimum": least_peaks(batch.plant, batch.wind)}
+    return _least(campaign, batch, "minimum", least_peaks, lambda one: one.minimum)
+
+
+def _least(
+    campaign: Campaign,
+    batch: Batch,
+    name: str,
+    alone: Callable[[Plant, History], Any],
+    vector: Callable[[VectorNeed], float],
+) -> dict[str, Any]:
+    """What nothing undercuts; in both planes, and in each by itself, of the first case."""
+    if not batch.parts:
+        return {name: alone(batch.plant, batch.wind)}
+    stop, shape = stop_of(campaign.nozzle.stop or ""), (batch.count,)
+    each = dict.fromkeys(PLANES, 0.0)
+    each |= {plane: float(np.abs(alone(*one.one()))) for plane, one in batch.parts.items()}
+    reach = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    both = max(one / most for one, most in zip(each.values(), reach.tolist(), strict=True))
+    if len(batch.parts) > 1:
+        pitch, yaw = (one.one(0, shape) for one in batch.plants.values())
+        needs = vector_need(pitch, yaw, batch.vectors.one(0, shape), stop, np.ones(1))
+        both = max(both, vector(needs))
+    return {name: both} | {of: each[plane] for plane, of in in_planes(name).items()}
 
 
 _MARGINS = {
@@ -119,10 +153,7 @@ def _margin_columns(campaign: Campaign) -> dict[str, str]:
 
 
 def _mode_names(campaign: Campaign) -> list[str]:
-    """Names of the modes, as in "bending_1", in the order of their bands."""
-    s = campaign.vehicle.structure
-    counts = {} if s is None else {"bending": len(s.bending), "slosh": len(s.slosh)}
-    return [f"{kind}_{k}" for kind, count in counts.items() for k in range(1, count + 1)]
+    return [name for some in names_of_modes(campaign.vehicle.structure).values() for name in some]
 
 
 def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:

@@ -7,9 +7,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
+from tvclin.answers.campaign.dispersions import (
+    DEFAULT_DISPERSIONS,
+    Dispersions,
+    modes_nominal,
+)
 from tvclin.answers.campaign.draws import METHODS
-from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, own_sign
 from tvclin.base.declared import count, file_table, quantity, word
@@ -188,9 +191,7 @@ class Campaign(Case):
         """Nominal values [SI] of everything that can be dispersed here."""
         held: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
         held |= {"control_force_slope": self.vehicle.control_force}
-        structure = self.vehicle.structure
-        modes = {} if structure is None else modes_nominal(structure)
-        return held | self.wind.nominal | self.gains | modes
+        return held | self.wind.nominal | self.gains | modes_nominal(self.vehicle.structure)
 
     @property
     def gains(self) -> dict[str, float]:

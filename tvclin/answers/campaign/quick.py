@@ -197,7 +197,8 @@ def disperse_study(
     if study.case.heading is not None:
         peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
         deflection[good] *= study.factors_at(np.abs(peaks[good] / study.blows.peak))
-    counted = deflection[good]
+    counted, limit = deflection[good], study.limit
+    enough = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(
         nominal=study,
         dispersions=dispersions,
@@ -206,7 +207,7 @@ def disperse_study(
         deflection=deflection,
         status=found["status"].astype(str),
         required=quantile_bound(counted, probability, confidence),
-        success=_success(counted, study.limit, confidence),
+        success=None if limit is None else success_probability(enough, counted.size, confidence),
         drivers=sensitivities({k: v[good] for k, v in values.items()}, counted),
     )
 
@@ -254,10 +255,3 @@ def part_in_a_wind(
     nominal = abs(float(required_deflection(campaign.rigid_plant, wind, dead_band).deflection))
     upper = quantile_bound(needs[~np.isnan(needs)], campaign.probability, campaign.confidence).upper
     return upper / nominal - 1.0
-
-
-def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:
-    if limit is None:
-        return None
-    enough = int(np.sum(covers(limit, deflection)))
-    return success_probability(enough, deflection.size, confidence)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,9 +27,6 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,24 +89,6 @@ class Driver:
     sure: float
 
 
-def zero_failure_size(probability: float, consumer_risk: float = 0.1) -> int:
-    """Return how many cases without a failure prove a probability of success.
-
-    `probability`: of success, in (0, 1). `consumer_risk`: the risk that a worse system passes, in
-    (0, 1).
-
-    n = ln(risk)/ln(probability), after Hanson and Beard, NASA/TP-2010-216447.
-
-    Examples
-    --------
-    >>> from tvclin.answers.campaign.statistics import zero_failure_size
-    >>> [zero_failure_size(p) for p in (0.95, 0.99, 0.9973, 0.99865)]
-    [45, 230, 852, 1705]
-    """
-    p = fraction("probability", probability)
-    return int(np.ceil(np.log(fraction("consumer_risk", consumer_risk)) / np.log(p) - 1e-12))
-
-
 def quantile_bound(
     values: ArrayLike, probability: float = 0.99865, confidence: float = 0.9
 ) -> Quantile:
