@@ -29,7 +29,7 @@ from tvclin.show.explorer import parts
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import CONTROLS, REPORT, Choices
 from tvclin.show.explorer.controls import OWN, choices_of, idle
-from tvclin.show.explorer.notebook import notebook_text
+from tvclin.show.explorer.lab import notebook_text
 from tvclin.show.explorer.picture import new_picture, round_up
 from tvclin.vehicle.coefficients import BOTH
 

@@ -16,7 +16,7 @@ from tvclin.answers.findings import find
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
-from tvclin.show.report.availability import availability
+from tvclin.show.report.flight import availability
 
 LIMIT = 0.5
 """deg; the wind of the study needs 0.37."""

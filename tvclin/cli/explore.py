@@ -37,8 +37,7 @@ def explore(
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError, missing
     from tvclin.base.files import exists, write_text
-    from tvclin.show.explorer.lab import open_notebook
-    from tvclin.show.explorer.notebook import notebook_text
+    from tvclin.show.explorer.lab import notebook_text, open_notebook
 
     words = list(options or ())
     source = words.pop(0) if words and not words[0].startswith("-") else None

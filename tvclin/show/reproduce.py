@@ -42,25 +42,10 @@ DIFFERENCES = {
 
 
 def reproduce(output: Path, progress: Callable[[float, float], None] | None = None) -> list[Path]:
-    """Write every figure as PNG, and as CSV the numbers from which it is drawn.
+    """Write every figure as PNG, and as CSV the numbers from which it is drawn; return the files.
 
-    Parameters
-    ----------
-    output : Path
-        The directory; made if it is missing. Files of the same names are replaced.
-    progress : callable, optional
-        Is told how many figures are done, and how many there are.
-
-    Returns
-    -------
-    list of Path
-        The files, in the order in which they were written.
-
-    Raises
-    ------
-    InputError
-        When a file stands in the directory's place, or something cannot be written; each file is
-        there whole or not at all.
+    The directory is made if it is missing, files of the same names are replaced, and each is there
+    whole or not at all. `progress` is told how many figures are done, and how many there are.
     """
     make_directory(output)
     written = []

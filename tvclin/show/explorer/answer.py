@@ -31,29 +31,12 @@ _UNKNOWN = parts.Part(None, ())
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What the panel shows.
+    """What the panel shows; what has no answer, or none yet, is None.
 
-    Attributes
-    ----------
-    choices : Choices
-        What was asked.
-    durations, boundary : ndarray
-        The deflection that is needed [rad] over the duration of the wind [s], ``(n,)``; the
-        second is None where there is no answer.
-    rest : tuple of bool
-        Of the steps that are still to be taken, whether each is slow.
-    need : CaseNeed or None
-        What is required at the chosen duration; None without an answer, or before it.
-    motion : Motion or None
-        Response or flight over time.
-    fate : str or None
-        What becomes of a law's flight, as of `FlownCases`.
-    margins : Margins or None
-        Of the autopilot.
-    verdict : str
-        One or two sentences.
-    notes : tuple of str
-        Why there is no answer, what is left out, and warnings.
+    `boundary`: the deflection that is needed [rad] over the durations of the wind [s], and `need`
+    at the chosen one. `rest`: of the steps that are still to be taken, whether each is slow.
+    `fate`: what becomes of a law's flight, as of `FlownCases`. `notes`: why there is no answer,
+    what is left out, and warnings.
     """
 
     choices: Choices

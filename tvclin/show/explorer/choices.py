@@ -16,15 +16,7 @@ CONTROLS = (REPORT, *LAWS)
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """A case as a study file has it, and a law.
-
-    Attributes
-    ----------
-    plan : StudyPlan
-        The vehicle in its wind, with nozzle and autopilot; its nozzle has a limit.
-    law : str
-        One of `CONTROLS`: what turns the nozzle.
-    """
+    """A case as a study file has it, with a limit, and what turns the nozzle: one of `CONTROLS`."""
 
     plan: StudyPlan
     law: str = TRIM

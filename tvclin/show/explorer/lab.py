@@ -1,11 +1,15 @@
-"""JupyterLab on one notebook, which it runs when it opens, and which can end it."""
+"""A notebook with the panel, and JupyterLab on it, which runs it and which it can end."""
 
+import json
 import os
 import signal
 from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
+_WORDS = """\
+**How much deflection must this booster have?** Change any value: figure, margins and verdict
+follow."""
 _SERVER = "TVCLIN_EXPLORE"
 """In the environment of the kernels: the process that `end` ends."""
 _SETTINGS = {
@@ -20,22 +24,38 @@ _WATCHED = {
 """Of a server that has opened its page itself: it ends some minutes after that is closed [s]."""
 
 
+def notebook_text(source: str) -> str:
+    """Return the text of a notebook (.ipynb) that explores a vehicle or a study file.
+
+    One cell says what to do, and one shows the panel.
+    """
+    code = f"import tvclin as tv\n\ntv.explore({source!r})"
+    cells = [
+        {"cell_type": "markdown", "id": "words", "metadata": {}, "source": _WORDS},
+        {
+            "cell_type": "code",
+            "id": "panel",
+            "metadata": {},
+            "source": code,
+            "execution_count": None,
+            "outputs": [],
+        },
+    ]
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    document = {
+        "cells": cells,
+        "metadata": {"kernelspec": kernel, "language_info": {"name": "python"}},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
+    return json.dumps(document, indent=1) + "\n"
+
+
 def open_notebook(path: Path, options: Sequence[str]) -> None:
-    """Open a notebook in JupyterLab, in this process, until that is ended.
+    """Open a notebook in JupyterLab, in this process, until that is ended, and run its cells.
 
-    The addresses that JupyterLab prints are those of the notebook.
-
-    Parameters
-    ----------
-    path : Path
-        The notebook; all its cells are run.
-    options : sequence of str
-        Of JupyterLab; they go before those of this file.
-
-    Raises
-    ------
-    SystemExit
-        Where JupyterLab cannot start.
+    The addresses that JupyterLab prints are those of the notebook; options of JupyterLab go before
+    those of this file. `SystemExit` where it cannot start.
     """
     from jupyterlab.labapp import LabApp
 

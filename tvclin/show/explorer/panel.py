@@ -47,20 +47,8 @@ _REST = 0.05
 class Panel:
     """The panel of widgets; each change answers anew.
 
-    Attributes
-    ----------
-    controls : dict of str to Widget
-        By field, in the units of their labels.
-    verdict, notes, margins : HTML
-        What is said.
-    image : Image
-        The picture.
-    study, end : Button
-        Writes a study file; ends JupyterLab, where `tvclin explore` has started it.
-    said : HTML
-        What a button did.
-    box : HBox
-        All of it, to be shown.
+    `controls`: by field, in the units of their labels. `study`, `end`: the buttons, and `said` what
+    they did. `box`: all of it, to be shown.
     """
 
     def __init__(self, source: str | Vehicle) -> None:

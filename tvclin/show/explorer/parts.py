@@ -46,13 +46,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A response or a flight over time.
-
-    Attributes
-    ----------
-    time, wind, attitude, deflection : ndarray
-        Times [s] and angles [rad], ``(n,)``.
-    """
+    """A response or a flight over time [s], angles in rad, ``(n,)``."""
 
     time: FloatArray
     wind: FloatArray

@@ -37,16 +37,7 @@ Ends = tuple[float, float]
 class Picture:
     """The boundary, the attitude and the deflection; make it with `new_picture`.
 
-    Attributes
-    ----------
-    canvas : FigureCanvasAgg
-        Where it is drawn.
-    axes : dict of str to Axes
-        Panels "boundary", "attitude" and "deflection".
-    lines : dict of str to Line2D
-        What moves.
-    frames : dict of str to tuple
-        Ends of the abscissa and the ordinate of each panel, as drawn.
+    `lines` are what moves; `frames` the ends of abscissa and ordinate of each panel, as drawn.
     """
 
     canvas: Any

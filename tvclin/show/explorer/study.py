@@ -24,12 +24,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
     """Return the text of a study file with all that is chosen but the law.
 
     A rigid vehicle stands in it with all its numbers, wherever the file is read; one that bends, or
-    that is known by its coefficients, is named by its source.
-
-    Raises
-    ------
-    InputError
-        For a vehicle that must be named, and has no source.
+    that is known by its coefficients, is named by its source: `InputError` where it has none.
     """
     plan = choices.plan
     named = not isinstance(plan.vehicle, Vehicle) or plan.vehicle.structure is not None
@@ -54,13 +49,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
 
 
 def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
-    """Write ``study-NAME.toml``, or with the next number that is free, and return its path.
-
-    Raises
-    ------
-    InputError
-        As `study_text`, and where it cannot be written.
-    """
+    """Write ``study-NAME.toml``, or with the next number that is free, and return its path."""
     text = study_text(choices, source)
     stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem.removeprefix('study-')}")
     numbered = (f"{stem}{f'-{k}' if k > 1 else ''}.toml" for k in count(1))

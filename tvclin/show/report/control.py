@@ -13,15 +13,8 @@ from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.flown_record import flown_table
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
-from tvclin.show.report.blocks import (
-    Block,
-    Figure,
-    Paragraph,
-    Section,
-    checks,
-    section_of,
-)
-from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
+from tvclin.show.report.figures import figure_of
 
 
 def laws(found: Findings) -> Section | None:
@@ -90,24 +83,15 @@ def _autopilot(found: Findings) -> list[Block]:
         _margins(found, margins),
     ]
     if margins.stable:
+        drawn = nichols_chart(c.autopilot, plant, found.criteria)
         label = f"Nichols chart of the loop; criteria {found.criteria.name} {verdict}"
-        blocks.append(
-            Figure(
-                label,
-                "Nichols chart of the loop with its margins and the box of the criteria.",
-                inline_svg(nichols_chart(c.autopilot, plant, found.criteria), "nichols", label),
-            )
-        )
+        caption = "Nichols chart of the loop with its margins and the box of the criteria."
+        blocks.append(figure_of(drawn, "nichols", label, caption))
     blocks += _in_the_wind(found, c)
     if c.margins.stable:
         label = "Deflection of the autopilot over time beside trim, boundaries and minimum"
-        blocks.append(
-            Figure(
-                label,
-                "Deflection that the autopilot without a stop asks for in this wind.",
-                inline_svg(comparison_chart(c), "comparison", label),
-            )
-        )
+        caption = "Deflection that the autopilot without a stop asks for in this wind."
+        blocks.append(figure_of(comparison_chart(c), "comparison", label, caption))
     if f is None and found.stop is not None and found.stop.status != OK:
         blocks += checks([f"flown with a stop: {found.stop.status}"])
     return blocks + _flown(found)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.plots.marks import place_numbers
+from tvclin.show.report.blocks import Figure
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -20,21 +21,21 @@ _COLOUR = re.compile(r"#([0-9a-f]{6})\b")
 _NAMED = re.compile(r'\b(id="|href="#|url\(#)')
 
 
-def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
-    """Return a figure as an `svg` element, and close it.
+def figure_of(plot: "ControlPlot", name: str, label: str, caption: str) -> Figure:
+    """Return a figure of the page, and close the plot.
+
+    `name`: letters; of another figure of the page another. `label`: what it shows, for those who do
+    not see it.
+    """
+    return Figure(label, caption, _inline_svg(plot, name, label))
+
+
+def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
+    """The `svg` element of a figure.
 
     Titles go, for the page has a caption, and the legend stands below, so that the letters stay
     large on a narrow screen. Every colour becomes a variable of the page's style sheet with the
     colour itself in reserve, and every name within the figure begins with that of the figure.
-
-    Parameters
-    ----------
-    plot : control.ControlPlot
-        The figure.
-    name : str
-        Letters; of another figure of the page another.
-    label : str
-        What it shows, for those who do not see it.
     """
     import matplotlib.pyplot as plt
     from markupsafe import escape

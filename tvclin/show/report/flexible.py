@@ -12,8 +12,8 @@ from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, checks
-from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.blocks import Block, Paragraph, Section, checks
+from tvclin.show.report.figures import figure_of
 from tvclin.vehicle.filters import cells_of
 from tvclin.vehicle.structure import Structure
 
@@ -55,7 +55,7 @@ def flexible(found: Findings) -> Section | None:
     blocks += [band_table(f.bands, found.criteria.judge(f.bands)), *_detuned(f)]
     label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
     caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
-    blocks.append(Figure(label, caption, inline_svg(bode_chart(f.autopilot, plant), "bode", label)))
+    blocks.append(figure_of(bode_chart(f.autopilot, plant), "bode", label, caption))
     alone = found.study.plane if found.study.in_both else ""
     blocks += [_flown(f, alone), *_notes(f)]
     return Section(_NAME, _TITLE, tuple(blocks))

@@ -1,27 +1,25 @@
-"""The section of the whole flight: required deflections by time, and all the nozzle has to do."""
+"""The sections of the whole flight: what it needs by time, and on how many days it flies."""
 
+import numpy as np
+
+from tvclin.answers.availability import answer_tables
+from tvclin.answers.availability.record import Availability
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total_record import total_table
-from tvclin.plots import sizing_chart
-from tvclin.show.report.blocks import (
-    Block,
-    Figure,
-    Paragraph,
-    Section,
-    checks,
-    section_of,
-)
-from tvclin.show.report.figures import inline_svg
+from tvclin.base.lines import Line, degrees
+from tvclin.plots import availability_chart, sizing_chart
+from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
+from tvclin.show.report.figures import figure_of
 
 
 def over_flight(found: Findings) -> Section | None:
     """Return required deflections by flight time and wind, and the worst total."""
-    return section_of(found, "flight", "flight", "The whole flight", _blocks)
+    return section_of(found, "flight", "flight", "The whole flight", _over_flight)
 
 
-def _blocks(found: Findings) -> list[Block]:
+def _over_flight(found: Findings) -> list[Block]:
     asked = found.plan.sizing
     assert asked is not None
     assert found.flight is not None
@@ -36,8 +34,7 @@ def _blocks(found: Findings) -> list[Block]:
             " vehicle is frozen at each time."
         )
         caption += " Circles: it varies while the wind blows." if sizing.freezing_error else ""
-        drawn = inline_svg(sizing_chart(sizing, total.limit), "flight", label)
-        blocks.append(Figure(label, caption, drawn))
+        blocks.append(figure_of(sizing_chart(sizing, total.limit), "flight", label, caption))
     for j in range(len(sizing.winds)):
         blocks += tables.over_time(sizing, counted, j)
     ratio = asked.ratio(found.plan, sizing)
@@ -63,4 +60,54 @@ def _words(s: Sizing, of: str) -> str:
         f" beta or B changes while the wind blows; above {100 * STEADY:g} % a frozen vehicle is"
         " doubtful. One pole: whether the slow motion of the flight path may be neglected. Data:"
         " whether those of the flight cover the whole wind."
+    )
+
+
+def availability(found: Findings) -> Section | None:
+    """Return which part of an archive's soundings flies, by month and over the limit."""
+    return section_of(
+        found, "availability", "availability", "On how many days it flies", _availability
+    )
+
+
+def _availability(found: Findings) -> list[Block]:
+    a = found.availability
+    assert a is not None
+    whole = a.part()
+    answer: Line = (
+        "Limit ",
+        *degrees("availability.limit", a.limit, unit="deg"),
+        ": ",
+        *whole.line,
+    )
+    blocks: list[Block] = [
+        Paragraph((*answer, ".")),
+        Paragraph((_how(a), " ", answer_tables.interval(a))),
+    ]
+    if np.nanmax(a.most, initial=0.0) > 0.0:
+        label = "The part of soundings that fly, over the deflection limit"
+        caption = (
+            "Part of the judged soundings in which a limit is enough, over that limit, with its"
+            " confidence interval. The vertical line is the limit in question."
+        )
+        blocks.append(figure_of(availability_chart(a), "availability", label, caption))
+    blocks.append(answer_tables.by_month(a))
+    if whole.judged:
+        blocks.append(answer_tables.placard(a))
+    if whole.unknown:
+        blocks.append(answer_tables.unknown(a))
+    return [*blocks, *checks(a.notes)]
+
+
+def _how(a: Availability) -> str:
+    azimuth = f"{np.degrees(float(a.azimuth)):.4g}"
+    first, last = a.soundings.times[[0, -1]].astype("datetime64[D]")
+    station = a.soundings.station or "an archive"
+    planes = "both planes" if a.plane == "both" else f"the {a.plane} plane"
+    return (
+        f"The vehicle flies towards {azimuth} deg through each of the {len(a.soundings)} winds of"
+        f" {station} from {first} to {last}. It varies while the wind blows, on the {a.model} model"
+        f" in {planes}, and is trimmed up to the limit (K = 1), which needs no forecast. Where"
+        " a balloon has no data the wind is unknown; such a sounding counts neither as flown nor as"
+        " lost."
     )

@@ -13,33 +13,21 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
 from tvclin.base.lines import Formula, Number
-from tvclin.show.report import (
-    availability,
-    basis,
-    control,
-    flexible,
-    flight,
-    load,
-    planes,
-    rests,
-    sections,
-    vehicle,
-    verdict,
-)
+from tvclin.show.report import basis, control, flexible, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
-    vehicle.vehicle,
+    sections.vehicle,
     verdict.asked,
     sections.boundaries,
-    planes.both_planes,
+    sections.both_planes,
     sections.response,
-    load.load,
+    sections.load,
     flight.over_flight,
-    availability.availability,
+    flight.availability,
     control.laws,
     control.autopilot,
     flexible.flexible,

@@ -1,4 +1,4 @@
-"""The sections of the study itself: inputs, boundaries and the response."""
+"""The sections of the study itself: vehicle, inputs, boundaries, planes, response and load."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -8,16 +8,25 @@ import numpy as np
 from tvclin.answers import study_tables as tables
 from tvclin.answers.case_need import pulse_of
 from tvclin.answers.findings import Findings
-from tvclin.base.lines import Line, degrees, quantities, significant
+from tvclin.base.errors import InputError
+from tvclin.base.lines import Line, Table, degrees, number, quantities, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, extremes, shown_until
 from tvclin.linear.loads import response_table, wind_loads
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.plots import response_chart, response_curves, study_chart
-from tvclin.show.report.blocks import Figure, Paragraph, Section
-from tvclin.show.report.figures import inline_svg
+from tvclin.plots import (
+    load_chart,
+    response_chart,
+    response_curves,
+    study_chart,
+    study_planes_chart,
+    vehicle_chart,
+)
+from tvclin.show.report.blocks import Block, Paragraph, Section, as_sentence, section_of
+from tvclin.show.report.figures import figure_of
 from tvclin.show.report.flexible import given
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -27,6 +36,27 @@ _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
+_CAPTION = (
+    "The vehicle along its axis, with lengths to scale. Its radius, nose and nozzle are sketched:"
+    " they are not among its numbers."
+)
+
+
+def vehicle(found: Findings) -> Section:
+    """Return the vehicle; of one that is known by its coefficients alone there is no drawing."""
+    own, blocks = found.study.vehicle, list[Block]()
+    if isinstance(own, Vehicle):
+        label = "The vehicle along its axis: control force, centres of gravity and of pressure"
+        caption = f"{_CAPTION} {_source(own)}"
+        blocks.append(figure_of(vehicle_chart(own, found.study.limit), "vehicle", label, caption))
+    each = (tables.vehicle(found.study), tables.coefficients(found.study))
+    return Section("vehicle", "The vehicle", (*blocks, *each))
+
+
+def _source(own: Vehicle) -> str:
+    if own.numbers_from:
+        return f"The numbers come from: {own.numbers_from}."
+    return "The vehicle file does not say where its numbers come from (numbers_from in [vehicle])."
 
 
 def inputs(found: Findings) -> Section:
@@ -76,12 +106,11 @@ def boundaries(found: Findings) -> Section:
     s = found.study
     alone = f" and in the {s.plane} plane alone" if s.in_both else ""
     label = f"Required deflection over the duration of the wind, for {' and '.join(s.boundaries)}"
-    figure = Figure(
-        label,
+    caption = (
         "Required deflection over the duration of the wind, for each dead band K and model, in the"
-        f" dynamic pressure of calm air{alone}. The dot is what this study requires.",
-        inline_svg(study_chart(s), "boundaries", label),
+        f" dynamic pressure of calm air{alone}. The dot is what this study requires."
     )
+    figure = figure_of(study_chart(s), "boundaries", label, caption)
     words = (
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
         " follows trim up to K times the limit and then uses the whole limit: K = 1 needs no"
@@ -95,6 +124,54 @@ def boundaries(found: Findings) -> Section:
         )
     blocks = (tables.boundaries(s), figure, Paragraph((words,)))
     return Section("boundaries", "Boundaries", blocks)
+
+
+def both_planes(found: Findings) -> Section | None:
+    """Return what pitch and yaw ask of one stop; None where the wind has no direction."""
+    study, planes = found.study, found.study.planes
+    if planes is None or study.slanting is None or study.slanting.heading is None:
+        return None
+    rows: list[tuple[Line, ...]] = [
+        (("both planes, one stop",), degrees("planes.required", planes.deflection))
+    ]
+    for plane, need in planes.alone.items():
+        rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", need)))
+    missing = number("planes.missing_percent", 100.0 * planes.misses("pitch"), 1, "%")
+    heading = float(np.degrees(study.slanting.heading)) % 360.0
+    stop = "the stop that the study names" if study.in_both else "taken as round"
+    judged = "both planes" if study.in_both else f"the {study.plane} plane alone"
+    words: Line = (
+        "The wind blows from ",
+        *number("planes.heading_deg", heading, 1, "deg"),
+        ", clockwise from the direction of flight. It asks for deflection in pitch and in yaw, and"
+        f" the nozzle has one stop for both; here it is {stop}. What both need is set by"
+        f" {planes.governs}; a study of the pitch plane alone would miss ",
+        *missing,
+        f" of it. The verdict is on {judged}.",
+    )
+    table = Table(
+        f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}",
+        ("what turns the nozzle", "[deg]"),
+        tuple(rows),
+    )
+    return Section("planes", "Both planes", (Paragraph(words), table, *_against_the_stop(found)))
+
+
+def _against_the_stop(found: Findings) -> list[Block]:
+    """The demand against the stop; nothing where it has no vector, as with a pair of poles."""
+    label = (
+        "Trim deflection and the discounted mean of its future, in pitch and yaw, against the stop"
+    )
+    try:
+        drawn = study_planes_chart(found.study)
+    except InputError:
+        return []
+    caption = (
+        "Trim deflection in pitch and yaw while the wind blows, and the stop at the boundary (4b)"
+        " of both planes together. Where the dead band is left, the engine holds the discounted"
+        " mean of the future trim."
+    )
+    return [figure_of(drawn, "planes", label, caption)]
 
 
 def response(found: Findings) -> Section | None:
@@ -115,12 +192,13 @@ def response(found: Findings) -> Section | None:
         f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the"
         f" engine follows trim until the dead band is left, then it holds the limit. {ends}"
     )
-    svg = inline_svg(_over_time(found, plant, deflection, end, limit), "response", label)
+    drawn = _over_time(found, plant, deflection, end, limit)
+    figure = figure_of(drawn, "response", label, caption)
     stands, loads = extremes(plant, deflection, s.history, end), None
     if end >= s.history.end:
         loads = wind_loads(plant, deflection, s.history)
     table = response_table("Largest and last values", stands, loads)
-    return Section("response", "Response", (Figure(label, caption, svg), table))
+    return Section("response", "Response", (figure, table))
 
 
 def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
@@ -152,3 +230,22 @@ def _over_time(
     curves = response_curves(answer, limit=limit, deflection=deflection, wind=wind)
     kept = tuple(column for column in curves.columns if column.panel != "rate")
     return response_chart(replace(curves, columns=kept), across=1)
+
+
+def load(found: Findings) -> Section | None:
+    """Return the least deflection over the largest load."""
+    return section_of(found, "loads", "load", "What the structure bears", _load)
+
+
+def _load(found: Findings) -> list[Block]:
+    front = found.loads
+    assert front is not None
+    label = "Least deflection over the largest load"
+    caption = (
+        "Least deflection of a control that knows the wind, over the largest load. Dashed: at least"
+        " so much takes a law that does not know when the wind stops."
+    )
+    figure = figure_of(load_chart(front), "load", label, caption)
+    notes = " ".join(map(as_sentence, front.notes))
+    said = Paragraph((f"The verdict here: {front.verdict}. {notes}",))
+    return [said, figure, *front.tables()]
