@@ -9,13 +9,19 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+from tvclin.answers.campaign import quick
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS, draw
+from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.campaign.quick import part_in_a_wind, raise_to_vectors
 from tvclin.answers.campaign.statistics import (
     quantile_bound,
     sensitivities,
     success_probability,
 )
+from tvclin.answers.case import Case
+from tvclin.answers.planes import rectangle, vector_need
+from tvclin.boundary.stops import stop_of
 from tvclin.cli.app import app
 
 
@@ -139,6 +145,58 @@ def test_dispersed_cases_are_those_of_single_studies(nominal):
         )
         assert found.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
     assert set(found.status.tolist()) == {"ok"}
+
+
+@pytest.mark.parametrize("excess", [0.0, 0.03, 0.3])
+def test_vectors_are_solved_only_where_they_can_count(excess):
+    rng = np.random.default_rng(4)
+    alone = rng.normal(1.0, 0.08, 2000)
+    alone[7] = np.nan
+    vectors = alone * (1.0 + excess * rng.uniform(0.5, 1.0, 2000))
+    needs, solved = alone.copy(), []
+    raise_to_vectors(needs, lambda which: solved.append(which) or vectors[which])
+
+    of_all, found = (quantile_bound(one[~np.isnan(one)]).upper for one in (vectors, needs))
+    assert found == of_all
+    assert np.isnan(needs[7])
+    assert sum(map(len, solved)) < (100 if excess < 0.1 else 1999)
+
+
+@pytest.mark.parametrize("both", [False, True], ids=["pitch", "both"])
+def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
+    nominal, both, monkeypatch
+):
+    monkeypatch.setattr(quick, "_QUICK_CASES", 40)
+    monkeypatch.setattr(Campaign, "probability", 0.9)
+    wind = tv.SampledWind(time=[0.0, 2.0, 3.0, 7.0], angle=np.radians([0.0, 4.0, 3.5, 0.0]))
+    if both:
+        wind = tv.winds.PlaneWind.veering(wind, angle=0.3, rate=0.15)
+    case = Case(
+        vehicle=nominal.vehicle,
+        model="fixed-path",
+        nozzle=tv.Nozzle(stop="square" if both else None),
+    )
+    own = Dispersions(tuple(one for one in DEFAULT_DISPERSIONS.each if "wind" not in one.parameter))
+    held = {name: getattr(nominal.vehicle, name) for name in own.parameters}
+    cases = own.apply(held, draw(0, 0, 40, len(own.each)))
+
+    def need(vehicle):
+        plants = [tv.Plant.from_vehicle(vehicle, "fixed-path", plane) for plane in ("pitch", "yaw")]
+        if not both:
+            return abs(float(tv.required_deflection(plants[0], wind).deflection))
+        winds, stop = (wind.pitch, wind.yaw), stop_of("square")
+        alone = [
+            abs(float(tv.required_deflection(plant, one).deflection))
+            for plant, one in zip(plants, winds, strict=True)
+        ]
+        vector = vector_need(*plants, wind, stop, np.ones(1)).required[0]
+        return max(float(rectangle(stop, *alone)), float(vector))
+
+    values = {name: column.tolist() for name, column in cases.values.items()}
+    vehicles = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+    needs = [need(nominal.vehicle.replace(**one)) for one in vehicles]
+    part = quantile_bound(needs, 0.9).upper / need(nominal.vehicle) - 1.0
+    assert part_in_a_wind(nominal.vehicle, wind, case, 1.0) == pytest.approx(part, rel=1e-9)
 
 
 def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):

@@ -22,6 +22,7 @@ from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, part_in
 
@@ -130,16 +131,9 @@ def planes_needed(
 
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
-    winds = {plane: getattr(wind, plane) for plane in PLANES}
-    blow = [bool(np.all(np.isfinite(one.onset))) for one in winds.values()]
-    alone = {
-        plane: np.abs(required_deflection(plants[plane], one, dead_band).deflection)
-        if there
-        else 0.0
-        for (plane, one), there in zip(winds.items(), blow, strict=True)
-    }
+    alone = alone_needed(plants, wind, dead_band)
     needs = rectangle(stop, alone["pitch"], alone["yaw"])
-    if all(blow):
+    if all(_blows(getattr(wind, plane)) for plane in PLANES):
         least = needs.ravel().tolist()
         vector = [
             _vector(plants, wind, stop, dead_band, one, case, needs.shape)
@@ -149,6 +143,23 @@ def planes_needed(
     return PlanesNeeded(
         stop, wind, plain(needs), {k: plain(np.asarray(v)) for k, v in alone.items()}
     )
+
+
+def alone_needed(
+    plants: dict[str, Plant], wind: PlaneWind, dead_band: float
+) -> dict[str, FloatArray]:
+    """Return what winds ask of each plane by itself [rad]; nothing where they do not blow."""
+    winds = {plane: getattr(wind, plane) for plane in PLANES}
+    return {
+        plane: np.abs(required_deflection(plants[plane], one, dead_band).deflection)
+        if _blows(one)
+        else np.zeros(())
+        for plane, one in winds.items()
+    }
+
+
+def _blows(wind: History) -> bool:
+    return bool(np.all(np.isfinite(wind.onset)))
 
 
 def _vector(

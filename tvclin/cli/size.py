@@ -12,7 +12,7 @@ from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
-from tvclin.answers.sizing.measured import MeasuredWind
+from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
@@ -284,13 +284,8 @@ def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     worst, pulses = found.worst[counted], asked.pulses(case)
     at = found.winds.index(worst.wind)
     if at >= len(pulses):
-        if found.alone:
-            raise InputError(
-                f"--disperse knows pulses in both planes, and the worst wind is {worst.wind}; give"
-                " --dispersion in its place, or one plane"
-            )
         met, vehicle = asked.winds(case)[worst.wind], asked.schedule.at(worst.time)
-        assert isinstance(met, MeasuredWind)
-        return part_in_a_wind(vehicle, met(vehicle), case.model, case.plane, bands[band])
+        assert isinstance(met, MeasuredWind | MeasuredPlanes)
+        return part_in_a_wind(vehicle, met(vehicle), case, bands[band])
     nominal = Study.of(asked.at(case, worst.time, pulses[at]), bands[band])
     return disperse_study(nominal).part

@@ -166,16 +166,16 @@ def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, Any
     def refused(case: np.intp, error: Exception) -> None:
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
-    _divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
+    divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
     if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):
-            _divide(lambda which: answer(which, True), refused, np.array([case]))
+            divide(lambda which: answer(which, True), refused, np.array([case]))
     if "flight" in campaign.outputs:
         status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
     return {"case": index, **cases.values, **answers, "status": status}
 
 
-def _divide(
+def divide(
     work: Callable[[IndexArray], None],
     refused: Callable[[np.intp, Exception], None],
     which: IndexArray,
@@ -194,5 +194,5 @@ def _divide(
             refused(which[0], error)
             return
         middle = which.size // 2
-        _divide(work, refused, which[:middle])
-        _divide(work, refused, which[middle:])
+        divide(work, refused, which[:middle])
+        divide(work, refused, which[middle:])

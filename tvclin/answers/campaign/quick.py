@@ -1,12 +1,14 @@
 """The first answer: how much deflection covers a dispersed vehicle, in seconds, without a file."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from tvclin.answers.campaign.batch import required_name
-from tvclin.answers.campaign.cases import evaluate
+from tvclin.answers.campaign.cases import divide, evaluate
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
+from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.statistics import (
     Quantile,
@@ -16,21 +18,26 @@ from tvclin.answers.campaign.statistics import (
     shares,
     success_probability,
 )
+from tvclin.answers.case import Case
+from tvclin.answers.planes import alone_needed, planes_needed, rectangle
 from tvclin.answers.requirement import covers, required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
-from tvclin.base.arrays import AnyArray, FloatArray
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
+from tvclin.boundary.stops import stop_of
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import WindEnsemble
+from tvclin.winds.plane_wind import PlaneWind
 
-_QUICK_CASES, _BETWEEN = 2000, 16
-"""Cases of `part_in_a_wind`, and samples of its wind between two knots."""
+_QUICK_CASES, _VECTORS = 2000, 32
+"""Cases of `part_in_a_wind`, and of these whose vectors are solved before it looks again."""
 _MOST_CASES = 10_000_000
 """Cases that are held in memory at once; a campaign has more."""
 
@@ -233,25 +240,83 @@ def _campaign(
 
 
 def part_in_a_wind(
-    vehicle: Vehicle, wind: History, model: str, plane: str, dead_band: float
+    vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
 ) -> float:
     """Return what default dispersions of a vehicle add in a wind that is none of the standard ones.
 
-    As a part of what the nominal vehicle needs, of 2000 cases, as `DispersedStudy.part`.
+    As a part of what the nominal vehicle needs, of 2000 cases, as `DispersedStudy.part`: in the
+    plane of the case, or of the vector in both with its stop.
     """
-    times = np.unique(wind.probe_times(_BETWEEN))
-    own = tuple(one for one in DEFAULT_DISPERSIONS.each if one.parameter not in WIND)
-    campaign = Campaign(
-        vehicle=vehicle,
-        wind=WindEnsemble(times, wind(times)[np.newaxis]),
-        dispersions=Dispersions(own),
-        cases=_QUICK_CASES,
-        model=model,
-        plane=plane,
-        dead_bands=(dead_band,),
-        sign=FROZEN,
+    own = Dispersions(tuple(one for one in DEFAULT_DISPERSIONS.each if one.parameter not in WIND))
+    held = {name: getattr(vehicle, name) for name in own.parameters}
+    cases = own.apply(held, draw(0, 0, _QUICK_CASES, len(own.each)))
+    needs = np.full(_QUICK_CASES, np.nan)
+
+    def of(which: IndexArray) -> Vehicle:
+        return vehicle.replace(**{name: one[which] for name, one in cases.values.items()})
+
+    def answer(which: IndexArray) -> None:
+        needs[which] = _needed(of(which), wind, case, dead_band)
+
+    divide(answer, lambda *_: None, np.flatnonzero(cases.possible))
+    if isinstance(wind, PlaneWind):
+        blows = wind
+        raise_to_vectors(needs, lambda one: _of_vectors(of(one), blows, case, dead_band))
+    known = needs[~np.isnan(needs)]
+    if not known.size:
+        raise InputError("no dispersed case of this flight time has an answer in this wind")
+    nominal = (
+        _of_vectors(vehicle, wind, case, dead_band)
+        if isinstance(wind, PlaneWind)
+        else _needed(vehicle, wind, case, dead_band)
     )
-    needs = evaluate(campaign, 0, campaign.cases)[required_name(dead_band)]
-    nominal = abs(float(required_deflection(campaign.rigid_plant, wind, dead_band).deflection))
-    upper = quantile_bound(needs[~np.isnan(needs)], campaign.probability, campaign.confidence).upper
-    return upper / nominal - 1.0
+    return _upper(known) / float(nominal) - 1.0
+
+
+def _upper(needs: FloatArray) -> float:
+    return quantile_bound(needs, Campaign.probability, Campaign.confidence).upper
+
+
+def raise_to_vectors(needs: FloatArray, vectors: Callable[[IndexArray], FloatArray]) -> None:
+    """Raise the largest needs of each plane by itself to those of the vector.
+
+    Vectors are solved one by one; the others are left where even twice the largest excess that was
+    found would not bring them to what is covered.
+    """
+    order = np.argsort(-needs)[: int(np.sum(~np.isnan(needs)))]
+    excess = 0.0
+    for first in range(0, order.size, _VECTORS):
+        which = order[first : first + _VECTORS]
+        if first and needs[which[0]] * (1.0 + 2.0 * excess) <= _upper(needs[order]):
+            return
+        alone, needs[which] = needs[which], vectors(which)
+        excess = max(excess, float(np.max(needs[which] / alone)) - 1.0)
+
+
+def _needed(
+    vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
+) -> FloatArray:
+    """What vehicles require [rad] in one wind, in both planes what each by itself does."""
+    if isinstance(wind, PlaneWind):
+        alone = alone_needed(_plants(vehicle, case), wind, dead_band)
+        return rectangle(stop_of(case.nozzle.stop or ""), alone["pitch"], alone["yaw"])
+    plant = Plant.from_vehicle(vehicle, case.model, case.plane)
+    return np.abs(required_deflection(plant, wind, dead_band).deflection)
+
+
+def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float) -> FloatArray:
+    """What vehicles require [rad] of both planes in one wind with its vectors."""
+    stop = stop_of(case.nozzle.stop or "")
+    found = planes_needed(_plants(vehicle, case), wind, stop, dead_band)
+    return np.asarray(found.deflection)
+
+
+def _plants(vehicle: Vehicle, case: Case) -> dict[str, Plant]:
+    return {plane: Plant.from_vehicle(vehicle, case.model, plane) for plane in PLANES}
+
+
+def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:
+    if limit is None:
+        return None
+    enough = int(np.sum(covers(limit, deflection)))
+    return success_probability(enough, deflection.size, confidence)

@@ -14,6 +14,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along, not_steep
 from tvclin.winds.soundings.profile import WindProfile
@@ -130,6 +131,12 @@ class MeasuredPlanes:
     def known(self) -> tuple[float, float]:
         """The first and the last flight time [s] at which the wind is known."""
         return next(iter(self.parts.values())).known
+
+    def __call__(self, vehicle: Vehicle) -> PlaneWind:
+        """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
+        calm = next(iter(self.parts.values())).wind * 0.0
+        parts = {plane: self.part(plane, vehicle) for plane in PLANES}
+        return PlaneWind(**{k: calm if one is None else one(vehicle) for k, one in parts.items()})
 
     def part(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
         """Return one plane around a vehicle's time, with its part of the gust; None in a calm."""
