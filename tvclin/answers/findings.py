@@ -21,12 +21,14 @@ from tvclin.base.warned import COMPILED, warned
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
+    from tvclin.answers.campaign.dispersions import Dispersions
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.nozzle_cards.record import FlightCard
+    from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total_record import DeflectionTotal
-    from tvclin.answers.trials import LawTrial
+    from tvclin.answers.trials import LawsAsked, LawTrial
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -42,6 +44,8 @@ Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
+Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
+"""What has both."""
 _LATER = (
     *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
     *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
@@ -128,16 +132,16 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         reasons: dict[str, str] = {}
         asked = _asked(plan)
 
-        def part(name: str, compute: Callable[[StudyPlan, Study, Told], Any]) -> Any:
+        def part(name: str, compute: Callable[[Any, Told], Any]) -> Any:
             if name not in asked:
                 return None
 
             def told(done: float, total: float) -> None:
                 if progress is not None:
-                    progress(asked.index(name) + done / total, len(asked))
+                    progress(list(asked).index(name) + done / total, len(asked))
 
             try:
-                return compute(plan, study, told)
+                return compute(asked[name], told)
             except InputError as error:
                 reasons[name] = str(error)
                 return None
@@ -145,9 +149,9 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
                 told(1, 1)
 
         loop = cache(partial(_loop, plan, study))  # gains for the least nozzle take a search
-        trials = part("trials", partial(_trials, loop)) or ()
-        comparison = part("comparison", partial(_comparison, loop))
-        flexible = part("flexible", partial(_flexible, loop))
+        trials = part("trials", partial(_trials, plan, study, loop)) or ()
+        comparison = part("comparison", lambda *_: _comparison(study, loop))
+        flexible = part("flexible", lambda *_: _flexible(plan, study, loop))
         flying = flexible or comparison
         return Findings(
             plan=plan,
@@ -155,49 +159,49 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             trials=trials,
             comparison=comparison,
             flexible=flexible,
-            stop=None if flying is None else part("stop", partial(_stop, flying)),
-            flown=None if flying is None else part("flown", partial(_flown, flying)),
-            dispersed=part("dispersed", _dispersed),
-            flight=part("flight", _flight),
-            card=part("card", _card),
-            availability=part("availability", _availability),
-            rates=part("rates", _rates),
-            loads=part("loads", _loads),
+            stop=flying and part("stop", lambda *_: _stop(plan, study, flying)),
+            flown=flying and part("flown", lambda limit, _: _flown(plan, study, flying, limit)),
+            dispersed=part("dispersed", lambda asked, _: _dispersed(plan, study, asked)),
+            flight=part("flight", partial(_flight, plan)),
+            card=part("card", partial(_card, plan)),
+            availability=part("availability", lambda asked, told: asked.availability(plan, told)),
+            rates=part("rates", lambda limit, _: _rates(plan, study, limit)),
+            loads=part("loads", lambda asked, _: asked.front(plan, 1.0 / study.of_both)),
             reasons=reasons,
             warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
 
 
-def _asked(plan: StudyPlan) -> list[str]:
-    """What a plan asks for, by the names of fields of `Findings`."""
+def _asked(plan: StudyPlan) -> dict[str, Any]:
+    """What a plan asks for, and of what, by the names of fields of `Findings`."""
     loop = plan.design or plan.criteria
     wanted = {
         "trials": plan.laws,
         "comparison": loop,
         "flexible": plan.vehicle.structure and loop,
-        "stop": plan.nozzle.limit and loop,
-        "flown": plan.nozzle.limit and loop,
+        "stop": loop and plan.nozzle.limit,
+        "flown": loop and plan.nozzle.limit,
         "dispersed": plan.dispersions,
         "flight": plan.sizing,
-        "card": plan.sizing and plan.sizing.card,
+        "card": plan.sizing if plan.sizing and plan.sizing.card else None,
         "availability": plan.availability,
-        "rates": plan.nozzle.limit and plan.nozzle.rate_limit,
+        "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
     }
-    return [name for name, one in wanted.items() if one is not None]
+    return {name: one for name, one in wanted.items() if one is not None}
 
 
-def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
+def _trials(
+    plan: StudyPlan, study: Study, loop: Loop, asked: LawsAsked, told: Told
+) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
 
-    asked, peak = plan.laws, study.wind.peak
-    assert asked is not None
     plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
     nozzle = plan.hardware | {"sample_rate": asked.sample_rate}
     own = None if plan.design is None else loop()[1]
-    laws = standard_laws(plant.rigid, peak, own, nozzle["rate_limit"])
-    winds = standard_winds(peak, study.wind.duration)
+    laws = standard_laws(plant.rigid, study.wind.peak, own, nozzle["rate_limit"])
+    winds = standard_winds(study.wind.peak, study.wind.duration)
     if plan.vehicle.structure is None:  # beside boundaries, which have none
         nozzle |= {"actuator": None, "delay": 0.0}
     else:
@@ -214,13 +218,13 @@ def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawT
     )
 
 
-def _comparison(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
+def _comparison(study: Study, loop: Loop) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
     return compare_with_trim(*loop(), study.history)
 
 
-def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
+def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
 
     (plant, autopilot), criteria = loop(), plan.held_to
@@ -229,21 +233,16 @@ def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> Flexible
     return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
 
 
-def _flown(
-    loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
-) -> FlownMargins:
+def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
     """The margins that the limit leaves in the wind, of an autopilot and its plant."""
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    assert plan.nozzle.limit is not None
-    law, limit = SaturatedLaw.of(loop.autopilot), plan.nozzle.limit / study.of_both
-    return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
+    law, part = SaturatedLaw.of(loop.autopilot), limit / study.of_both
+    return flown_margins(loop.plant, law, study.history, limit=part, **plan.hardware)
 
 
-def _stop(
-    loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
-) -> ClosedLoopBoundary:
+def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.control.laws.attitude import SaturatedLaw
@@ -262,47 +261,31 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
 
 
-def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
-    assert plan.sizing is not None
-    found = plan.sizing.sizing(plan, told)
-    return found, plan.sizing.total(plan, found)
+def _flight(plan: StudyPlan, asked: SizingAsked, told: Told) -> tuple[Sizing, DeflectionTotal]:
+    found = asked.sizing(plan, told)
+    return found, asked.total(plan, found)
 
 
-def _card(plan: StudyPlan, study: Study, told: Told) -> FlightCard:
+def _card(plan: StudyPlan, asked: SizingAsked, told: Told) -> FlightCard:
     from tvclin.answers.nozzle_cards.whole import flight_card
 
-    assert plan.sizing is not None
-    assert plan.sizing.card is not None
-    return flight_card(plan, plan.sizing, plan.sizing.card, progress=told)
+    return flight_card(plan, asked, str(asked.card), progress=told)
 
 
-def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
-    assert plan.availability is not None
-    return plan.availability.availability(plan, told)
-
-
-def _rates(plan: StudyPlan, study: Study, told: Told) -> RateFront:
+def _rates(plan: StudyPlan, study: Study, limit: float) -> RateFront:
     from tvclin.boundary.fronts.rates import rate_front
 
-    assert plan.nozzle.limit is not None
-    limit = plan.nozzle.limit / study.of_both  # the stop leaves this plane its part
-    return rate_front(
-        plan.plant.rigid, study.history, limit=limit, rate_limit=plan.nozzle.rate_limit
-    )
+    part = limit / study.of_both  # the stop leaves this plane its part
+    rate = plan.nozzle.rate_limit
+    return rate_front(plan.plant.rigid, study.history, limit=part, rate_limit=rate)
 
 
-def _loads(plan: StudyPlan, study: Study, told: Told) -> LoadFront:
-    assert plan.load is not None
-    return plan.load.front(plan, 1.0 / study.of_both)
-
-
-def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
+def _dispersed(plan: StudyPlan, study: Study, asked: Dispersions) -> DispersedStudy:
     from tvclin.answers.campaign.quick import disperse_study
 
-    assert plan.dispersions is not None
     return disperse_study(
         study,
-        plan.dispersions,
+        asked,
         cases=min(plan.cases, MOST_CASES),
         seed=plan.seed,
         probability=plan.probability,

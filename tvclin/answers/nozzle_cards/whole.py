@@ -124,6 +124,7 @@ def flight_card(
     flying = _Flying(
         case,
         asked,
+        case.nozzle.limit,
         law,
         number("noise", noise, between(0.0, _LOUDEST), "rad/s"),
         whole_number("seed", seed),
@@ -161,6 +162,7 @@ class _Flying:
 
     case: Case
     asked: SizingAsked
+    limit: float
     law: str
     noise: float
     seed: int
@@ -198,17 +200,16 @@ class _Flying:
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
         """The part of the stop of each plane, in proportion to what trim takes."""
-        limit, case = self.case.nozzle.limit, self.case
-        assert limit is not None
+        case = self.case
         if len(placed) == 1:
-            return dict.fromkeys(placed, limit)
+            return dict.fromkeys(placed, self.limit)
         sizes = dict.fromkeys(placed, 0.0)
         for plane, one in placed.items():
             if not one.calm:
                 plant = Plant.from_vehicle(vehicle, case.law_model, plane)
                 sizes[plane] = abs(float(plant.coefficients.B) * float(one.history.peak))
         whole = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
-        return {plane: limit * size / whole for plane, size in sizes.items()} if whole else sizes
+        return {k: self.limit * size / whole for k, size in sizes.items()} if whole else sizes
 
     def _met(
         self,
@@ -317,7 +318,6 @@ def _verdict(
 ) -> NozzleVerdict:
     """What all flights and the theory of a known wind need, each in the measure of the stop."""
     nozzle = flying.case.nozzle
-    assert nozzle.limit is not None
     most = flying.case.hardware["rate_limit"]
     least, pole, limit = (
         np.array([getattr(one, name) for one in points]) for name in ("least", "pole", "limit")
@@ -328,7 +328,7 @@ def _verdict(
     turned = np.array([abs(one.card.angle.value) if one.card else 0.0 for one in points])
     rates = ramp_rate(least, pole, limit)
     needed = needed_of(nozzle, flown, float(np.max([one.travel for one in duties], initial=0.0)))
-    needed["limit"] = nozzle.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
+    needed["limit"] = flying.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
     needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
     lost = [
         f"{flying.law} {FATES[one.status]} at {one.time:.6g} s in {one.wind}"

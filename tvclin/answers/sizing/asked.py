@@ -167,9 +167,8 @@ class SizingAsked:
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
         """Return the winds whose peak meets each flight time, with the gust of the case."""
         instance("case", case, Case, "of a wind and a nozzle")
-        own = case.wind
+        own: Any = case.wind
         instance("wind of the case", own, ShapedWind, "of one shape")
-        assert isinstance(own, ShapedWind)
         return tuple(
             replace(one, gust=own.gust, gust_at=own.gust_at)
             for one in (*((own,) if self.pulse else ()), *self.others)
