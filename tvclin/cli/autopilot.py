@@ -13,12 +13,11 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
-from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of
 from tvclin.cli.least import LeastOptions, print_least
-from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
+from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
@@ -140,12 +139,8 @@ class _Found:
 
     def print(self, title: str) -> None:
         """Print the autopilot, what it needs, and the verdict; and how it was sought."""
-        found, rows = self.compared, self.compared.autopilot.rows()
-        if found.plant.structure is not None:
-            say(parts_line(found.plant.structure))
-        elif found.autopilot.sample_rate is None:
-            rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
-        print_tables(quantities(title, rows), *found.autopilot.filter_tables())
+        found = self.compared
+        print_autopilot(title, found.autopilot, found.plant)
         if found.margins.stable:
             print_tables(found.deflections("Largest deflection in this wind"))
             print_tables(quantities("In this wind", [*found.motions(), *self._more()]))

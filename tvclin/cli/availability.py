@@ -39,7 +39,9 @@ from tvclin.winds.soundings.read_soundings import read_soundings
 class ArchiveOptions:
     """Which soundings of an archive count; `grouped` gives the options."""
 
-    month: list[int] | None = asked("Only this month, from 1 to 12; may be given several times.")
+    months: list[int] | None = asked(
+        "Only this month, from 1 to 12; may be given several times.", flag="--month"
+    )
     years: tuple[int, int] | None = asked("Only these years.", metavar="FIRST LAST")
     station: str | None = asked("Only this station, where there are several.")
     in_order: bool = switch(
@@ -60,14 +62,7 @@ class ArchiveOptions:
         """Return these soundings."""
         with bar("read") as progress:
             return read_soundings(
-                archive,
-                months=self.month or None,
-                years=self.years,
-                station=self.station,
-                utc_offset=self.utc_offset,
-                in_order=self.in_order,
-                dates=self.dates,
-                progress=progress,
+                archive, **vars(self) | {"months": self.months or None}, progress=progress
             )
 
 

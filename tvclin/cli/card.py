@@ -10,22 +10,12 @@ from tvclin.answers.nozzle_cards.record import FlightCard
 from tvclin.answers.nozzle_cards.whole import flight_card
 from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
-from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import note_left_out, only_with
-from tvclin.cli.options import (
-    GROUP,
-    MODEL,
-    NOZZLE,
-    SAMPLE_RATE,
-    STOPS_HELP,
-    STUDY,
-    AsJson,
-    Given,
-    asked,
-)
+from tvclin.cli.options import GROUP, MODEL, NOZZLE, STUDY, AsJson, Given, asked
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.size import SOURCE, FlightOptions, flight_asked
+from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 _FLIGHT = "start stop every window"
@@ -49,18 +39,9 @@ def card(
     steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
     question: Given = Given("answers.sizing.asked.SizingAsked", _FLIGHT, "sizing"),
     model: Given = MODEL,
-    plane: str | None = asked(
-        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
-    ),
-    stop: str | None = asked(
-        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
-        shown="round",
-        metavar="SHAPE",
-    ),
+    planes: PlaneOptions = GROUP,
     sign: Given = Given(STUDY, "sign"),
-    samples: Given = SAMPLE_RATE,
-    gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
+    own: FlownLaw = GROUP,
     as_json: AsJson = False,
     csv: Path | None = asked("Also write every flight into this CSV file."),
 ) -> None:
@@ -72,12 +53,11 @@ def card(
     Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
     flight; 2: bad input.
     """
-    changes = (sign, sheet, samples, model, gains, loop)
-    case = flight_asked("card", source, blows, question, *changes, plane=plane, stop=stop)
+    case = flight_asked("card", source, blows, question, sign, sheet, model, own, planes)
     assert case.sizing is not None
     flies = one_of("--law", law or case.sizing.card or "trim", LAWS)
     if flies != AUTOPILOT:
-        gains.only_with(f"--law {AUTOPILOT}")
+        own.gains.only_with(f"--law {AUTOPILOT}")
         note_left_out(case, f"card without the law {AUTOPILOT}")
     noise = radians(number("--noise-deg", noise_deg, nonnegative, "deg/s"))
     length = number("--steady", steady, positive, "s")

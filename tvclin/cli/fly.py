@@ -12,14 +12,13 @@ from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
-from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
     PLANE,
     RATE_LIMIT,
-    SAMPLE_RATE,
     Given,
     Points,
     Rigid,
@@ -76,12 +75,10 @@ class WhatFlies:
 def fly(
     vehicle: Source = "configuration-i",
     blows: WindOptions = GROUP,
-    flies: WhatFlies = GROUP,
+    what: WhatFlies = GROUP,
     limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
     rate_limit: Given = RATE_LIMIT,
-    samples: Given = SAMPLE_RATE,
-    gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
+    flies: FlownLaw = GROUP,
     rigid: Rigid = False,
     along_trajectory: bool = switch(
         "--along-trajectory", "Let mass, speed and dynamic pressure change in flight."
@@ -101,9 +98,9 @@ def fly(
     """
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    changes = [one.over for one in (limit, rate_limit, samples, plane, gains, loop)]
+    changes = [one.over for one in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid)
-    engine, *law = flies.on(case, along_trajectory, gains)
+    engine, *law = what.on(case, along_trajectory, flies.gains)
     name = blows.name(case)
     case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
     start, length = float(case.history.onset), until * float(case.history.end - case.history.onset)
@@ -113,8 +110,8 @@ def fly(
             flying = LinearCase(case, name, *law)
             found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        only_with("--engine linear", **vars(loop), rigid=rigid and flies.engine is not None)
-        for group in (samples, rate_limit):
+        only_with("--engine linear", **vars(flies.loop), rigid=rigid and what.engine is not None)
+        for group in (flies.samples, rate_limit):
             group.only_with("--engine linear")
         condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
         one = flight_case(Flying(case, name, *law), engine, condition, length)

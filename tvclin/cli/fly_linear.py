@@ -9,9 +9,9 @@ import numpy as np
 
 from tvclin.answers.flexible import with_filters
 from tvclin.base.errors import InputError
-from tvclin.cli.bands import parts_line
 from tvclin.cli.flight_cases import REPORT, Flying
 from tvclin.cli.fly_shown import Compared, wind_line
+from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled

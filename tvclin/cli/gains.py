@@ -9,7 +9,7 @@ from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, nonnegative, number, positive
 from tvclin.cli.inputs import only_with
-from tvclin.cli.options import DESIGN, Given, asked
+from tvclin.cli.options import DESIGN, GROUP, SAMPLE_RATE, Given, asked
 from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.vehicle.filters import Filter
 
@@ -76,6 +76,25 @@ GAINS = GainOptions(
     DESIGN,
     "design natural_frequency damping attitude_gain rate_gain alpha_gain integral_gain",
 )
+
+
+@dataclass(frozen=True)
+class FlownLaw:
+    """What stands about a law that flies: samples, the gains of the law autopilot, and its loop."""
+
+    samples: Given = SAMPLE_RATE
+    gains: Given = GAINS
+    loop: LoopOptions = GROUP
+
+    def over(self, plan: StudyPlan) -> StudyPlan:
+        """Return a plan with all of it."""
+        return self.loop.over(self.gains.over(self.samples.over(plan)))
+
+    def only_with(self, needed: str) -> None:
+        """Raise `InputError` if any of it is given, and means nothing without something else."""
+        self.gains.only_with(needed)
+        self.samples.only_with(needed)
+        only_with(needed, **vars(self.loop))
 
 
 def with_gains(asked: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:

@@ -13,20 +13,10 @@ from tvclin.answers.trials import WINDS, LawTrials, law_trials, standard_laws, s
 from tvclin.base.documents import picked
 from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
-from tvclin.cli.bands import parts_line
-from tvclin.cli.gains import GAINS, LoopOptions
+from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, only_with
-from tvclin.cli.options import (
-    GROUP,
-    MOTION,
-    RATE_LIMIT,
-    SAMPLE_RATE,
-    Given,
-    Rigid,
-    Shown,
-    Source,
-    asked,
-)
+from tvclin.cli.margin_tables import parts_line
+from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, Rigid, Shown, Source, asked
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
@@ -50,11 +40,9 @@ def laws(
         shown="all",
     ),
     cuts: int = asked("Also fly each wind cut off at so many instants.", 0),
-    samples: Given = SAMPLE_RATE,
+    flies: FlownLaw = GROUP,
     rate_limit: Given = RATE_LIMIT,
     motion: Given = MOTION,
-    gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
     rigid: Rigid = False,
     shown: Shown = GROUP,
 ) -> None:
@@ -74,11 +62,10 @@ def laws(
     if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     within("--cuts", cuts, 0, 1000)
-    changes = [one.over for one in (rate_limit, samples, motion)]
-    changes += [_beside_boundaries, partial(_with_gains, gains), loop.over]
+    changes = rate_limit.over, motion.over, _beside_boundaries, partial(_with_gains, flies)
     case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid)
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
-    if case.laws is not None and not samples.values:
+    if case.laws is not None and not flies.samples.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_left_out(case, "laws with a rate in [laws]")
     peak, duration, winds = _winds(blows, wind, case)
@@ -143,11 +130,11 @@ def _beside_boundaries(plan: StudyPlan) -> StudyPlan:
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 
 
-def _with_gains(gains: Given, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the gains of options; `InputError` where no law of its file has them."""
+def _with_gains(flies: FlownLaw, plan: StudyPlan) -> StudyPlan:
+    """Return a plan with options; `InputError` for gains where no law of its file has them."""
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
-        gains.only_with("the law autopilot in the table [laws]")
-    return gains.over(plan)
+        flies.gains.only_with("the law autopilot in the table [laws]")
+    return flies.over(plan)
 
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:

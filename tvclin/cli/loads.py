@@ -9,13 +9,12 @@ from tvclin.base.lines import listed
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
 from tvclin.cli.fly_linear import LinearCase
-from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.gains import FlownLaw
+from tvclin.cli.inputs import case_of, note_left_out
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MOTION,
-    SAMPLE_RATE,
     Given,
     Rigid,
     ShownCurves,
@@ -38,9 +37,7 @@ def loads(
         f" are of {AUTOPILOT}. May be given several times.",
         shown="none is flown",
     ),
-    samples: Given = SAMPLE_RATE,
-    gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
+    flies: FlownLaw = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
     shown: ShownCurves = GROUP,
@@ -55,12 +52,10 @@ def loads(
 
     names = [one_of("--law", one, LAWS) for one in law or ()]
     if not names:
-        for group in (gains, samples):
-            group.only_with("--law")
-        only_with("--law", **vars(loop))
+        flies.only_with("--law")
     elif AUTOPILOT not in names:
-        gains.only_with(f"--law {AUTOPILOT}")
-    changes = [one.over for one in (limits, bound, samples, motion, gains, loop)]
+        flies.gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, bound, motion, flies)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid)
     flown = _flown(case, names, blows.name(case))
     with waiting("angle over load"):

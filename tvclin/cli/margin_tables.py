@@ -1,13 +1,13 @@
 """What `tvclin margins` prints: an autopilot, the margins of its loop, and the criteria."""
 
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.base.lines import quantities
-from tvclin.cli.bands import parts_line, print_bands
 from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.bounds import MarginBounds, margin_bounds
@@ -16,11 +16,13 @@ from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import Criteria, Judgement
 from tvclin.control.margins.record import Margins
 from tvclin.control.margins.sampled_loop import SampledLoop
-from tvclin.control.margins.tables import margin_table
+from tvclin.control.margins.tables import band_table, margin_table
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.vehicle.structure import Structure
 
 _BESIDE = 0.05
 """A pole of an approximate delay is that of the exact one if it is so near, over its size."""
+_OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,24 +62,54 @@ class MarginsFound:
 
 def print_margins(title: str, found: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
-    rows, whole = found.autopilot.rows(), found.whole
-    if found.plant.structure is not None:
-        say(parts_line(found.plant.structure))
-    elif found.autopilot.sample_rate is None:
-        rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
-    print_tables(quantities(title, rows), *found.autopilot.filter_tables())
+    whole = found.whole
+    print_autopilot(title, found.autopilot, found.plant)
     if whole.stable:
         print_tables(margin_table(whole, found.judged))
         print_bounds(found.autopilot, found.plant)
     else:
         say(f"NO MARGINS: {whole.reason}")
     if found.bands is not None:
-        print_bands(found.bands, found.asked)
+        _print_bands(found.bands, found.asked)
     if whole.stable:
         say_notes(whole.notes)
         say(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
         if not found.met:
             say("Other gains: --natural-frequency and --damping, or gains of your own.")
+
+
+def _print_bands(found: BandMargins, asked: Criteria) -> None:
+    """Print what the rigid body has and what each mode has, beside what is asked of modes."""
+    judged = asked.judge(found)
+    print_tables(band_table(found, judged))
+    judged_modes = {one.band for one in judged if one.band and not isnan(one.value)}
+    for word, option in _OPTIONS.items():
+        free = [mode.name for mode in found.modes if mode.stabilised == word]
+        if asked.of_modes and free and judged_modes.isdisjoint(free):
+            say(
+                f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
+                " the margins of the whole loop count"
+            )
+
+
+def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
+    """Print an autopilot, with the poles of its loop or what makes its vehicle flexible."""
+    rows = autopilot.rows()
+    if plant.structure is not None:
+        say(parts_line(plant.structure))
+    elif autopilot.sample_rate is None:
+        rows.append(("closed-loop poles [1/s]", (_poles(autopilot, plant),)))
+    print_tables(quantities(title, rows), *autopilot.filter_tables())
+
+
+def parts_line(structure: Structure) -> str:
+    """Return in one line what makes a vehicle flexible."""
+    counted = (("bending mode", len(structure.bending)), ("tank", len(structure.slosh)))
+    parts = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]
+    parts += ["engine with inertia"] * (structure.engine is not None)
+    lags = {"attitude sensor": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
+    parts += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]
+    return f"Flexible vehicle (--rigid: without): {', '.join(parts)}"
 
 
 def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:
@@ -95,8 +127,8 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
         return None
 
 
-def poles(autopilot: Autopilot, plant: Any) -> str:
-    """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
+def _poles(autopilot: Autopilot, plant: Any) -> str:
+    """The closed-loop poles [1/s], those that only approximate the delay left out."""
     every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         exact = autopilot.exact_loop(plant).closed_loop_poles

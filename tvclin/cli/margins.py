@@ -1,15 +1,15 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
 from dataclasses import dataclass
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
-from tvclin.base.errors import one_of
+from tvclin.base.errors import InputError, one_of
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
-from tvclin.cli.flown import flown_found, print_flown
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
@@ -25,11 +25,14 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import answer, draw, print_tables, say_lines
-from tvclin.cli.wind import WindOptions
+from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
+from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.autopilot.rules import LEAST_NOZZLE
-from tvclin.flights.closed_loop.flown_record import FlownMargins
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.flights.closed_loop.flown_margins import flown_margins
+from tvclin.flights.closed_loop.flown_record import FlownMargins, flown_table
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -88,7 +91,7 @@ def margins(
     autopilot = autopilot_asked(case, case.history, case.held_to)
     found = MarginsFound.of(autopilot, case.plant, case.held_to)
     moved = found.detuned if detuned else None
-    in_wind = flown_found(case, autopilot) if flown and found.whole.stable else None
+    in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
     every = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
@@ -131,9 +134,31 @@ class _Answer:
             print_tables(self.moved.table())
             say_lines(self.moved.said)
         if self.in_wind is not None:
-            print_flown(self.in_wind, case, self.wind)
+            _print_flown(self.in_wind, case, self.wind)
         if self.in_box is not None:
             self.in_box.print()
+
+
+def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
+    """The flown margins of a case and its autopilot, its delay that of a computer."""
+    limit, law = case.nozzle.limit, SaturatedLaw.of(autopilot)
+    if limit is None:
+        raise InputError("--flown needs --limit-deg, the deflection limit in deg")
+    return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)
+
+
+def _print_flown(found: FlownMargins, case: StudyPlan, name: str) -> None:
+    """Print flown margins in a wind with a name, and what is odd about them."""
+    title = (
+        f"In this {wind_words(name, case)}, with a stop at"
+        f" {degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
+    )
+    print_tables(flown_table(found, title))
+    say(
+        f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
+        " autopilot."
+    )
+    say_notes(found.notes)
 
 
 def _chart(name: str, found: MarginsFound) -> "ControlPlot":

@@ -8,13 +8,12 @@ from tvclin.base.lines import listed
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
 from tvclin.cli.fly_linear import LinearCase
-from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import case_of, note_left_out, only_with
+from tvclin.cli.gains import FlownLaw
+from tvclin.cli.inputs import case_of, note_left_out
 from tvclin.cli.options import (
     GROUP,
     MOTION,
     NOZZLE,
-    SAMPLE_RATE,
     Given,
     Rigid,
     ShownCurves,
@@ -45,9 +44,7 @@ def nozzle(
         "Also fly every law, of a study file those of its laws, at each rate limit, for the limit"
         " that it needs; it takes about a minute.",
     ),
-    samples: Given = SAMPLE_RATE,
-    gains: Given = GAINS,
-    loop: LoopOptions = GROUP,
+    flies: FlownLaw = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
     shown: ShownCurves = GROUP,
@@ -64,12 +61,10 @@ def nozzle(
     if law is None:
         limits.only_with("--law", *_OF_FLIGHTS)
     if law is None and not laws:
-        for one in (gains, samples):
-            one.only_with("--law")
-        only_with("--law", **vars(loop))
+        flies.only_with("--law")
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
-        gains.only_with(f"--law {AUTOPILOT}")
-    changes = [one.over for one in (limits, samples, motion, gains, loop)]
+        flies.gains.only_with(f"--law {AUTOPILOT}")
+    changes = [one.over for one in (limits, motion, flies)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")

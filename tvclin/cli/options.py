@@ -64,18 +64,10 @@ def switch(flag: str, help: str) -> Any:
 class Given:
     """Options of declared fields of a case or a question; `grouped` gives them to a command.
 
-    Attributes
-    ----------
-    kind : str
-        The module of the dataclass, and its name: "answers.nozzle.Nozzle".
-    names : str
-        Its fields; without, all that have an option.
-    at : str
-        Which part of a plan it is; the plan itself where it is empty.
-    shown : mapping
-        What stands for the default of an option, where that is not the one declared.
-    values : mapping
-        What was given, by field, in SI units.
+    `kind`: the module of the dataclass, and its name: "answers.nozzle.Nozzle". `names`: its fields;
+    without, all that have an option. `at`: which part of a plan it is; the plan itself where it is
+    empty. `shown`: what stands for the default of an option, where that is not the one declared.
+    `values`: what was given, by field, in SI units.
     """
 
     kind: str
@@ -216,31 +208,46 @@ class ShownCurves(Shown, _Csv):
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options of each parameter that is a group of them, in its place.
 
-    A group is a dataclass of options, or a `Given`, which is the default of its parameter.
+    A group is a `Given`, which is the default of its parameter, or a dataclass of options and of
+    such groups.
     """
-    shown: list[Parameter] = []
-    groups: dict[str, Callable[[dict[str, Any]], Any]] = {}
-    for name, parameter in signature(command).parameters.items():
-        group, kind = parameter.default, parameter.annotation
-        if isinstance(group, Given):
-            shown += group.parameters()
-            groups[name] = group.taken
-        elif group is GROUP:
-            options = signature(kind).parameters.values()
-            shown += [_in_panel(one, getattr(kind, "panel", None)) for one in options]
-            groups[name] = partial(_made, kind, [one.name for one in options])
-        else:
-            shown.append(parameter)
+    shown, call = _expanded(command)
 
     @wraps(command)
     def run(**given: Any) -> None:
-        for name, taken in groups.items():
-            given[name] = taken(given)
-        command(**given)
+        call(given)
 
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
+
+
+def _expanded(
+    made: Callable[..., Any],
+) -> tuple[list[Parameter], Callable[[dict[str, Any]], Any]]:
+    """The options of a command or a group, and what calls it with them, taken out of all given."""
+    shown: list[Parameter] = []
+    takers: dict[str, Callable[[dict[str, Any]], Any]] = {}
+    for name, parameter in signature(made).parameters.items():
+        group, kind = parameter.default, parameter.annotation
+        if isinstance(group, Given):
+            shown += group.parameters()
+            takers[name] = group.taken
+        elif group is GROUP:
+            options, takers[name] = _expanded(kind)
+            shown += [_in_panel(one, getattr(kind, "panel", None)) for one in options]
+        else:
+            shown.append(parameter)
+            takers[name] = partial(_taken, name)
+
+    def call(given: dict[str, Any]) -> Any:
+        return made(**{name: taker(given) for name, taker in takers.items()})
+
+    return shown, call
+
+
+def _taken(name: str, given: dict[str, Any]) -> Any:
+    return given.pop(name)
 
 
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:
@@ -250,8 +257,3 @@ def _in_panel(option: Parameter, panel: str | None) -> Parameter:
     default = copy(option.default)
     default.rich_help_panel = panel
     return option.replace(default=default)
-
-
-def _made(kind: Callable[..., Any], names: list[str], given: dict[str, Any]) -> Any:
-    """A group of a kind, whose options are taken out of those of a command."""
-    return kind(**{name: given.pop(name) for name in names})

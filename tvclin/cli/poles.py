@@ -5,7 +5,7 @@ from typing import Any
 from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, Given, Plot, Source, asked
-from tvclin.cli.output import draw, print_json, print_tables
+from tvclin.cli.output import answer, draw, print_tables
 from tvclin.linear.models import MODELS, models_of
 from tvclin.linear.modes import Modes, all_modes, mode_table
 from tvclin.linear.plant import Plant
@@ -28,11 +28,13 @@ def poles(
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}
     found = {name: all_modes(plant) for name, plant in plants.items()}
     draw(plot, lambda: plots.pole_map(plants[names[0]].coefficients, names))
-    if as_json:
-        models = {name: _document(one) for name, one in found.items()}
-        print_json({"vehicle": loaded.name, "plane": plane, "models": models})
-        return
-    print_tables(mode_table(f"{loaded.name or vehicle}, {plane}: poles of the attitude", found))
+    models = {name: _document(one) for name, one in found.items()}
+    title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
+    answer(
+        as_json,
+        lambda: {"vehicle": loaded.name, "plane": plane, "models": models},
+        lambda: print_tables(mode_table(title, found)),
+    )
 
 
 def _document(found: Modes) -> list[dict[str, Any]]:

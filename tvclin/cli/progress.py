@@ -16,13 +16,7 @@ _LINES = 20.0
 
 @contextmanager
 def bar(what: str) -> Iterator[Progress]:
-    """Lend what shows a bar with rate and time left; a line now and then without a terminal.
-
-    Parameters
-    ----------
-    what : str
-        What is counted: "cases".
-    """
+    """Lend what shows a bar with rate and time left; a line now and then without a terminal."""
     from rich.console import Console
 
     console = Console(stderr=True)

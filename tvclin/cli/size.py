@@ -24,7 +24,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
-from tvclin.cli.gains import LoopOptions
+from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
@@ -116,20 +116,40 @@ class FlightOptions(BiasOptions, ShapedOptions):
         return replace(plan, sizing=asked)
 
 
+@dataclass(frozen=True)
+class PlaneOptions:
+    """The plane of a flight, and the stop where that is both."""
+
+    plane: str | None = asked(
+        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
+    )
+    stop: str | None = asked(
+        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+        shown="round",
+        metavar="SHAPE",
+    )
+
+    def over(self, plan: StudyPlan) -> StudyPlan:
+        """Return a plan of this plane, or of both with a stop, round where none is named."""
+        plan = changed(plan, plane=None if self.plane == BOTH else self.plane)
+        stop = self._stop(plan.nozzle.stop)
+        return replace(plan, nozzle=replace(plan.nozzle, stop=stop))
+
+    def _stop(self, own: Stop | str | None) -> Stop | str | None:
+        """The stop of both planes; None of one plane."""
+        if self.plane not in (None, BOTH) or (own is None and self.plane is None):
+            only_with(f"--plane {BOTH}", stop=self.stop)
+            return None
+        return chosen(self.stop, own or "round")
+
+
 def size(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=SOURCE)
     ] = "configuration-i",
     blows: FlightOptions = GROUP,
     model: Given = MODEL,
-    plane: str | None = asked(
-        "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
-    ),
-    stop: str | None = asked(
-        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
-        shown="round",
-        metavar="SHAPE",
-    ),
+    planes: PlaneOptions = GROUP,
     sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
     question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
@@ -152,9 +172,7 @@ def size(
     """
     from tvclin import plots
 
-    case = flight_asked(
-        "size", source, blows, question, sign, limits, model, plane=plane, stop=stop
-    )
+    case = flight_asked("size", source, blows, question, sign, limits, model, planes)
     asked = case.sizing
     assert asked is not None
     if plot is not None:
@@ -242,9 +260,7 @@ def flight_asked(
     blows: FlightOptions,
     question: Given,
     sign: Given,
-    *changes: Given | LoopOptions,
-    plane: str | None,
-    stop: str | None,
+    *changes: Given | PlaneOptions | FlownLaw,
 ) -> StudyPlan:
     """Return the case of a flight that a file and options ask for."""
     soundings = blows.soundings()
@@ -252,8 +268,6 @@ def flight_asked(
     case = load_sizing(source, soundings)
     for one in (question, sign, *changes):
         case = one.over(case)
-    case = changed(case, plane=None if plane == BOTH else plane)
-    case = replace(case, nozzle=replace(case.nozzle, stop=_stop(plane, stop, case.nozzle.stop)))
     case = blows.over(case)
     asked = case.sizing
     assert asked is not None
@@ -264,14 +278,6 @@ def flight_asked(
     elif not (asked.pulse or asked.others or case.sign == FROZEN):
         sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     return case
-
-
-def _stop(plane: str | None, given: str | None, stop: Stop | str | None) -> Stop | str | None:
-    """The stop of both planes, round where they are asked for without one; None of one plane."""
-    if plane not in (None, BOTH) or (stop is None and plane is None):
-        only_with(f"--plane {BOTH}", stop=given)
-        return None
-    return chosen(given, stop or "round")
 
 
 def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:

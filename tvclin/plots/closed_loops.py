@@ -1,4 +1,4 @@
-"""The closed loop against time: a step of the attitude command, and a wind."""
+"""The closed loop against time: a step of the command, and a wind, also beside trim."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import instance
+from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
@@ -16,11 +17,15 @@ from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import (
     ANGLES,
+    COLOURS,
     INK,
+    LINES,
     QUANTITIES,
     WARM,
     Look,
+    Style,
     broken,
+    called,
     control_plot,
     draw,
     fine_grid,
@@ -49,6 +54,18 @@ _ORDINATES = {
 }
 _STYLES = QUANTITIES | {_TRIM: {"color": INK, "ls": "--", "lw": 1.4}}
 _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
+_BESIDE, _LONGER = 601, 1.6
+"""Points beside trim, and how long they go on, over the duration of the wind."""
+_AUTOPILOT, _IDEAL, _MINIMUM = "autopilot", "ideal trim", "minimum, wind known"
+_COMPARED: dict[str, Style] = {
+    _AUTOPILOT: {"color": WARM, "ls": "-", "lw": 2.2},
+    _IDEAL: {"color": INK, "ls": "--", "lw": 1.6},
+    "boundary K = 1": {"color": COLOURS[0], "ls": LINES[3], "lw": 1.4},
+    "boundary K = 0.5": {"color": COLOURS[1], "ls": "-.", "lw": 1.4},
+    "boundary K = 0": {"color": COLOURS[2], "ls": (0, (3, 2)), "lw": 1.4},
+    _MINIMUM: {"color": COLOURS[4], "ls": ":", "lw": 2.0},
+    **QUANTITIES,
+}
 _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
 
 
@@ -171,6 +188,53 @@ def _wind_curves(
     ]
     words = f"{words}; wind of {peak:.6g} deg"
     return Curves("autopilot-in-wind", words, "time [s]", times, tuple(columns))
+
+
+def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
+    """Draw the deflection of an autopilot in a wind beside trim, boundaries and minimum.
+
+    Parameters
+    ----------
+    comparison : TrimComparison
+        See `compare_with_trim`; its closed loop is stable.
+
+    Raises
+    ------
+    InputError
+        For an unstable closed loop, whose deflection has no bounds to draw it in.
+    """
+    c = comparison
+    if not c.margins.stable:
+        raise InputError(f"there is nothing to compare: {c.margins.reason}")
+    start, end = float(c.wind.onset), float(c.wind.end)
+    times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
+    steady = replace(c.autopilot, sample_rate=None)  # as its peaks
+    answer = steady.answer(c.plant, c.wind)
+    seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
+    wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
+    against = -float(np.sign(B * c.wind.peak))
+    levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
+    levels[_MINIMUM] = c.minimum
+    columns = [
+        Column(_AUTOPILOT, seen.pop("deflection"), "deg", "deflection"),
+        Column(_IDEAL, -B * wind, "deg", "deflection"),
+        *(
+            Column(name, np.full(times.size, against * np.degrees(limit)), "deg", "deflection")
+            for name, limit in levels.items()
+            if np.isfinite(limit)
+        ),
+        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in ANGLES),
+        Column("wind", wind, "deg", "angles"),
+    ]
+    peak = float(np.degrees(c.wind.peak))
+    words = (
+        f"{c.plant.model}, wind of {peak:.4g} deg and {end - start:.4g} s; peak deflection"
+        f" {np.degrees(c.peak_deflection):.4g} deg, {c.relative:.3g} times trim"
+    )
+    name = c.plant.coefficients.name
+    curves = Curves("comparison-with-trim", words, "time [s]", times, tuple(columns))
+    look = Look(called(name, f"Autopilot beside trim\n{words}"), _ORDINATES, _COMPARED, across=1)
+    return draw(curves, look)
 
 
 def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:

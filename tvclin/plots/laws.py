@@ -13,7 +13,7 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.laws.law import Law
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, draw
+from tvclin.plots.style import INK, Look, Style, called, draw, law_styles
 from tvclin.winds.pulses import TriangularWind
 
 if TYPE_CHECKING:
@@ -68,18 +68,17 @@ def laws_chart(
         _FREE: [forecast_free_limit(plant.rigid, w).limit for w in winds],
         _KNOWN: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
     }
-    columns = [Column(name, np.array(row), "-", "") for name, row in rows.items()]
-    styles = dict(_OPEN)
-    looks = zip(laws.items(), (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
-    for (name, law), colour, line in looks:
-        columns.append(Column(name, law_curve(plant, law, tau_beta, peak, **hardware), "-", ""))
-        styles[name] = {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
+    columns = [Column(name, np.array(row)) for name, row in rows.items()]
+    columns += [
+        Column(name, law_curve(plant, law, tau_beta, peak, **hardware))
+        for name, law in laws.items()
+    ]
     words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
     curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))
     look = Look(
         called(plant.coefficients.name, f"From trim to the minimum\n{words}"),
         "deflection limit over |B alpha_w,max|",
-        styles,
+        _OPEN | law_styles(laws),
         limits={"": (0.0, 2.0)},
     )
     plot = draw(curves, look)

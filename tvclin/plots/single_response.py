@@ -1,13 +1,14 @@
-"""The response of one vehicle and its inputs over time, in degrees."""
+"""The response or the flight of one vehicle and its inputs over time, in degrees."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.flights.beside import FlightBeside
 from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves, without_rounding
-from tvclin.plots.style import INK, QUANTITIES, Look, Style, draw
+from tvclin.plots.style import COLOURS, INK, QUANTITIES, WARM, Look, Style, draw
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -25,8 +26,17 @@ _ROOM = 0.05
 _PANELS = {"attitude_rate": "rate", "deflection": "deflection", "wind": "wind"}
 """What is no angle of the vehicle, and its panel."""
 _LEVEL: Style = {"color": INK, "ls": "--", "lw": 1.2}
-LIMITS = {"upper limit": _LEVEL, "lower limit": _LEVEL}
-_STYLES = QUANTITIES | LIMITS
+_LIMITS = {"upper limit": _LEVEL, "lower limit": _LEVEL}
+_STYLES = QUANTITIES | _LIMITS
+_FLOWN = {"attitude": 0, "angle of attack": 3, "deflection": 4}
+"""What is drawn, and its row of a flight."""
+_FLIGHT: dict[str, Style] = {
+    "flown": {"color": INK, "ls": "-", "lw": 2.2},
+    "linear": {"color": WARM, "ls": "--", "lw": 1.8},
+    "rigid": {"color": WARM, "ls": "--", "lw": 1.8},
+    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+    **_LIMITS,
+}
 
 
 def response_curves(
@@ -66,11 +76,11 @@ def response_curves(
         values = without_rounding(np.degrees(row), size)
         columns.append(Column(label, values, unit, _PANELS.get(label, "angles")))
         if label == "deflection" and limit is not None:
-            columns += limit_columns(values, limit)
+            columns += _limit_columns(values, limit)
     return Curves(name, parameters, "time [s]", np.asarray(response.time), tuple(columns))
 
 
-def limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
+def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
     """Return a limit [rad] on each side to which a deflection [deg] goes at least halfway.
 
     Where it goes so far to neither, on that to which it goes farther.
@@ -107,10 +117,51 @@ def response_chart(
     curves = response
     if not isinstance(curves, Curves):
         curves = response_curves(curves, limit=limit)
-    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves), across=across))
+    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=_frames(curves), across=across))
 
 
-def frames(curves: Curves) -> dict[str, tuple[float, float]]:
+def flight_curves(
+    flight: FlightBeside, limit: float, name: str, parameters: str, beside: str = "linear"
+) -> Curves:
+    """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
+
+    Parameters
+    ----------
+    flight : FlightBeside
+        The flight.
+    limit : float
+        Its deflection limit [rad].
+    name, parameters : str
+        As of `Curves`.
+    beside : {"linear", "rigid"}
+        What the linear flight is called.
+    """
+    columns = [
+        Column(label, np.degrees(rows[row]), "deg", panel)
+        for panel, row in _FLOWN.items()
+        for label, rows in (("flown", flight.flown), (beside, flight.linear))
+    ]
+    columns += _limit_columns(np.degrees(flight.flown[_FLOWN["deflection"]]), limit)
+    wind = Column("wind", np.degrees(flight.wind(flight.times)), "deg", "wind")
+    return Curves(name, parameters, "time [s]", flight.times, (*columns, wind))
+
+
+def flight_chart(curves: Curves, title: str) -> "ControlPlot":
+    """Draw the curves of `flight_curves`, a panel for each.
+
+    Parameters
+    ----------
+    curves : Curves
+        The numbers.
+    title : str
+        Title of the figure.
+    """
+    ordinates = {panel: f"{panel} [deg]" for panel in _FLOWN}
+    ordinates["wind"] = "wind angle of attack [deg]"
+    return draw(curves, Look(title, ordinates, _FLIGHT, limits=_frames(curves)))
+
+
+def _frames(curves: Curves) -> dict[str, tuple[float, float]]:
     """Return the ends of the ordinate of each panel: around all that it shows, and zero."""
     limits = {}
     for panel, columns in curves.panels.items():

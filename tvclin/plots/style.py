@@ -4,7 +4,7 @@ pyplot is imported when the first figure is drawn, not before.
 """
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -140,6 +140,15 @@ def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:
     """Return a colour and a line for each label, apart in colour and in grey print."""
     pairs = zip(labels, cycle(COLOURS), cycle(LINES), strict=False)
     return {label: {"color": colour, "ls": line, "lw": width} for label, colour, line in pairs}
+
+
+def law_styles(names: Iterable[str]) -> dict[str, Style]:
+    """Return how the curves of laws are drawn, with a mark at each of their numbers."""
+    kinds = zip(names, (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
+    return {
+        name: {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
+        for name, colour, line in kinds
+    }
 
 
 def new_axes() -> "Axes":
