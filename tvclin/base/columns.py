@@ -25,16 +25,8 @@ _IN_CSV = {"rad": "deg", "UTC": "utc", "1": "", "": ""}
 class Column:
     """Numbers or words over axes, of which some may be left out; an axis has itself alone.
 
-    Attributes
-    ----------
-    key : str
-        Its name, without a unit.
-    values : ndarray
-        Of SI units.
-    unit : str
-        That unit; empty of words, and "UTC" of dates.
-    axes : tuple of str, optional
-        Its axes; all of the table where they are not given.
+    `key`: its name, without a unit. `values`: in SI units. `unit`: that unit; empty of words, and
+    "UTC" of dates. `axes`: all of the table where they are not given.
     """
 
     key: str
@@ -56,16 +48,9 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns of one answer.
+    """Columns of one answer over its axes; of a CSV the last axis runs fastest.
 
-    Attributes
-    ----------
-    axes : tuple of Column
-        The axes, each with its values; of a CSV the last one runs fastest.
-    columns : tuple of Column
-        What stands over them.
-    about : mapping
-        What a Dataset says of the whole.
+    `about`: what a Dataset says of the whole.
     """
 
     axes: tuple[Column, ...]

@@ -35,24 +35,11 @@ _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
 class Declared:
     """What is declared of a field.
 
-    Attributes
-    ----------
-    kind : str
-        Of a number, as of `UNITS`; else "text", "flag" or "count".
-    check : callable
-        From a name and a value to the value, or its `InputError`; of numbers from a unit too.
-    many : bool
-        Whether it holds one or more of them.
-    option : str, optional
-        Its option, where that has another name than the field; None where it has none.
-    shown : str
-        What stands for the default in the help of its option.
-    choices : tuple of str
-        What a word may be.
-    key : str, optional
-        Its name in a file, where that is another than the field's; None where no file has it.
-    name, default, help
-        Those of the field.
+    `kind`: of a number, as of `UNITS`; else "text", "flag" or "count". `check`: from a name and a
+    value to the value, or its `InputError`; of numbers from a unit too. `many`: whether it holds
+    one or more of them. `option`, `key`: its option, and its name in a file, where they are others
+    than the field's name; None where there is none. `shown`: what stands for the default in the
+    help of its option. `choices`: what a word may be.
     """
 
     kind: str
@@ -157,10 +144,7 @@ def declared(kind: Callable[..., Any]) -> dict[str, Declared]:
 def checked(record: Any) -> None:
     """Check each declared field of a record, and keep it as its check returns it.
 
-    Raises
-    ------
-    InputError
-        For what does not pass its check; None does where that is the default.
+    None passes where that is the default.
     """
     kind: Any = type(record)
     for name, one in declared(kind).items():

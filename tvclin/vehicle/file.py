@@ -11,7 +11,6 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.damping import QUANTITIES, damping_of
-from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.structure_file import build_structure
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -128,11 +127,10 @@ def table_of(text: str, source: str, table: FileTable) -> dict[str, Any]:
         raise InputError(f"{source} holds [{COEFFICIENTS}] alone: {needs_whole('this')}")
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
-    faults = Faults()
-    for key in (key for key in document if key not in HEADINGS):
-        with faults.kept():
-            raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
-    faults.tell()
+    unknown = [shown(key) for key in document if key not in HEADINGS]
+    if unknown:
+        said = (f"{source}: unknown heading or key {one} outside [vehicle]" for one in unknown)
+        raise InputError("\n".join(said))
     with naming(source):
         return table.one(document)
 
@@ -142,9 +140,7 @@ def template() -> str:
     return files("tvclin.vehicle").joinpath("shipped", "template.txt").read_text(encoding="utf-8")
 
 
-def build_vehicle(
-    given: Mapping[str, Any], heading: str = "[vehicle]", structure: Structure | None = None
-) -> Vehicle:
+def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
     `InputError` as `load_vehicle`, but for the file.
@@ -155,7 +151,7 @@ def build_vehicle(
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
-    return build(**values, structure=structure)
+    return build(**values)
 
 
 def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:

@@ -114,11 +114,9 @@ class Vehicle:
             with faults.kept():
                 checked[name] = check(name, getattr(self, name), unit)
         faults.tell()
-        for name in ("time", "control_force_slope"):
-            given = getattr(self, name)
-            check = finite if name == "time" else positive
-            if given is not None:
-                checked[name] = check(name, given, "s" if name == "time" else "N/rad")
+        for name, check, unit in _OPTIONAL:
+            if getattr(self, name) is not None:
+                checked[name] = check(name, getattr(self, name), unit)
         together(**checked)
         for name, array in checked.items():
             _plausible(name, array)
@@ -183,23 +181,21 @@ class Vehicle:
         for derived in ("normal_force_slope", "axial_force"):
             if derived in others:
                 raise InputError(f"{derived} follows from the coefficients; leave it out")
-        pressure = positive("dynamic_pressure", dynamic_pressure, "Pa")
-        area = positive("reference_area", reference_area, "m^2")
-        slope = nonnegative(
-            "normal_force_coefficient_slope", normal_force_coefficient_slope, "1/rad"
-        )
-        axial = nonnegative("axial_force_coefficient", axial_force_coefficient)
+        slope = "normal_force_coefficient_slope"
         given = {
-            "dynamic_pressure": pressure,
-            "reference_area": area,
-            "normal_force_coefficient_slope": slope,
-            "axial_force_coefficient": axial,
+            "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
+            "reference_area": positive("reference_area", reference_area, "m^2"),
+            slope: nonnegative(slope, normal_force_coefficient_slope, "1/rad"),
+            "axial_force_coefficient": nonnegative(
+                "axial_force_coefficient", axial_force_coefficient
+            ),
         }
         together(**given)
         for name, array in given.items():
             _plausible(name, array)
+        pressure, area, lift, axial = given.values()
         force = pressure * area
-        return cls(normal_force_slope=force * slope, axial_force=force * axial, **others)
+        return cls(normal_force_slope=force * lift, axial_force=force * axial, **others)
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some fields changed."""
@@ -257,6 +253,7 @@ _CHECKS = (
     ("attitude", _attitude, "rad"),
     ("pitch_damping", nonnegative, "N m s/rad"),
 )
+_OPTIONAL = (("time", finite, "s"), ("control_force_slope", positive, "N/rad"))
 _WORDS = {"name", "numbers_from", "structure"}
 NUMBERS = tuple(one.name for one in fields(Vehicle) if one.name not in _WORDS)
 """Its fields that are numbers."""

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray
-from tvclin.base.errors import InputError, broadcast, directions, instance, plain, within
+from tvclin.base.errors import (
+    InputError,
+    broadcast,
+    directions,
+    ending,
+    instance,
+    plain,
+    within,
+)
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
@@ -113,8 +121,7 @@ class PlaneWind:
         turns = within("rate", rate, -_FASTEST, _FASTEST, "rad/s")
         first = directions("angle", angle)
         shape = broadcast(wind=wind.batch, angle=first.shape, rate=turns.shape)
-        if not np.all(np.isfinite(wind.end)):
-            raise InputError("wind must end, and be other than zero")
+        ending("wind", wind.end)
         if np.any(np.abs(turns) * (wind.end - wind.onset) > 2.0 * np.pi * _TURNS):
             raise InputError(f"rate must turn the wind less than {_TURNS:g} times while it blows")
         turns = np.where(np.abs(turns) * (wind.end - wind.onset) < _ROUNDING, 0.0, turns)

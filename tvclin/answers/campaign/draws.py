@@ -21,18 +21,8 @@ def draw(
 ) -> FloatArray:
     """Return numbers in (0, 1) for the cases `first` to `first + count`, ``(count, dimension)``.
 
-    `seed`: seed of the campaign, zero or positive. `first`, `count`: which cases. `dimension`:
-    numbers of each case. `method` ({"plain", "sobol", "latin"}): independent numbers, a scrambled
-    Sobol sequence, or a Latin hypercube. `size`: number of cases of the whole campaign; only a
-    Latin hypercube needs it. `InputError` for a seed that is no integer, cases outside the
-    campaign, and an unknown method.
-
-    Examples
-    --------
-    >>> from tvclin.answers.campaign.draws import draw
-    >>> whole = draw(7, 0, 3000, 2)
-    >>> bool((draw(7, 2000, 10, 2) == whole[2000:2010]).all())
-    True
+    `method`: independent numbers ("plain"), a scrambled Sobol sequence ("sobol"), or a Latin
+    hypercube ("latin"), which alone needs the `size` of the whole campaign.
     """
     for name, value in (("seed", seed), ("first", first), ("count", count)):
         whole_number(name, value)

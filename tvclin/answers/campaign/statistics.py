@@ -54,11 +54,7 @@ class Quantile(Shown):
 
 @dataclass(frozen=True)
 class Success(Shown):
-    """A probability of success, or of loss, with its Clopper-Pearson interval.
-
-    `estimate`, `lower`, `upper`: successes (or losses) over cases, and the ends of the interval.
-    `confidence`: of the interval.
-    """
+    """A probability of success, or of loss, with the ends of its Clopper-Pearson interval."""
 
     estimate: float
     lower: float
@@ -94,9 +90,8 @@ def quantile_bound(
 ) -> Quantile:
     """Return a quantile of a sample and its one-sided bounds, whatever the distribution.
 
-    `values`: the sample, ``(n,)``; infinite values are legal. `probability`, `confidence`: of the
-    quantile, and of each bound, in (0, 1). `InputError` for an empty sample, NaN in it, and numbers
-    outside (0, 1).
+    `values`: the sample, ``(n,)``; infinite values are legal, NaN is not. `probability`,
+    `confidence`: of the quantile, and of each bound.
 
     The r-th smallest of n values is at least the p-quantile with the probability that a binomial
     number of n and p is below r.
@@ -125,11 +120,7 @@ def quantile_bound(
 
 
 def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
-    """Return a probability of success and its two-sided Clopper-Pearson interval.
-
-    `successes`, `cases`: how many of how many. `confidence`: of the interval, in (0, 1).
-    `InputError` for numbers that are not whole, more successes than cases, and no cases.
-    """
+    """Return a probability of success and its two-sided Clopper-Pearson interval."""
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
     k, n = whole_number("successes", successes), whole_number("cases", cases)

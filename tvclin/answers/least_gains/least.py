@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -153,46 +153,50 @@ def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
     first = _OVER * (axes - 1) if near is None else _NEAR
     begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
     pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
-    points, found = least_points(
-        partial(_linear, question), axes, islands=pools, **begin, **_LINEAR
-    )
+    linear = partial(_worth, question, partial(_peaked, question))
+    points, found = least_points(linear, axes, islands=pools, **begin, **_LINEAR)
     if found[0] < MISSES and question.limits:
-        flown, cleaner = (partial(_flown, question, clean=n) for n in (_CLEAN, _CLEANER))
+        flown, cleaner = (
+            partial(_worth, question, partial(needs, question, clean=n)) for n in (_CLEAN, _CLEANER)
+        )
         steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
         points, _ = least_points(flown, axes, **begin | {"known": points}, **steps)
         points, _ = least_points(cleaner, axes, known=points, wide=False, **_AGAIN)
     if found[0] >= MISSES:
         raise InputError(_none(question, points[0]))
     if question.limits:
-        return _record(question, points[0], _boundaries(question, question.one(points[0]), None))
-    exact = [_peaks(question, question.one(point)) for point in points[:_BEST]]
+        each = _boundaries(question, question.autopilot(points[0]), question.stops)
+        return _record(question, points[0], each)
+    exact = [_peaks(question, question.autopilot(point)) for point in points[:_BEST]]
     best = int(np.argmin([each.max() for each in exact]))
     return _record(question, points[best], exact[best])
 
 
-def _linear(question: Question, points: FloatArray, pool: FloatArray) -> FloatArray:
-    """The peak of each row over the largest trim; beyond `MISSES` where a criterion is missed."""
-    del pool
+def _worth(
+    question: Question,
+    need: Callable[[FloatArray, float], FloatArray],
+    points: FloatArray,
+    pool: FloatArray,
+) -> FloatArray:
+    """What each row needs over the largest trim; beyond `MISSES` where a criterion is missed.
+
+    `need`: of rows that miss none, closely where it enters the pool.
+    """
     lacks = question.lacks(points)
     values = MISSES + np.maximum(lacks, 0.0)
     good = np.flatnonzero(lacks <= 0.0)
     if good.size:
-        rows = question.autopilot(points[good])
-        after = _SETTLED / float(np.nanmax(np.real(unstable_modes(question.plant.rigid).poles)))
-        peaks = [deflection_peaks(rows, question.plant, w, after) for w in question.winds]
-        values[good] = np.minimum(np.max(peaks, axis=0) / question.trims.max(), 0.9 * MISSES)
+        values[good] = np.minimum(need(points[good], float(pool[-1])), 0.9 * MISSES)
     return np.asarray(values)
 
 
-def _flown(question: Question, points: FloatArray, pool: FloatArray, clean: int) -> FloatArray:
-    """The limit that each row needs over the largest trim, closely where it enters the pool."""
-    lacks = question.lacks(points)
-    values = MISSES + np.maximum(lacks, 0.0)
-    good = np.flatnonzero(lacks <= 0.0)
-    if good.size:
-        found = needs(question, points[good], float(pool[-1]), clean)
-        values[good] = np.minimum(found, 0.9 * MISSES)
-    return np.asarray(values)
+def _peaked(question: Question, points: FloatArray, goal: float) -> FloatArray:
+    """The peak of each row of the linear loop, over the largest trim."""
+    del goal
+    rows = question.autopilot(points)
+    after = _SETTLED / float(np.nanmax(np.real(unstable_modes(question.plant.rigid).poles)))
+    peaks = [deflection_peaks(rows, question.plant, w, after) for w in question.winds]
+    return np.asarray(np.max(peaks, axis=0) / question.trims.max())
 
 
 def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
@@ -201,8 +205,8 @@ def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
     return np.array([abs(answer(wind).peak("deflection")[0]) for wind in question.winds])
 
 
-def _boundaries(question: Question, autopilot: Autopilot, stops: int | None) -> FloatArray:
-    """The boundary in each wind [rad], with the stops of the question or with others."""
+def _boundaries(question: Question, autopilot: Autopilot, stops: int) -> FloatArray:
+    """The boundary in each wind [rad], with so many sudden stops of it."""
     law = SaturatedLaw.of(autopilot)
     found = [
         closed_loop_boundary(
@@ -212,7 +216,7 @@ def _boundaries(question: Question, autopilot: Autopilot, stops: int | None) -> 
             actuator=question.actuator,
             delay=question.delay,
             sample_rate=question.sample_rate,
-            cuts=question.stops if stops is None else stops,
+            cuts=stops,
         ).deflection
         for wind in question.winds
     ]
@@ -220,7 +224,7 @@ def _boundaries(question: Question, autopilot: Autopilot, stops: int | None) -> 
 
 
 def _record(question: Question, point: FloatArray, each: FloatArray) -> LeastGains:
-    autopilot = question.one(point)
+    autopilot = question.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(question.plant))
     worst = int(np.argmax(each))
     unseen = None
@@ -293,7 +297,7 @@ def _notes(
 
 def _none(question: Question, point: FloatArray) -> str:
     """The sentence that no gains meet the criteria: what is nearest, and what bounds it."""
-    autopilot = question.one(point)
+    autopilot = question.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(question.plant))
     said = f"no {' and '.join(question.gains)} gains meet the criteria {question.criteria.name}"
     said += (

@@ -135,14 +135,14 @@ class Question:
         ]
 
     def autopilot(self, points: FloatArray) -> Autopilot:
-        """Return the autopilots at points of the unit box, ``(n, axes)``.
+        """Return the autopilots at points of the unit box, ``(..., axes)``.
 
         The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
         """
         B, beta, (stiffest, fastest) = self._scales
-        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[:, 0]
-        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[:, 1]
-        share = points[:, 2] if len(self.gains) > 2 else np.zeros(len(points))
+        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[..., 0]
+        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[..., 1]
+        share = points[..., 2] if len(self.gains) > 2 else np.zeros(points.shape[:-1])
         return Autopilot(
             attitude_gain=B * stiffness * (1.0 - share),
             rate_gain=B / beta * rate,
@@ -174,15 +174,6 @@ class Question:
         beta = float(np.sqrt(c.mu_alpha))
         pace = max(self.fastest / beta, 2.0)
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
-
-    def one(self, point: FloatArray) -> Autopilot:
-        """Return the autopilot at one point, ``(axes,)``."""
-        row = self.autopilot(point[np.newaxis])
-        a0, a1, b0 = (
-            np.ravel(gain).tolist()[0]
-            for gain in (row.attitude_gain, row.rate_gain, row.alpha_gain)
-        )
-        return replace(row, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
 
     def lacks(self, points: FloatArray) -> FloatArray:
         """Return by what part of a limit each row of gains misses that which it misses most.

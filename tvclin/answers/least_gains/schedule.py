@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from tvclin.answers.least_gains.least import least_deflection_gains
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.errors import InputError, instance, times_row
-from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.schedule import GainSchedule
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
@@ -84,13 +83,5 @@ def least_gain_schedule(
         np.array([getattr(one.autopilot, name) for one in each])
         for name in ("attitude_gain", "rate_gain", "alpha_gain")
     )
-    one = each[0].autopilot
-    gains = Autopilot(
-        attitude_gain=a0,
-        rate_gain=a1,
-        alpha_gain=b0,
-        actuator=one.actuator,
-        delay=one.delay,
-        filters=one.filters,
-    )
+    gains = replace(each[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
     return LeastSchedule(GainSchedule(when, gains), each)

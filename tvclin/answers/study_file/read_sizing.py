@@ -21,20 +21,7 @@ from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
-    """Return what a document asks of a flight; None without [schedule] and [size].
-
-    Parameters
-    ----------
-    document : mapping
-        The study file.
-    folder : Path
-        Where the files that it names are.
-
-    Raises
-    ------
-    InputError
-        For unknown keys, files that cannot be read, and as `SizingAsked`.
-    """
+    """Return what a document asks of a flight; None without [schedule] and [size]."""
     measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
     soundings = dict(measured)
     if len(soundings) < len(measured):
@@ -58,13 +45,7 @@ def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
 
 
 def availability_of(document: Mapping[str, Any], folder: Path) -> AvailabilityAsked | None:
-    """Return what a document asks of an archive of soundings; None without [availability].
-
-    Raises
-    ------
-    InputError
-        For unknown keys, and as `read_soundings` and `AvailabilityAsked`.
-    """
+    """Return what a document asks of an archive of soundings; None without [availability]."""
     if "availability" not in document:
         return None
     given = AVAILABILITY_TABLE.read(AVAILABILITY_TABLE.one(document))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called
 from tvclin.base.units import UNITS
-from tvclin.winds.soundings.levels import Found, Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text
 
 _NAMES = {
@@ -83,16 +84,11 @@ def _read(text: Text, *, units: bool) -> Levels:
     columns = _columns(text, header + 1, cells, units)
     rows, line = _rows(text, header, delimiter, len(cells))
     values = {name: _values(text, column, rows, line) for name, column in columns.items()}
-    if "speed" in values:
-        east, north = checked_towards(text, line, values["speed"], values["direction"])
-    else:
-        east, north = values["east"], values["north"]
-    return Levels(
+    made: Callable[..., Levels] = Levels.blowing if "speed" in values else Levels
+    return made(
         text=text,
         line=line,
-        height=values["height"],
-        east=east,
-        north=north,
+        **values,
         geopotential=columns["height"].geopotential,
         balloon="time" in (cell.strip().lower() for cell in cells),
     )

@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.winds.soundings.levels import Found, Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.text import Text
 
 _HEADER = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
@@ -53,18 +53,12 @@ def _read(text: Text, first: int, end: int, title: str, count: int) -> Levels:
     text.require(
         np.array(good, dtype=bool), line, lambda _: "a level is cut short or not in its columns"
     )
-    east, north = checked_towards(
-        text,
-        line,
-        _column(text, "WSPD", [row[_SPEED] for row in rows], line) / 10,
-        np.radians(_column(text, "WDIR", [row[_DIRECTION] for row in rows], line)),
-    )
-    return Levels(
+    return Levels.blowing(
         text=text,
         line=line,
+        speed=_column(text, "WSPD", [row[_SPEED] for row in rows], line) / 10,
+        direction=np.radians(_column(text, "WDIR", [row[_DIRECTION] for row in rows], line)),
         height=_column(text, "GPH", [row[_HEIGHT] for row in rows], line),
-        east=east,
-        north=north,
         title=title,
         geopotential=True,
         balloon=True,

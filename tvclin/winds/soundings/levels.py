@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,19 @@ class Levels:
     geopotential: bool = False
     balloon: bool = False
     notes: tuple[str, ...] = ()
+
+    @classmethod
+    def blowing(
+        cls, *, text: Text, line: IntArray, speed: FloatArray, direction: FloatArray, **more: Any
+    ) -> Levels:
+        """Return levels by speed [m/s] and the direction it comes from [rad].
+
+        `more`: the other fields. `InputError` for what is no wind.
+        """
+        for wrong, say in faults(speed=speed, direction=direction):
+            text.require(~wrong, line, say)
+        east, north = towards(speed, direction)
+        return cls(text=text, line=line, east=east, north=north, **more)
 
 
 @dataclass(frozen=True)
@@ -112,15 +126,6 @@ def towards(speed: FloatArray, direction: FloatArray) -> tuple[FloatArray, Float
     """
     angle = np.where(speed == 0.0, 0.0, direction)
     return 0.0 - speed * np.sin(angle), 0.0 - speed * np.cos(angle)
-
-
-def checked_towards(
-    text: Text, line: IntArray, speed: FloatArray, direction: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return `towards` of the levels of a file; `InputError` for what is no wind."""
-    for wrong, say in faults(speed=speed, direction=direction):
-        text.require(~wrong, line, say)
-    return towards(speed, direction)
 
 
 def geometric(height: FloatArray) -> FloatArray:

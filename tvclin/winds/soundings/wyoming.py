@@ -8,7 +8,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.units import UNITS
-from tvclin.winds.soundings.levels import Found, Levels, checked_towards
+from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.text import Text
 
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
@@ -46,18 +46,15 @@ def _read(text: Text, header: int, title: str) -> Levels:
         )
     first = _after_units(text, header, speeds[0])
     line = _lines_of(text, first)
-    columns = {
-        name: _column(text, name, fields[name], line) for name in ("HGHT", "DRCT", speeds[0])
-    }
-    east, north = checked_towards(
-        text, line, _SPEEDS[speeds[0]] * columns[speeds[0]], np.radians(columns["DRCT"])
+    height, direction, speed = (
+        _column(text, name, fields[name], line) for name in ("HGHT", "DRCT", speeds[0])
     )
-    return Levels(
+    return Levels.blowing(
         text=text,
         line=line,
-        height=columns["HGHT"],
-        east=east,
-        north=north,
+        speed=_SPEEDS[speeds[0]] * speed,
+        direction=np.radians(direction),
+        height=height,
         title=title,
         geopotential=True,
     )
