@@ -13,7 +13,7 @@ import pytest
 import tvclin as tv
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.file import parse_campaign, template
-from tvclin.answers.campaign.written import read, written
+from tvclin.answers.campaign.manifest import read, written
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}

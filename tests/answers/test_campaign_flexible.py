@@ -9,8 +9,8 @@ import tvclin as tv
 from tests.flexible import MODE, TANK
 from tvclin.answers.campaign.cases import draw_case, evaluate
 from tvclin.answers.campaign.file import parse_campaign
+from tvclin.answers.campaign.manifest import read, written
 from tvclin.answers.campaign.replay import replay_case
-from tvclin.answers.campaign.written import read, written
 
 VEHICLE = tv.load_vehicle("configuration-i")
 STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))

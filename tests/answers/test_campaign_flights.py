@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.written import read, written
+from tvclin.answers.campaign.manifest import read, written
 from tvclin.cli.app import app
 
 LIMIT = np.radians(0.36)

@@ -115,7 +115,11 @@ def test_a_brute_scan_finds_nothing_less(two):
     good = points[asked.lacks(points) <= 0.0]
     peaks = deflection_peaks(asked.autopilot(good), asked.plant, asked.winds[0], 8.0 / BETA)
     assert good.shape[0] > 60
-    best = asked.one(good[np.argmin(peaks)]).answer(asked.plant, asked.winds[0]).peak("deflection")
+    best = (
+        asked.autopilot(good[np.argmin(peaks)])
+        .answer(asked.plant, asked.winds[0])
+        .peak("deflection")
+    )
     assert found.deflection < abs(best[0]) < 1.1 * found.deflection
 
 
@@ -179,7 +183,7 @@ def test_the_race_finds_the_boundary_of_each_row():
     points = np.array([[0.45, 0.5], [0.5, 0.6], [0.4, 0.55]])
     found = needs(asked, points, np.inf, 60)
     for point, one in zip(points, found, strict=True):
-        law = tv.SaturatedLaw(replace(asked.one(point), actuator=None, delay=0.0))
+        law = tv.SaturatedLaw(replace(asked.autopilot(point), actuator=None, delay=0.0))
         flown = tv.closed_loop_boundary(
             asked.plant, law, asked.winds[0], sample_rate=60.0, cuts=2, **NOZZLE
         )
@@ -247,7 +251,7 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     lacks, rigid = asked.lacks(points), whole.lacks(points)
     assert np.all(lacks >= rigid)
     for point, one in zip(points, lacks, strict=True):
-        met = criteria.are_met(asked.one(point).band_margins(flexible))
+        met = criteria.are_met(asked.autopilot(point).band_margins(flexible))
         assert bool(met) == (one <= 0.0)
 
 

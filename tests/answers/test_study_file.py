@@ -13,8 +13,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.studies import FLIGHT
-from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.tables import TABLES
+from tvclin.answers.campaign.file import TABLES, parse_campaign
 from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example

@@ -33,9 +33,8 @@ _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     """Call `write` with a temporary path and move the result into place when it is on the disk.
 
-    `path`: the file; one that is there already is replaced, and lends its mode. Of a link the file
-    that it leads to is written. `write`: takes the temporary path and writes everything there.
-    `InputError` when the file cannot be written.
+    A file that is there already is replaced, and lends its mode; of a link the file that it leads
+    to is written.
     """
     name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():
@@ -85,10 +84,8 @@ def write_new(path: Path, text: str) -> None:
 def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") -> str:
     """Return the text of a file in UTF-8, with or without a byte order mark.
 
-    `kind`: what it should be, for messages: "a vehicle file". `start`: how to get one, for
-    messages. `errors` ({"strict", "replace"}): what becomes of bytes that are not UTF-8.
-    `InputError` when the file cannot be read, is empty, is no text, or one that nobody writes: of
-    more than 100 MB, or with a line of more than a million letters.
+    For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
+    `errors` ({"strict", "replace"}): what becomes of bytes that are not UTF-8.
     """
     hint, name = f"; {start}" if start else "", called(path)
     _check_ordinary(path)
@@ -114,11 +111,7 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; `source` names it in messages.
-
-    `InputError` for what is not TOML, or of more than four million letters, tables and lists in
-    each other more than eight deep, and a whole number beyond what a float holds.
-    """
+    """Return the tables of a TOML text; `source` names it in messages."""
     name = called(source)
     _check_text(text, name)
     try:
@@ -155,10 +148,7 @@ def reason(error: Exception) -> str:
 
 
 def make_directory(path: Path) -> None:
-    """Make a directory, and those above it, unless it is there.
-
-    `InputError` when a file stands in its place, or it cannot be made.
-    """
+    """Make a directory, and those above it, unless it is there."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:

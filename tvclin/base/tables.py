@@ -64,10 +64,7 @@ class FileTable:
             return make(self.one(document))
 
     def one(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the table of a document as it stands, empty where it is not there.
-
-        `InputError` for what is no table.
-        """
+        """Return the table of a document as it stands, empty where it is not there."""
         table = document.get(self.name, {})
         if not isinstance(table, dict):
             raise InputError(f"{self.heading} must be a table; got {shown(table)}")
@@ -83,8 +80,7 @@ class FileTable:
     def read(self, table: Mapping[str, Any]) -> dict[str, Any]:
         """Return what a table says, by name: numbers in SI units, lists as tuples, words.
 
-        `InputError` for an unknown key or unit, what is given twice or not at all, and a value that
-        is no number, or no list, where one must be: a line for each.
+        `InputError` for all that is wrong, a line for each.
         """
         if not isinstance(table, Mapping) or not all(isinstance(key, str) for key in table):
             raise InputError(f"{self.heading} must be a table; got {shown(table)}")

@@ -142,11 +142,7 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
 
 
 def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
-    """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping.
-
-    `InputError` for a damping that is given in whole and in parts, a part that lacks a key, and as
-    `aerodynamic_damping` and `jet_damping`.
-    """
+    """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping."""
     found = {name: value for name, value in values.items() if name not in QUANTITIES}
     given = [name for name in _PARTS if name in values]
     if "pitch_damping" in values:

@@ -141,10 +141,7 @@ def template() -> str:
 
 
 def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
-    """Return the vehicle of a table of keys with their units; the heading is for messages.
-
-    `InputError` as `load_vehicle`, but for the file.
-    """
+    """Return the vehicle of a table of keys with their units; the heading is for messages."""
     table = replace(VEHICLE_TABLE, heading=heading)
     values = _weighed(damping_of(table.read(given), table), table)
     table.need(values, _ALWAYS)

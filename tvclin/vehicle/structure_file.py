@@ -55,10 +55,7 @@ SLOSH_TABLE = FileTable(
 
 
 def build_structure(document: Mapping[str, Any]) -> Structure:
-    """Return the structure of a vehicle file's tables, all of which are optional.
-
-    `InputError` for what the tables may not hold, and as the values that are made of them.
-    """
+    """Return the structure of a vehicle file's tables, all of which are optional."""
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))
     return Structure(

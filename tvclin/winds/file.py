@@ -42,10 +42,7 @@ _FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
 
 
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
-    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight.
-
-    `InputError` for what is no table, and where there is no such wind.
-    """
+    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight."""
     if "wind" not in document:
         raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
     tables = [table for table in wind_tables(document) if SOUNDING not in table]
@@ -86,7 +83,7 @@ def heading_of(
     """Return the heading of `ShapedWind` [rad]; None without a direction.
 
     `direction`, `azimuth`: where the wind blows from and where the flight goes to [rad], from
-    north, clockwise. `names`: how a message calls them. `InputError` for one without the other.
+    north, clockwise. `names`: how a message calls them.
     """
     if direction is None and azimuth is None:
         return None
@@ -102,11 +99,7 @@ def heading_of(
 def with_gust(
     document: Mapping[str, Any], wind: ShapedWind | WindEnsemble, vehicle: AnyVehicle, plane: str
 ) -> ShapedWind | WindEnsemble:
-    """Return a wind with the gust of [gust] on top, by its speed as a vehicle meets it in a plane.
-
-    `InputError` for a gust on top of a file of winds, and as `gust_of` and
-    `ShapedWind.gust_of_speed`.
-    """
+    """Return a wind with the gust of [gust] on top, by its speed as met by a vehicle in a plane."""
     if "gust" not in document:
         return wind
     if isinstance(wind, WindEnsemble):
@@ -123,11 +116,7 @@ def with_gust(
 
 
 def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
-    """Return a gust that rises and falls as a cosine, and stays at its peak [rad] between.
-
-    `InputError` for a plateau [s] that leaves of the duration [s] nothing to rise and fall in, and
-    as `OneMinusCosineGust`.
-    """
+    """Return a gust that rises and falls as a cosine, and stays at its peak [rad] between [s]."""
     if not plateau:
         return OneMinusCosineGust(peak=peak, duration=duration)
     rest = number("duration", duration, positive, "s") - number("plateau", plateau, positive, "s")

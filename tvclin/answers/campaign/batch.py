@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
@@ -55,19 +58,18 @@ class Batch:
         """What flies, and what the autopilot controls."""
         return self.plant if self.flexible is None else self.flexible
 
-    def one(self) -> tuple[Plant, History]:
-        """Return the plant and the wind of the first case, no longer as a batch."""
+    @cached_property
+    def first(self) -> Batch:
+        """The first case, no longer as a batch."""
         shape = (self.count,)
-        return self.plant.one(0, shape), self.wind.one(0, shape)
-
-    def one_flexible(self) -> FlexiblePlant | None:
-        """Return the flexible plant of the first case; None where vehicles are rigid."""
-        return None if self.flexible is None else self.flexible.some(0, (self.count,))
-
-    def one_vehicle(self) -> Vehicle:
-        """Return the vehicle of the first case."""
-        first: Vehicle = chosen(self.vehicle, 0, (self.count,))
-        return first
+        return Batch(
+            self.plant.one(0, shape),
+            self.wind.one(0, shape),
+            {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
+            1,
+            chosen(self.vehicle, 0, shape),
+            None if self.flexible is None else self.flexible.some(0, shape),
+        )
 
 
 def in_planes(name: str) -> dict[str, str]:

@@ -69,10 +69,7 @@ def draw_case(campaign: Campaign, case: int) -> Dispersed:
 
 
 def batch(campaign: Campaign, cases: Dispersed) -> Batch:
-    """Return plant, wind and gains of possible cases.
-
-    `InputError` when one of the cases is no vehicle or no wind.
-    """
+    """Return plant, wind and gains of possible cases."""
     changes = {
         k: v
         for k, v in cases.values.items()
@@ -83,10 +80,7 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
-    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble.
-
-    `InputError` when they cannot be answered.
-    """
+    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble."""
     if isinstance(campaign.wind, WindEnsemble):
         return {}
     batch = _batch(campaign, campaign.vehicle, {}, 1)

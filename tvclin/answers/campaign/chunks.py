@@ -41,9 +41,6 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
     """Compute one chunk of the campaign in a folder and write it; return its number.
 
     Everything a worker needs is read from the folder, once in each process.
-
-    `InputError` when the manifest is not the one with this seal, something here has another
-    version, or the file cannot be written.
     """
     manifest = _manifest(folder, seal)
     with pinned(manifest.compiled):
@@ -53,10 +50,7 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 
 
 def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str, AnyArray]) -> None:
-    """Write the columns of a chunk; what stands in its place and is no file is moved aside.
-
-    `InputError` when the folder is not there any more, or the file cannot be written.
-    """
+    """Write the columns of a chunk; what stands in its place and is no file is moved aside."""
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
         {
@@ -94,10 +88,7 @@ def sweep(folder: Path) -> None:
 
 
 def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
-    """Return in words what is wrong with the file of a chunk; None if nothing is.
-
-    It reads the whole file.
-    """
+    """Return in words what is wrong with the whole file of a chunk; None if nothing is."""
     file = chunk_file(folder, chunk)
     if not file.exists():
         return "missing"
@@ -113,10 +104,7 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 def read_columns(
     folder: Path, manifest: Manifest, chunk: int, names: Sequence[str]
 ) -> dict[str, AnyArray]:
-    """Return some columns of a chunk.
-
-    `InputError` for a file that is missing, damaged, or of another campaign.
-    """
+    """Return some columns of a chunk."""
     table = _read(folder, manifest, chunk, list(names))
     return {name: np.asarray(table[name].to_numpy()) for name in names}
 

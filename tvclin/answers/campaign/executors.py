@@ -19,10 +19,7 @@ _STDERR = 2
 
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
-    """Lend so many processes of this machine, each with one thread.
-
-    `workers`: how many, from 1. `InputError` for a number of workers that is none.
-    """
+    """Lend so many processes of this machine, each with one thread."""
     if not 1 <= whole_number("workers", workers) <= _MOST_WORKERS:
         raise InputError(f"workers must be from 1 to {_MOST_WORKERS}; got {workers}")
     context = get_context("spawn")

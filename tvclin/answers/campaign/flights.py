@@ -33,8 +33,9 @@ MOTIONS = (*_MOTIONS, *(one for name in _MOTIONS for one in in_planes(name).valu
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
     """Return the law that flies the first case: the nominal one, or with gains of its own."""
-    gains: dict[str, Any] = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    own: dict[str, Any] = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    own: dict[str, Any] = {}
+    if campaign.law == AUTOPILOT:
+        own[AUTOPILOT] = Autopilot(**batch.first.gains)
     own["rate_limit"] = campaign.hardware["rate_limit"]
     law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
     return with_filters(law, campaign.asked)

@@ -1,21 +1,33 @@
 """The manifest: what a campaign is and what it is computed with, sealed with a hash.
 
-It is written before the first chunk, and every chunk carries its hash. Work goes on only with the
-versions that it names, so that all chunks belong together to the last bit.
+It is written before the first chunk, every value of the campaign by its kind and its fields, in SI
+units, and every chunk carries its hash. Work goes on only with the versions that it names, so that
+all chunks belong together to the last bit.
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from tvclin.answers.campaign.dispersions import Dispersion, Dispersions
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.written import read, written
+from tvclin.answers.nozzle import Nozzle
 from tvclin.base.errors import InputError, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.kernels.choice import available
+from tvclin.kernels.pieces import Pieces
+from tvclin.vehicle.filters import Filter
+from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History, Piecewise
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 NAME = "manifest.json"
 _FORMAT = 2
@@ -23,15 +35,19 @@ _MENDED = (
     "delete it and run the campaign file into this folder again: that writes the same manifest, and"
     " keeps the chunks"
 )
+_KINDS: dict[str, Any] = {
+    kind.__name__: kind
+    for kind in (
+        *(Campaign, Dispersions, Dispersion, Nozzle, Actuator, AutopilotDesign, Filter),
+        *(Vehicle, Structure, BendingMode, SloshTank, Engine),
+        *(ShapedWind, WindEnsemble, Piecewise, Pieces),
+    )
+}
 
 
 @dataclass(frozen=True)
 class Manifest:
-    """A campaign and what computes it.
-
-    `versions`: of tvclin, numpy and scipy, and of numba where its kernels are used. `seal`: SHA-256
-    of all this.
-    """
+    """A campaign, the versions of what computes it (with numba, if compiled), and their SHA-256."""
 
     campaign: Campaign
     versions: dict[str, str]
@@ -44,11 +60,7 @@ class Manifest:
 
 
 def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
-    """Return the manifest of a campaign that is computed here.
-
-    `compiled`: whether compiled kernels are used; by default where there is a compiler.
-    `InputError` when compiled kernels are asked for without a compiler.
-    """
+    """Return the manifest of a campaign that is computed here, compiled where that can be."""
     wanted = available() if compiled is None else compiled
     versions = _versions(wanted)
     return Manifest(campaign, versions, _seal(_content(campaign, versions)))
@@ -130,3 +142,33 @@ def _content(campaign: Campaign, versions: dict[str, str]) -> dict[str, Any]:
 
 def _seal(content: dict[str, Any]) -> str:
     return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def written(value: Any) -> Any:
+    """Return a campaign, or a part of it, as JSON holds it; of a gust its exact pieces."""
+    if isinstance(value, History):
+        value = Piecewise(value.pieces)
+    if is_dataclass(value):
+        parts = {one.name: written(getattr(value, one.name)) for one in fields(value)}
+        return {"kind": type(value).__name__} | parts
+    if isinstance(value, np.ndarray):
+        whole = {"real": value.real.tolist(), "imag": value.imag.tolist()}
+        return whole if np.iscomplexobj(value) else value.tolist()
+    return [written(one) for one in value] if isinstance(value, tuple) else value
+
+
+def read(record: Any) -> Any:
+    """Return what was `written`; `InputError` where it is none that this version writes."""
+    if isinstance(record, list):
+        return tuple(read(one) for one in record)
+    if not isinstance(record, dict):
+        return record
+    parts = {name: read(one) for name, one in record.items() if name != "kind"}
+    try:
+        if "kind" not in record:
+            return np.array(parts["real"]) + 1j * np.array(parts["imag"])
+        if record["kind"] == Pieces.__name__:
+            parts = {name: np.array(one) for name, one in parts.items()}
+        return _KINDS[record["kind"]](**parts)
+    except (KeyError, TypeError):
+        raise InputError("a manifest must hold every number of a campaign, and no others") from None

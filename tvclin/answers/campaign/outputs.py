@@ -129,7 +129,8 @@ def _least(
         return {name: alone(batch.plant, batch.wind)}
     stop, shape = stop_of(campaign.nozzle.stop or ""), (batch.count,)
     each = dict.fromkeys(PLANES, 0.0)
-    each |= {plane: float(np.abs(alone(*one.one()))) for plane, one in batch.parts.items()}
+    firsts = {plane: one.first for plane, one in batch.parts.items()}
+    each |= {k: float(np.abs(alone(one.plant, one.wind))) for k, one in firsts.items()}
     reach = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     both = max(one / most for one, most in zip(each.values(), reach.tolist(), strict=True))
     if len(batch.parts) > 1:
@@ -173,7 +174,7 @@ def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 
 def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
     """The boundary found by flights with six degrees of freedom, some dozen for each."""
-    vehicle, wind = batch.one_vehicle(), batch.one()[1]
+    vehicle, wind = batch.first.vehicle, batch.first.wind
 
     def flown(K: float) -> float:
         found = flown_boundary(

@@ -259,11 +259,7 @@ def _plain(found: dict[str, float]) -> Iterator[Row]:
 
 
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
-    """Return one case of a campaign, computed anew.
-
-    `case`: which case. `compiled`: whether compiled kernels are used. `InputError` for a case that
-    the campaign does not have.
-    """
+    """Return one case of a campaign, computed anew, by compiled kernels or without them."""
     if whole_number("case", case) >= campaign.cases:
         raise InputError(
             f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
@@ -275,18 +271,11 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     if drawn.possible[0]:
         with suppress(InputError):  # its status says why
             planes = _planes(campaign, batch(campaign, drawn))
-    found: dict[str, Any] = {name: values[0] for name, values in row.items()}
-    status = str(found.pop("status"))
-    del found["case"]
-    inputs = {name: float(found.pop(name)) for name in drawn.values}
-    return Replay(
-        campaign,
-        case,
-        inputs,
-        {k: float(v) for k, v in found.items()},
-        status,
-        planes,
-    )
+    status = str(row.pop("status")[0])
+    del row["case"]
+    inputs = {name: float(row.pop(name)[0]) for name in drawn.values}
+    outputs = {name: float(values[0]) for name, values in row.items()}
+    return Replay(campaign, case, inputs, outputs, status, planes)
 
 
 def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
@@ -295,9 +284,10 @@ def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
     shares = shares_of(campaign, made) if made.parts else {}
     return {
         plane: ReplayedPlane(
-            *one.one(),
+            one.first.plant,
+            one.first.wind,
             law_of(campaign.parts[plane], one) if flies else None,
-            one.one_flexible(),
+            one.first.flexible,
             float(np.ravel(shares.get(plane, 1.0))[0]),
         )
         for plane, one in (made.parts or {campaign.plane: made}).items()

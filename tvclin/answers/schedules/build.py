@@ -36,9 +36,7 @@ def schedule_of_flight(
 
     `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
     known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
-    deflection where they are known, for the same rows. `name`: what to call the vehicle.
-    `most_rows`: more rows than that are thinned. `InputError` for what is silently wrong; see
-    `checks`.
+    deflection where they are known, for the same rows; see `checks` for what is refused.
     """
     most = whole_number("most_rows", most_rows)
     if most < 2:

@@ -17,17 +17,17 @@ from tvclin.answers.schedules.mapped import (
     mapped_columns,
     vehicle_columns,
 )
-from tvclin.answers.schedules.matlab import matlab_sheet
 from tvclin.answers.schedules.sheet import Heading, Sheet, read_sheet
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
-from tvclin.base.files import write_rows
+from tvclin.base.files import called, write_rows
 from tvclin.base.tables import FileTable
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.text import Text
 from tvclin.winds.speed import angle_in_plane
 
 _WIND = {"wind_angle": "angle", "wind_speed": "speed", "flight_path_angle": "angle"}
@@ -150,7 +150,7 @@ def read_log(
 
 def _sheet(path: str | PathLike[str], time: str | None) -> Sheet:
     if a_path("path", path).suffix.lower() == ".mat":
-        return matlab_sheet(path)
+        return _matlab_sheet(path)
 
     def is_header(found: tuple[Heading, ...]) -> bool:
         if time is not None:
@@ -159,6 +159,45 @@ def _sheet(path: str | PathLike[str], time: str | None) -> Sheet:
 
     missing = "column names with the time among them, as time_s"
     return read_sheet(path, "the log of a simulation", is_header, missing)
+
+
+def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
+    """The vectors of equal length in a .mat file as a table; single numbers as columns."""
+    from scipy.io import loadmat
+
+    source = called(file := a_path("path", path))
+    try:
+        found = loadmat(file, squeeze_me=True)
+    except NotImplementedError:
+        raise InputError(
+            f"{source} is a .mat file of version 7.3; save it in MATLAB with -v7"
+        ) from None
+    except OSError as error:
+        if error.filename:
+            raise
+        raise _unreadable(source) from None
+    except Exception:  # scipy raises whatever a damaged file leads to
+        raise _unreadable(source) from None
+    held = {k: np.asarray(value) for k, value in found.items() if not k.startswith("__")}
+    if len(held) == 1 and (only := next(iter(held.values()))).dtype.names:
+        held = {name: only[name].item() for name in only.dtype.names}
+    arrays = {name: np.asarray(value) for name, value in held.items()}
+    numbers = {
+        k: a.astype(float) for k, a in arrays.items() if a.ndim <= 1 and a.dtype.kind in "iuf"
+    }
+    rows = max((one.size for one in numbers.values()), default=0)
+    columns = {name: one for name, one in numbers.items() if one.size in (1, rows)}
+    if rows < 2:
+        held_names = shown(", ".join(held)) if held else "nothing"
+        raise InputError(f"{source} must hold vectors of one length; it holds {held_names}")
+    whole = np.stack([np.broadcast_to(one, rows) for one in columns.values()], axis=1)
+    cells = tuple(tuple(map(repr, row)) for row in whole.tolist())
+    headings = tuple(Heading(k, name, name, None) for k, name in enumerate(columns))
+    return Sheet(Text(source, ()), headings, np.arange(1, rows + 1), cells)
+
+
+def _unreadable(source: str) -> InputError:
+    return InputError(f"{source} is not a .mat file of version 5 that can be read")
 
 
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:

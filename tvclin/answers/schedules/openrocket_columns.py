@@ -53,8 +53,7 @@ def columns_of(sheet: Sheet, ground: float | None, own_slope: bool) -> dict[str,
     """Return the columns of an export by name, in SI units.
 
     `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
-    coefficient is to be read too. `InputError` for a column that is not there, is there twice, or
-    has no known unit.
+    coefficient is to be read too.
     """
     found = {name: _column(sheet, name) for name in _NEEDED}
     found |= _air(sheet) | _attitude(sheet) | _altitude(sheet, ground)
@@ -141,9 +140,8 @@ def unread(sheet: Sheet) -> list[str]:
 def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
     """Return the damping of a flight, unless its jet has the wrong sign, and what to say of it.
 
-    OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away.
-
-    `exit_arm`: l_e [m].
+    OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away;
+    l_e is the `exit_arm` [m].
     """
     if "damping" not in flight.columns:
         return {}, []

@@ -57,11 +57,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The rows of a file below its line of names.
-
-    `headings`: the names of its columns. `line`: the line of each row. `cells`: the cells of each
-    row.
-    """
+    """The rows of a file below its line of names: of each its line and its cells."""
 
     text: Text
     headings: tuple[Heading, ...]
@@ -77,8 +73,6 @@ class Sheet:
         """Return the one column that has the first of some names that is there.
 
         A column of the very name counts before those that have a symbol behind it.
-
-        `InputError` where two columns have it.
         """
         for name in names:
             named = [one for one in self.headings if letters(name) in one.names]
@@ -142,12 +136,8 @@ def read_sheet(
 ) -> Sheet:
     """Return the table of a file below the line of names that is looked for.
 
-    `path`: the file; a byte order mark, comments, quotes, and letters of another encoding are
-    legal. `kind`, `missing`: what it should be, and what is said where no line is the header.
-    `InputError` also for a file that cannot be read, a row with more or fewer cells than there
-    are names, decimal commas that semicolons do not tell from others, a table without a row, and
-    names that no table has: more than a thousand, below the first thousand lines, or of more than
-    200 letters.
+    A byte order mark, comments, quotes, and letters of another encoding are legal. `kind`,
+    `missing`: what the file should be, and what is said where no line is the header.
     """
     text = read_lines(path, kind, errors="replace")
     for i, content in enumerate(text.lines[:LATEST_HEADER]):

@@ -33,10 +33,7 @@ class SlopeOverMach:
     origin: str
 
     def at(self, mach: FloatArray) -> FloatArray:
-        """Return the slope [1/rad] at Mach numbers.
-
-        `InputError` for Mach numbers beyond the table.
-        """
+        """Return the slope [1/rad] at Mach numbers; `InputError` for some beyond the table."""
         if self.mach.size == 1:
             return np.full(mach.shape, self.slope[0])
         least, most = mach.min(), mach.max()
@@ -50,10 +47,7 @@ class SlopeOverMach:
 
 
 def slope_over_mach(given: Slope) -> SlopeOverMach:
-    """Return the slope over Mach of a number, a pair of rows, or a file.
-
-    `InputError` for rows that are no Mach numbers with a slope each, and files as `read_slopes`.
-    """
+    """Return the slope over Mach of a number, a pair of rows, or a file."""
     if isinstance(given, str | PathLike):
         return read_slopes(given)
     if isinstance(given, tuple | list):
@@ -75,8 +69,6 @@ def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
     Of RASAero it is CN Potential at the smallest angle of attack over that angle: the slope at
     zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
     the column of the whole rocket.
-
-    `InputError` for a file that is neither, and one that holds a coefficient but no slope.
     """
     missing = (
         "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"

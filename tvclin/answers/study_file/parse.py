@@ -1,25 +1,43 @@
 """The tables of a study file: from a document to its plan."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.tables import (
+from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
+from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.campaign.file import (
+    beside,
     design_of,
     dispersions_of,
     nozzle_of,
+    parse_campaign,
     question_of,
     subject_of,
 )
 from tvclin.answers.document import DOCUMENT_TABLE, Document
 from tvclin.answers.load import LOAD_TABLE, LoadBound
+from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
+from tvclin.answers.sizing.asked_winds import SoundingAsked
+from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
-from tvclin.base.errors import Faults, one_of
+from tvclin.base.errors import Faults, InputError, one_of, shown
+from tvclin.base.files import tables_of
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
-from tvclin.winds.file import winds_of, with_gust
+from tvclin.vehicle.file import vehicle_text
+from tvclin.winds.file import (
+    GUST_TABLE,
+    SOUNDING,
+    SOUNDING_TABLE,
+    wind_tables,
+    winds_of,
+    with_gust,
+)
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.soundings.read import read_sounding
+from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -35,8 +53,8 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     parts: dict[str, Callable[[], Any]] = {
         "wind": lambda: _wind(document, folder, subject),
-        "sizing": lambda: sizing_of(document, folder),
-        "availability": lambda: availability_of(document, folder),
+        "sizing": lambda: _sizing(document, folder),
+        "availability": lambda: _availability(document, folder),
         "laws": lambda: LAWS_TABLE.made(document, lambda one: LawsAsked(**LAWS_TABLE.read(one))),
         "nozzle": lambda: nozzle_of(document),
         "load": lambda: LOAD_TABLE.made(document, lambda one: LoadBound(**LOAD_TABLE.read(one))),
@@ -67,3 +85,108 @@ def _criteria(table: dict[str, Any]) -> Criteria:
         return Criteria.own("own", "the study file", **limits)
     named = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
     return named.changed("the study file", **limits)
+
+
+def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
+    """Return what a document asks of a flight; None without [schedule] and [size]."""
+    measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
+    soundings = dict(measured)
+    if len(soundings) < len(measured):
+        names = ", ".join(name for name, _ in measured)
+        raise InputError(f"two soundings have one name among {names}; give each its own name")
+    if "schedule" not in document and "size" not in document:
+        if soundings:
+            raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
+        return None
+    given = SIZE_TABLE.read(SIZE_TABLE.one(document))
+    if not isinstance(given.get("varying", False), bool):
+        raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
+    others = winds_of(document, folder)[1:]
+    return SizingAsked(
+        **_flight(document, folder),
+        others=tuple(one for one in others if isinstance(one, ShapedWind)),
+        soundings=soundings,
+        gust_speed=_gust_speed(document),
+        **given,
+    )
+
+
+def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityAsked | None:
+    """Return what a document asks of an archive of soundings; None without [availability]."""
+    if "availability" not in document:
+        return None
+    given = AVAILABILITY_TABLE.read(AVAILABILITY_TABLE.one(document))
+    AVAILABILITY_TABLE.need(given, ("archive", "azimuth"))
+    archive = given.pop("archive")
+    names = archive if isinstance(archive, list) else [archive]
+    if not names or not all(isinstance(one, str) and one.isprintable() for one in names):
+        raise InputError(
+            "archive in [availability] must be a station file, a folder, or a list of them; got"
+            f" {shown(archive)}"
+        )
+    hours = given.pop("persistence_hours", None)
+    if hours is not None:
+        if "persistence" in given:
+            raise InputError("[availability] has an angle and hours of persistence; keep one")
+        given["persistence"] = PairGrowth(hours)
+    keys = ("months", "years", "station", "in_order")
+    wanted = {key: given.pop(key) for key in keys if key in given}
+    if "dates" in given:
+        wanted["dates"] = folder / str(given.pop("dates"))
+    offset = given.pop("utc_offset_hours", 0.0)
+    return AvailabilityAsked(
+        flight=_flight(document, folder)["schedule"],
+        soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
+        gust_speed=_gust_speed(document),
+        **given,
+    )
+
+
+def _gust_speed(document: Mapping[str, Any]) -> float | None:
+    """The speed [m/s] of [gust]; None where it has an angle."""
+    given = GUST_TABLE.read(GUST_TABLE.one(document)) if "gust" in document else {}
+    return given.get("peak_speed")
+
+
+def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The flight of [schedule] and whose it is; that of the study's vehicle without it."""
+    table = document.get("schedule", {})
+    lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
+    if lists and "source" in table:
+        raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
+    if lists:
+        return {"schedule": schedule_of(table, "[schedule]"), "source": "the lists in [schedule]"}
+    SOURCE_TABLE.read(table)
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    own = study.get("vehicle", campaign.get("vehicle"))
+    source = table.get("source", own)
+    if not isinstance(source, str) or not source.isprintable():
+        raise InputError(
+            "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
+            f" {shown(source)}"
+        )
+    found = {"schedule": load_schedule(beside(source, folder)), "source": source}
+    named = isinstance(own, str)
+    same = named and Path(beside(source, folder)) == Path(beside(own, folder))
+    if same or not _is_vehicle(beside(source, folder)):
+        return found
+    return found | {"another": own if named else own.get("name") or "given by its numbers"}
+
+
+def _is_vehicle(source: str | Path) -> bool:
+    """Whether the source of a flight is a vehicle, not a table of its times."""
+    text, name = vehicle_text(source)
+    return not name.lower().endswith(".csv") and "vehicle" in tables_of(text, name)
+
+
+def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
+    azimuth = SOUNDING_TABLE.read(table)["azimuth"]
+    file = table[SOUNDING]
+    if not isinstance(file, str) or not file.isprintable():
+        raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
+    for key in ("name", "format", "time"):
+        if not isinstance(table.get(key, ""), str):
+            raise InputError(f"{key} in [[wind]] must be a text; got {shown(table[key])}")
+    profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
+    named = Path(file).name
+    return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)

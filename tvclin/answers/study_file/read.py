@@ -119,7 +119,7 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
             f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
             " vehicle file with a table [flight]"
         )
-    from tvclin.answers.campaign.tables import beside
+    from tvclin.answers.campaign.file import beside
 
     return beside(named[0], Path(name).parent)
 

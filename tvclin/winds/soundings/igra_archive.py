@@ -42,10 +42,7 @@ Progress = Callable[[int, int], None]
 
 
 def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -> Collected:
-    """Return the wanted soundings of a station file, plain or in a zip.
-
-    `InputError` for a file that cannot be read, or is one of derived parameters.
-    """
+    """Return the wanted soundings of a station file, plain or in a zip."""
     if _DERIVED in path.name.lower():
         raise InputError(_derived(called(path)))
     stream = _Stream(called(path), wanted)

@@ -134,10 +134,7 @@ def geometric(height: FloatArray) -> FloatArray:
 
 
 def profile_of(levels: Levels) -> WindProfile:
-    """Return the profile of the levels of a file, with notes on what was left out.
-
-    `InputError` for heights out of order or range, winds out of range, and fewer than two levels.
-    """
+    """Return the profile of the levels of a file, with notes on what was left out."""
     speed = np.hypot(levels.east, levels.north)
     for wrong, say in faults(height=levels.height, speed=speed):
         levels.text.require(~wrong, levels.line, say)

@@ -85,10 +85,7 @@ class Collected:
             self.count(remark, where, times)
 
     def soundings(self, utc_offset: float) -> Soundings:
-        """Return all in the order of their times, each time once.
-
-        `InputError` for soundings of more than one station.
-        """
+        """Return all in the order of their times, each time once."""
         if len(self.stations) > 1:
             (a, where), (b, there) = list(self.stations.items())[:2]
             raise InputError(

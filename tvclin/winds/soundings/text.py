@@ -21,10 +21,7 @@ _MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
 
 @dataclass(frozen=True)
 class Text:
-    """The lines of a file; line numbers count from 1.
-
-    `source`: what to call the file. `lines`: its lines, without their ends.
-    """
+    """The lines of a file without their ends, and what to call it; line numbers count from 1."""
 
     source: str
     lines: tuple[str, ...]
@@ -34,10 +31,7 @@ class Text:
         return InputError(f"{self.source}, line {line}: {message}")
 
     def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
-        """Return the numbers in the cells of a column, NaN where one is empty.
-
-        `InputError` for a cell that is neither empty nor a finite number.
-        """
+        """Return the numbers in the cells of a column, NaN where one is empty."""
         try:
             values = np.array(cells, dtype=float)
         except ValueError:
@@ -70,11 +64,7 @@ class Text:
 def read_lines(
     path: str | PathLike[str], kind: str = "a file of winds", errors: str = "strict"
 ) -> Text:
-    """Return the lines of a text file, whatever their ends.
-
-    `kind`: what it should be, for messages. `errors` ({"strict", "replace"}): what becomes of bytes
-    that are not UTF-8. `InputError` when the file cannot be read, is empty, or is no text.
-    """
+    """Return the lines of a text file, whatever their ends; `kind` and `errors` as `read_text`."""
     content = read_text(a_path("path", path), kind, errors=errors)
     if "\0" in content:
         raise InputError(f"{called(path)} is not a text file")
