@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.case import Case
+from tvclin.answers.flexible import law_asked
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.flown import actuator_notes
 from tvclin.answers.nozzle_cards.motion import Motion
@@ -42,7 +43,7 @@ from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
 from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
-from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes
+from tvclin.control.laws.registry import LAWS, design_notes
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES
 from tvclin.kernels.choice import repeated
@@ -257,15 +258,11 @@ class _Flying:
         plant, nozzle = own.plant.rigid, own.nozzle
         pole = float(np.abs(unstable_modes(plant).poles).max())
         point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
-        mine = {AUTOPILOT: own.autopilot} if self.law == AUTOPILOT else {}
-        most = own.hardware["rate_limit"]
-        law: Any = design_law(self.law, plant, float(wind.peak), rate_limit=most, **mine)
+        law = law_asked(own, self.law, own.hardware["rate_limit"])
         said = tuple(design_notes(law))
-        chains = own.asked.chains
         if self.noise:
-            law = NoisyLaw(law, noise=self.noise, seed=self.seed, **chains)
-        elif any(chains.values()):
-            law = FilteredLaw(law, **chains)
+            bare = law.law if isinstance(law, FilteredLaw) else law
+            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **own.asked.chains)
         flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **own.hardware)
         if not flight.times.size:
             return replace(point, status=flight.status)
