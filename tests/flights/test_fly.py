@@ -14,7 +14,8 @@ from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
-from tvclin.flights.closed_loop.equations import LinearEquations
+from tvclin.flights.closed_loop.fly import LinearEquations
+from tvclin.flights.closed_loop.regimes import Loop
 from tvclin.linear.models import MODELS
 
 CASES = [
@@ -328,10 +329,8 @@ def test_a_limit_that_is_only_touched_is_not_exceeded(excess):
     limit = np.abs(free.outputs[-1]).max() / (1.0 + excess)
     flown = tv.fly(plant_of(), LAWS["gains"](None), wind, times, deflection_limit=limit)
     assert np.abs(flown.outputs[-1]).max() <= limit
-    flight = continuous.ContinuousFlight(
-        LinearEquations(plant_of()), LAWS["gains"](None), wind, limit, np.inf, actuator=None
-    )
-    arcs = flight.arcs(0.0, 20.0)
+    loop = Loop(LinearEquations(plant_of()), LAWS["gains"](None), limit, np.inf, actuator=None)
+    arcs = continuous.ContinuousFlight(loop, wind).arcs(0.0, 20.0)
     (held,) = [(a.start, b.start) for a, b in pairwise(arcs) if a.mode]
     times = [held[0], np.mean(held), held[1]]
     linear = np.abs(Autopilot(**GAINS).respond(plant_of(), wind, times).outputs[-1])

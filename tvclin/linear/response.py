@@ -103,25 +103,44 @@ def attitude_response(
     >>> bool(np.isclose(response.outputs["attitude"][-1], limit / 0.107, rtol=1e-13))
     True
     """
-    from control import TimeResponseData
-
     found = attitude_responses(plant, deflection, wind, timepts)
     if found.outputs.ndim > 2:
         raise InputError(
             f"attitude_response is for one case; got a batch of shape {found.outputs.shape[:-2]}"
             " (use attitude_responses)"
         )
+    name, title = plant.model, f"Exact response, {plant.model} model"
+    inputs = dict(zip(INPUTS, (deflection, wind), strict=True))
+    return time_response(found.time, found.outputs, found.labels, name=name, title=title, **inputs)
+
+
+def time_response(
+    times: FloatArray,
+    outputs: FloatArray,
+    labels: tuple[str, ...],
+    *,
+    name: str,
+    title: str,
+    **inputs: History,
+) -> TimeResponseData:
+    """Return outputs ``(n, m)`` at times ``(m,)`` [s] as `control.TimeResponseData`.
+
+    `labels`: names of the outputs. `name`, `title`: what responds, and the title of its plot.
+    `inputs`: what it responds to, by name.
+    """
+    from control import TimeResponseData
+
     return TimeResponseData(
-        found.time,
-        found.outputs,
+        times,
+        outputs,
         None,
-        np.stack([deflection(found.time), wind(found.time)]),
+        np.stack([history(times) for history in inputs.values()]),
         issiso=False,
-        output_labels=list(found.labels),
-        input_labels=list(INPUTS),
-        sysname=plant.model,
+        output_labels=list(labels),
+        input_labels=list(inputs),
+        sysname=name,
         plot_inputs=True,
-        title=f"Exact response, {plant.model} model [rad, rad/s]",
+        title=f"{title} [rad, rad/s]",
         trace_types=["forced"],
     )
 

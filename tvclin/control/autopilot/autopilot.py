@@ -27,7 +27,6 @@ from tvclin.control.autopilot.answer import WindAnswer, wind_answer
 from tvclin.control.autopilot.diagram import with_diagram
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.sampled import sampled_loop
-from tvclin.control.autopilot.systems import wind_response
 from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback, warn_of_sampling
 from tvclin.control.autopilot.wiring import (
     COMMAND,
@@ -43,6 +42,7 @@ from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.plant import Plant
+from tvclin.linear.response import time_response
 from tvclin.linear.system import LinearSystem
 from tvclin.winds.histories import History
 
@@ -362,7 +362,7 @@ class Autopilot(Feedback):
         answer = self.answer(plant, wind)
         name = f"{plant.model} with autopilot"
         title = f"Response to wind, {name}"
-        return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
+        return time_response(times, answer(times), answer.labels, name=name, title=title, wind=wind)
 
     def _closed(self, what: str, plant: AnyPlant) -> LinearSystem:
         """The closed loop, with warnings that point at the caller of the method that asks."""

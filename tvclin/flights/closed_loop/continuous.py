@@ -22,10 +22,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
-from tvclin.flights.closed_loop.equations import Equations
 from tvclin.flights.closed_loop.regime_ends import End, ends_of, mode_at, taken_up, touched
 from tvclin.flights.closed_loop.regimes import Loop, Regime
 from tvclin.winds.histories import History
@@ -55,32 +52,20 @@ class Arc:
 
 @dataclass(frozen=True, eq=False)
 class ContinuousFlight:
-    """The equations of one flight.
+    """One loop in one wind; it ends where its attitude is `farthest` from the nominal [rad]."""
 
-    `equations`, `law`, `wind`: what flies. `limit`, `rate_limit`: of the deflection [rad] and its
-    rate [rad/s]. `actuator`: what lies between command and deflection. `farthest`: attitude [rad]
-    from the nominal at which the flight ends. `gain`: factor on what the law asks for.
-    """
-
-    equations: Equations
-    law: Law
+    loop: Loop
     wind: History
-    limit: float
-    rate_limit: float
-    actuator: Actuator | None
     farthest: float = LOST
-    gain: float = 1.0
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
-        """Return the flight from rest at `start` to `stop` [s], arc by arc.
-
-        It ends early where the attitude is as far from the nominal as `farthest`.
-        """
+        """Return the flight from rest at `start` to just beyond `stop` [s], arc by arc."""
+        stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
-        state, regime = np.zeros(self._loop.size), Regime()
+        loop, rates = self.loop, _counted(self.loop.rates)
+        state, regime = np.zeros(loop.size), Regime()
         self._check_law(start, state)
-        loop, rates = self._loop, _counted(self._loop.rates)
         found: list[Arc] = []
         for first, last in pairwise(edges):
             gust = smooth_piece(self.wind, float(first))
@@ -115,7 +100,7 @@ class ContinuousFlight:
                     regime = taken_up(loop, now, state, regime, gust)
                 if regime.rate and loop.servo > 1:
                     state = state.copy()
-                    state[loop.order + 1] = regime.rate * self.rate_limit
+                    state[loop.order + 1] = regime.rate * loop.rate_limit
         return found
 
     def _solved(
@@ -130,7 +115,7 @@ class ContinuousFlight:
         """What the solver finds from a state on, until the regime seems to end or the span does."""
         from scipy.integrate import solve_ivp
 
-        sharp = 1.0 if self.actuator is None else _NOZZLE
+        sharp = 1.0 if self.loop.actuator is None else _NOZZLE
         result = solve_ivp(
             rates,
             span,
@@ -153,8 +138,7 @@ class ContinuousFlight:
         """Return plant states and deflection at the times ``(m,)``, shape ``(n + 1, m)``."""
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
-        loop = self._loop
-        order = loop.order
+        loop, order = self.loop, self.loop.order
         rows = np.zeros((order + 1, times.size))
         for k in np.unique(index[index >= 0]):
             here = index == k
@@ -165,25 +149,20 @@ class ContinuousFlight:
         return rows
 
     @cached_property
-    def _loop(self) -> Loop:
-        hardware = self.limit, self.rate_limit, self.actuator
-        return Loop(self.equations, self.law, *hardware, self.gain)
-
-    @cached_property
     def _smallest(self) -> FloatArray:
         """Of each state what the solver may take for zero."""
-        smallest = np.full(self._loop.size, _ATOL * abs(float(self.wind.peak)))
-        smallest[: self._loop.order] *= self.equations.scales
+        smallest = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
+        smallest[: self.loop.order] *= self.loop.equations.scales
         return smallest
 
     @property
     def _longest(self) -> float:
         """The longest step of the solver [s], for the poles of the actuator and of the law."""
-        return _LONGEST / self._loop.fastest if self._loop.fastest else np.inf
+        return _LONGEST / self.loop.fastest if self.loop.fastest else np.inf
 
     def _check_law(self, start: float, rest: FloatArray) -> None:
         """Without an actuator the deflection follows from the demand, and not the other way."""
-        if np.isnan(self._loop.demand(rest, self._loop.measured(start, rest, 0.0))):
+        if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest, 0.0))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
             )

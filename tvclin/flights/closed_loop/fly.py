@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +13,6 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, positive, small_angle, times_row
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.systems import wind_response
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (
@@ -25,11 +26,12 @@ from tvclin.flights.closed_loop.checks import (
     check_span,
 )
 from tvclin.flights.closed_loop.continuous import ContinuousFlight
-from tvclin.flights.closed_loop.equations import LinearEquations
+from tvclin.flights.closed_loop.regimes import Loop
 from tvclin.flights.closed_loop.sampled import flown
 from tvclin.flights.closed_loop.track import between_samples, check_track
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.response import time_response
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -153,12 +155,42 @@ def _continuous(
     if limits[1] < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
-    equations = LinearEquations(plant)
     # any time is like another, and near zero it is known more sharply
-    wind, times, start = wind.shift(-start), times - start, 0.0
-    flight = ContinuousFlight(equations, law, wind, *limits, actuator, gain=gain)
-    stop = float(np.nextafter(times.max(), np.inf))
-    return flight.shown(flight.arcs(start, max(stop, start + 1e-9)), times)
+    loop, times = Loop(LinearEquations(plant), law, *limits, actuator, gain), times - start
+    flight = ContinuousFlight(loop, wind.shift(-start))
+    return flight.shown(flight.arcs(0.0, float(times.max())), times)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearEquations:
+    """The `Equations` of a plant, all of whose states are angles, or angles in a second."""
+
+    plant: Plant
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self.plant.states
+
+    @property
+    def scales(self) -> FloatArray:
+        """All are alike."""
+        return np.ones(len(self.states))
+
+    def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
+        """Return A x + B u."""
+        del t
+        A, B = self._matrices
+        return A @ x + B[:, 0] * deflection + B[:, 1] * gust
+
+    def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
+        """Return theta - gamma - alpha_w."""
+        del t
+        return x[0] - gust if len(x) < 3 else x[0] - x[2] - gust
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        return self.plant.matrices()[:2]
 
 
 def _sampled(
@@ -185,11 +217,11 @@ def _response(
 ) -> TimeResponseData:
     _, _, C, D = plant.matrices()
     outputs = C @ rows[:-1] + D[:, : len(INPUTS)] @ np.stack([rows[-1], wind(times)])
-    return wind_response(
+    return time_response(
         times,
         np.vstack([outputs, rows[-1:]]),
-        wind,
         (*plant.outputs, "deflection"),
         name=f"{plant.model} with limits",
         title=f"Flight with limits, {plant.model} model",
+        wind=wind,
     )

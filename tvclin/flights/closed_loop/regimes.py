@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -22,7 +22,24 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
-from tvclin.flights.closed_loop.equations import Equations
+
+
+class Equations(Protocol):
+    """States, of which the first are attitude, rate and perhaps flight path, and their rates."""
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+
+    @property
+    def scales(self) -> FloatArray:
+        """Size of each state where an angle has the size 1."""
+
+    def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
+        """Return the derivatives of the states."""
+
+    def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
+        """Return the angle of attack [rad]."""
 
 
 class Regime(NamedTuple):
@@ -35,7 +52,11 @@ class Regime(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """The equations of one flight in a regime; the fields are those of `ContinuousFlight`."""
+    """The equations of one flight in a regime.
+
+    `limit`, `rate_limit`: of the deflection [rad] and its rate [rad/s]. `actuator`: what lies
+    between command and deflection. `gain`: factor on what the law asks for.
+    """
 
     equations: Equations
     law: Law

@@ -26,6 +26,7 @@ from tvclin.flights.answer import FARTHEST
 from tvclin.flights.checks import check_one
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
+from tvclin.flights.closed_loop.regimes import Loop
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ONSET, Command, ReportControl
 from tvclin.flights.planar.equations import PlanarMotion
@@ -81,11 +82,9 @@ class PlanarCase:
             raise InputError("noise belongs to samples, and this flight has none; leave it out")
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")
-        start, stop = self.span
-        flight = ContinuousFlight(
-            self.motion, law, self.wind, limit, rate_limit, actuator, FARTHEST
-        )
-        arcs = flight.arcs(start, max(float(np.nextafter(stop, np.inf)), start + 1e-9))
+        loop = Loop(self.motion, law, limit, rate_limit, actuator)
+        flight = ContinuousFlight(loop, self.wind, FARTHEST)
+        arcs = flight.arcs(*self.span)
         return self._ended(arcs, lambda times: flight.shown(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Flown:

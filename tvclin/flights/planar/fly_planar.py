@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.errors import times_row
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.flights.answer import flight_response, warn_of_the_end
+from tvclin.flights.answer import OUTPUTS, warn_of_the_end
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of, limit_of
 from tvclin.flights.planar.case import planar_case
+from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
@@ -106,4 +107,4 @@ def fly_planar(
     alpha = case.motion.angle_of_attack(times, rows[:-1], wind(times))
     outputs = np.vstack([rows[:3], alpha, rows[-1]])
     title = f"Planar flight, {vehicle.name or 'vehicle'}, {plane}"
-    return flight_response(times, outputs, wind, engine="planar", title=title)
+    return time_response(times, outputs, OUTPUTS, name="planar", title=title, wind=wind)

@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import times_row
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.flights.answer import FARTHEST, flight_response, warn_of_the_end
+from tvclin.flights.answer import FARTHEST, OUTPUTS, warn_of_the_end
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of, limit_of
 from tvclin.flights.sixdof.case import Air, SixDof
 from tvclin.flights.sixdof.earth import Earth
+from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
@@ -116,4 +117,4 @@ def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> Time
         warn_of_the_end(float(flown[-1]))
     outputs = np.stack([np.interp(times, flown, row, right=np.nan) for row in rows.T])
     title = f"Flight with six degrees of freedom, {title}"
-    return flight_response(times, outputs, air.wind, engine="JSBSim", title=title)
+    return time_response(times, outputs, OUTPUTS, name="JSBSim", title=title, wind=air.wind)
