@@ -32,6 +32,8 @@ _CELLS, _PER_RATE = 64.0, 4.0
 """Cells of a segment, at most and for each unit of its rates times its width: within one, no second
 derivative changes its sign twice. With fewer a dip of the excess in a wind that swings fast could
 be stepped over."""
+ROOM = 3 * (1 + int(_CELLS)) + 1
+"""Of `parts`, of which a cell has three at most."""
 _STEPS = 80
 """Halvings after which a bracket of any width is down to its rounding (a number has 53 bits)."""
 _ARRIVED = 1e-9
@@ -101,6 +103,29 @@ def cells(wind: Any, law: Any, i: int) -> int:
         fastest = max(fastest, abs(b1), np.sqrt(q))
     bent = _PER_RATE * (c.shape[2] - 2) if c.shape[2] > 2 else 0.0
     return 1 + int(min(fastest * (knots[i + 1] - knots[i]) + bent, _CELLS))
+
+
+@bare
+def parts(wind: Any, law: Any, i: int, ends: Any) -> int:
+    """Write the times between which the driver only rises or only falls in a piece, ``ends``.
+
+    Returned: in how many parts, in none where the piece has no width.
+    """
+    width, count = wind[0][i + 1] - wind[0][i], 0
+    ends[0] = 0.0
+    if width <= 0.0:
+        return count
+    every = cells(wind, law, i)
+    for cell in range(every):
+        a, b = width * cell / every, width * (cell + 1) / every
+        turns, first, second = changes(RISES, wind, law, i, a, b)
+        if turns > 0:
+            ends[count + 1] = first
+        if turns > 1:
+            ends[count + 2] = second
+        count += turns + 1
+        ends[count] = b
+    return count
 
 
 @bare

@@ -10,14 +10,13 @@ import numpy as np
 
 from tvclin.kernels.excess import (
     ENOUGH,
-    RISES,
+    ROOM,
     WIND_DRIVES,
     carry,
-    cells,
-    changes,
     demand,
     driver,
     onset,
+    parts,
     root,
 )
 from tvclin.kernels.source import bare, kernel
@@ -33,14 +32,14 @@ def largest_futures(winds: Any, which: Any, poles: Any, out: Any, first: int, la
     that rises comes up to it.
     """
     knots, coefficients, rates = winds
-    kept = np.empty((3, knots.shape[1]))
+    kept, ends = np.empty((3, knots.shape[1])), np.empty(ROOM)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
         wind = (knots[i], coefficients[i], rates[i], kept, work)
         law = (poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
         carry(wind, law)
-        most, time = _largest_future(wind, law)
+        most, time = _largest_future(wind, law, ends)
         out[case, 0], out[case, 1], out[case, 2] = demand(wind, law, onset(wind), 0.0), most, time
 
 
@@ -64,30 +63,22 @@ def from_onset(winds: Any, which: Any, poles: Any, out: Any, first: int, last: i
 
 
 @bare
-def _largest_future(wind: Any, law: Any) -> tuple[float, float]:
+def _largest_future(wind: Any, law: Any, ends: Any) -> tuple[float, float]:
     """Return the largest demand of the wind itself, and its time."""
     knots = wind[0]
     most, time = -np.inf, 0.0
     for i in range(knots.size - 1):
-        width = knots[i + 1] - knots[i]
         here = demand(wind, law, i, 0.0)
         if here > most:
             most, time = here, knots[i]
-        if width <= 0.0:
-            continue
-        count = cells(wind, law, i)
-        for cell in range(count):
-            a, end = width * cell / count, width * (cell + 1) / count
-            turns, first, second = changes(RISES, wind, law, i, a, end)
-            for part in range(turns + 1):
-                b = end if part == turns else (first if part == 0 else second)
-                top = driver(wind, law, i, b)[0]
-                before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
-                after = top - demand(wind, law, i, b)
-                if before < 0.0 < after and top > most:
-                    u = root(ENOUGH, -np.inf, wind, law, i, a, before, b, after)
-                    here = demand(wind, law, i, u)
-                    if here > most:
-                        most, time = here, knots[i] + u
-                a = b
+        for part in range(parts(wind, law, i, ends)):
+            a, b = ends[part], ends[part + 1]
+            top = driver(wind, law, i, b)[0]
+            before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
+            after = top - demand(wind, law, i, b)
+            if before < 0.0 < after and top > most:
+                u = root(ENOUGH, -np.inf, wind, law, i, a, before, b, after)
+                here = demand(wind, law, i, u)
+                if here > most:
+                    most, time = here, knots[i] + u
     return most, time

@@ -15,13 +15,12 @@ import numpy as np
 
 from tvclin.kernels.excess import (
     ABOVE,
-    RISES,
+    ROOM,
     TRIM_DRIVES,
-    cells,
-    changes,
     drift,
     driver,
     of_future,
+    parts,
     root,
     state,
 )
@@ -41,7 +40,7 @@ def at_heights(
     while the wind blows, those at its end.
     """
     knots, coefficients, rates = winds
-    kept = np.empty((3, knots.shape[1]))
+    kept, ends = np.empty((3, knots.shape[1])), np.empty(ROOM)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         j = which[case]
@@ -49,7 +48,7 @@ def at_heights(
         wind = (knots[j], coefficients[j], rates[j], kept, work)
         law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         drift(wind, law)
-        i, u = _reached(wind, law, heights[case])
+        i, u = _reached(wind, law, heights[case], ends)
         x, y = state(wind, law, i, u)
         for k in range(poles.shape[1]):
             p = poles[case, k]
@@ -58,29 +57,21 @@ def at_heights(
 
 
 @bare
-def _reached(wind: Any, law: Any, height: float) -> tuple[int, float]:
+def _reached(wind: Any, law: Any, height: float, ends: Any) -> tuple[int, float]:
     """Return the piece and the local time at which the driver's size first is a height or more.
 
     The end of the wind where it never is.
     """
     knots = wind[0]
     for i in range(knots.size - 1):
-        width = knots[i + 1] - knots[i]
-        if width <= 0.0:
-            continue
-        count = cells(wind, law, i)
-        for cell in range(count):
-            a, end = width * cell / count, width * (cell + 1) / count
-            turns, first, second = changes(RISES, wind, law, i, a, end)
-            for part in range(turns + 1):
-                b = end if part == turns else (first if part == 0 else second)
-                start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
-                if abs(start) >= height:
-                    return i, a
-                if abs(stop) >= height:
-                    level = height if stop > 0.0 else -height
-                    return i, root(ABOVE, level, wind, law, i, a, start - level, b, stop - level)
-                a = b
+        for part in range(parts(wind, law, i, ends)):
+            a, b = ends[part], ends[part + 1]
+            start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
+            if abs(start) >= height:
+                return i, a
+            if abs(stop) >= height:
+                level = height if stop > 0.0 else -height
+                return i, root(ABOVE, level, wind, law, i, a, start - level, b, stop - level)
     i = knots.size - 2
     return i, knots[i + 1] - knots[i]
 

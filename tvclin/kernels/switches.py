@@ -13,17 +13,17 @@ import numpy as np
 from tvclin.kernels.excess import (
     ABOVE,
     ENOUGH,
-    RISES,
+    ROOM,
     SLACK,
     TRIM_DRIVES,
     TURNS,
     WIND_DRIVES,
     carry,
-    cells,
     changes,
     demand,
     driver,
     onset,
+    parts,
     root,
     sought,
 )
@@ -50,7 +50,7 @@ def switches(
     time, demand and status, ``(n, m, 3)``.
     """
     knots, coefficients, rates = winds
-    kept, marks = np.empty((3, knots.shape[1])), np.empty((4, 3))
+    kept, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(ROOM)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
@@ -65,7 +65,7 @@ def switches(
         carry(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
         for k in range(literal.size):
             law = (p, K, b2 - b1, b1, q, literal[k])
-            time, needed, status = _solve(wind, law, marks)
+            time, needed, status = _solve(wind, law, marks, ends)
             out[case, k, 0], out[case, k, 1], out[case, k, 2] = time, needed, status
 
 
@@ -76,7 +76,7 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
     Infinite where trim grows without end after the wind.
     """
     knots, coefficients, rates = winds
-    kept = np.empty((3, knots.shape[1]))
+    kept, ends = np.empty((3, knots.shape[1])), np.empty(ROOM)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
@@ -84,11 +84,11 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
         wind = (knots[i], coefficients[i], rates[i], kept, work)
         law = (numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         carry(wind, law)
-        out[case] = _largest_trim(wind, law)
+        out[case] = _largest_trim(wind, law, ends)
 
 
 @bare
-def _solve(wind: Any, law: Any, marks: Any) -> tuple[float, float, int]:
+def _solve(wind: Any, law: Any, marks: Any, ends: Any) -> tuple[float, float, int]:
     """Return time, demand and status of one case."""
     knots = wind[0]
     K = law[1]
@@ -100,24 +100,15 @@ def _solve(wind: Any, law: Any, marks: Any) -> tuple[float, float, int]:
     low, high = (0, 0.0, 0.0, 0.0), (0, 0.0, 0.0)
     highest = 0.0
     for i in range(knots.size - 1):
-        width = knots[i + 1] - knots[i]
-        if width <= 0.0:
-            continue
-        count = cells(wind, law, i)
-        for cell in range(count):
-            a, end = width * cell / count, width * (cell + 1) / count
-            turns, first, second = changes(RISES, wind, law, i, a, end)
-            for part in range(turns + 1):
-                b = end if part == turns else (first if part == 0 else second)
-                heights = _marked(wind, law, marks, highest, i, a, b)
-                for k in range(heights):
-                    u, level, spare = marks[k, 0], marks[k, 1], marks[k, 2]
-                    if spare < -SLACK * level:
-                        short, enough, low = True, False, (i, u, level, spare)
-                    elif not enough:
-                        enough, high = True, (i, u, spare)
-                    highest = max(highest, level)
-                a = b
+        for part in range(parts(wind, law, i, ends)):
+            heights = _marked(wind, law, marks, highest, i, ends[part], ends[part + 1])
+            for k in range(heights):
+                u, level, spare = marks[k, 0], marks[k, 1], marks[k, 2]
+                if spare < -SLACK * level:
+                    short, enough, low = True, False, (i, u, level, spare)
+                elif not enough:
+                    enough, high = True, (i, u, spare)
+                highest = max(highest, level)
     if not enough:
         return knots[-1], 0.0, NEVER
     return _met(wind, law, low if short else (0, 0.0, -np.inf, 0.0), high)
@@ -205,26 +196,13 @@ def _after(wind: Any, law: Any, i: int, u: float) -> float:
 
 
 @bare
-def _largest_trim(wind: Any, law: Any) -> float:
-    """Return the largest size of trim, during the wind and after it.
-
-    In a cell trim turns twice at most: it is largest at an end or where its slope is zero.
-    """
-    knots = wind[0]
-    most, last = 0.0, knots.size - 1
-    for i in range(last):
-        width = knots[i + 1] - knots[i]
-        if width <= 0.0:
-            continue
-        count = cells(wind, law, i)
-        for cell in range(count):
-            a, b = width * cell / count, width * (cell + 1) / count
-            turns, first, second = changes(RISES, wind, law, i, a, b)
-            most = max(most, abs(driver(wind, law, i, a)[0]), abs(driver(wind, law, i, b)[0]))
-            if turns > 0:
-                most = max(most, abs(driver(wind, law, i, first)[0]))
-            if turns > 1:
-                most = max(most, abs(driver(wind, law, i, second)[0]))
+def _largest_trim(wind: Any, law: Any, ends: Any) -> float:
+    """Return the largest size of trim, during the wind and after it."""
+    most = 0.0
+    for i in range(wind[0].size - 1):
+        for part in range(parts(wind, law, i, ends)):
+            for k in (part, part + 1):
+                most = max(most, abs(driver(wind, law, i, ends[k])[0]))
     return max(most, _largest_swing(wind, law))
 
 

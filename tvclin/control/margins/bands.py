@@ -17,7 +17,7 @@ from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import InDecibels, Margins, margins_of
+from tvclin.control.margins.record import InDecibels, Margins, in_shape, margins_of
 from tvclin.kernels.loop_margins import LoopFindings, classical_margins, least_of
 from tvclin.kernels.state_loop import StateLoop
 
@@ -180,7 +180,7 @@ def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMar
     ends = followed(terms)
     numbers = [_rigid(terms, found)]
     numbers += [_mode(terms, found, k, ends[:, k]) for k in range(len(names))]
-    shaped = [{key: _shaped(v, loop.batch) for key, v in one.items()} for one in numbers]
+    shaped = [{key: in_shape(v, loop.batch) for key, v in one.items()} for one in numbers]
     modes = (ModeBand(name=name, **one) for name, one in zip(names, shaped[1:], strict=True))
     return BandMargins(margins_of(found, loop.batch), RigidBand(**shaped[0]), tuple(modes))
 
@@ -225,8 +225,3 @@ def _owned(terms: Terms, found: LoopFindings, k: int) -> LoopFindings:
 
     phases = own(found.gain_frequencies, found.phases)
     return replace(found, phases=phases, factors=own(found.phase_frequencies, found.factors))
-
-
-def _shaped(values: Any, batch: tuple[int, ...]) -> Any:
-    array = np.asarray(values).reshape(batch)
-    return array if array.ndim else array.item()

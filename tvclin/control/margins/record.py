@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, FloatArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Row, Shown, card
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, plain
@@ -275,11 +275,6 @@ def loop_margins(loop: Loop) -> Margins:
 
 def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
     """Return the margins in what was found of loops on one axis, in the shape of their batch."""
-    return _shaped(_flat_margins(found), batch)
-
-
-def _flat_margins(found: LoopFindings) -> Margins:
-    """The margins of a batch of one axis."""
     good = found.stable
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
     status = np.where(found.unstable_poles > 0, UNSTABLE, status)
@@ -287,36 +282,17 @@ def _flat_margins(found: LoopFindings) -> Margins:
     tops[0, 0] = 1.0 / tops[0, 0]
     pairs = np.concatenate([classical_margins(found), tops])
     pairs[..., ~good] = np.nan
-    names = [field.name for field in fields(Margins)][2:-1]
-    crossings = Crossings(
-        gain_frequencies=found.gain_frequencies,
-        phase_margins=found.phases,
-        phase_frequencies=found.phase_frequencies,
-        gain_factors=found.factors,
-    )
-    return Margins(
-        status=status,
-        unstable_poles=found.unstable_poles,
-        crossings=crossings,
-        **dict(zip(names, pairs.reshape(len(names), good.size), strict=True)),
-    )
+    numbers = (status, found.unstable_poles, *pairs.reshape(-1, good.size))
+    lists = (found.gain_frequencies, found.phases, found.phase_frequencies, found.factors)
+    crossings = Crossings(*(_trimmed(rows, batch) for rows in lists))
+    names = [field.name for field in fields(Margins)][:-1]
+    shaped = {name: in_shape(one, batch) for name, one in zip(names, numbers, strict=True)}
+    return Margins(**shaped, crossings=crossings)
 
 
-def _shaped(flat: Margins, batch: tuple[int, ...]) -> Margins:
-    """The same record in the shape of the batch."""
-    numbers = {
-        field.name: _element(getattr(flat, field.name).reshape(batch))
-        for field in fields(Margins)
-        if field.name != "crossings"
-    }
-    lists = {
-        field.name: _trimmed(getattr(flat.crossings, field.name), batch)
-        for field in fields(Crossings)
-    }
-    return Margins(**numbers, crossings=Crossings(**lists))
-
-
-def _element(array: AnyArray) -> Any:
+def in_shape(values: Any, batch: tuple[int, ...]) -> Any:
+    """Return a number of each loop on one axis in the shape of their batch; of one a plain one."""
+    array = np.asarray(values).reshape(batch)
     return array if array.ndim else array.item()
 
 

@@ -27,10 +27,9 @@ from tvclin.flights.closed_loop.checks import (
 )
 from tvclin.flights.closed_loop.continuous import ContinuousFlight
 from tvclin.flights.closed_loop.regimes import Loop
-from tvclin.flights.closed_loop.sampled import flown
-from tvclin.flights.closed_loop.track import between_samples, check_track
+from tvclin.flights.closed_loop.track import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.winds.histories import History
 
@@ -207,19 +206,15 @@ def _sampled(
     check_samples(max(last - start, 0.0), length)
     check_pace(plant, length)
     until = max(last, start) + length
-    f = flown(one_flight(plant, law, wind, limit, hardware, gain, until), track=True)
-    check_track(f, len(plant.states))
-    return between_samples(f, plant, hardware.actuator, wind, times)
+    return tracked(one_flight(plant, law, wind, limit, hardware, gain, until), times).rows
 
 
 def _response(
     plant: AnyPlant, wind: History, times: FloatArray, rows: FloatArray
 ) -> TimeResponseData:
-    _, _, C, D = plant.matrices()
-    outputs = C @ rows[:-1] + D[:, : len(INPUTS)] @ np.stack([rows[-1], wind(times)])
     return time_response(
         times,
-        np.vstack([outputs, rows[-1:]]),
+        np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]]),
         (*plant.outputs, "deflection"),
         name=f"{plant.model} with limits",
         title=f"Flight with limits, {plant.model} model",

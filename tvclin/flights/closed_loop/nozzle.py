@@ -12,10 +12,8 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.many import LOST, fly_many
-from tvclin.flights.closed_loop.sampled import flown
-from tvclin.flights.closed_loop.track import between_samples, check_track, nozzle_between
+from tvclin.flights.closed_loop.track import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import INPUTS
 from tvclin.winds.histories import History
 
 _AFTER = 15.0
@@ -69,15 +67,7 @@ def fly_nozzle(
     times = np.asarray(late + h / points * np.arange(count * points + 1), dtype=np.float64)
     hardware = Hardware(h, delay, actuator, rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
-    f = flown(flight, track=True)
-    check_track(f, len(plant.states))
-    rate = acceleration = None
-    if actuator is None:
-        rows = between_samples(f, plant, actuator, wind, times)
-    else:
-        rows, rate, acceleration = nozzle_between(f, plant, actuator, wind, times)
-    _, _, C, D = plant.matrices()
-    seen = C @ rows[:-1] + D[:, : len(INPUTS)] @ np.stack([rows[-1], wind(times)])
-    outputs = dict(zip(plant.outputs, seen, strict=True))
-    alpha, attitude = outputs["angle_of_attack"], outputs["attitude"]
+    rows, rate, acceleration = tracked(flight, times)
+    seen = outputs_of(plant, rows, wind(times))
+    alpha, attitude = (seen[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude"))
     return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration)

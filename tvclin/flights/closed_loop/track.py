@@ -9,11 +9,14 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.actuated import INPUTS, actuated
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.closed_loop.batch import Batch
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
+from tvclin.flights.closed_loop.sampled import flown
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.system import connect, rising
+from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
+from tvclin.linear.system import LinearSystem, connect, rising
 from tvclin.winds.histories import History
 
 _DIGITS = 12
@@ -22,46 +25,53 @@ _FEW = 64
 """So many of them are taken one after the other."""
 
 
-def check_track(f: Flights, order: int) -> None:
+class Tracked(NamedTuple):
+    """One flight by samples at some times ``(m,)``, zero before its start.
+
+    `rows`: states of the plant and the deflection, ``(n + 1, m)``. `rate`, `acceleration`: of the
+    actuator right after the times [rad/s, rad/s2]; None without one. They are those of its
+    equation. In a substep in which its rate or its stop bounds the nozzle it goes evenly; that it
+    is stopped short there counts as no acceleration, nor does a jump of the rate of an actuator of
+    first order.
+    """
+
+    rows: FloatArray
+    rate: FloatArray | None
+    acceleration: FloatArray | None
+
+
+def tracked(flight: Batch, times: FloatArray) -> Tracked:
+    """Fly one flight by samples, and return it at times [s] up to its end.
+
+    `InputError` when its states have grown beyond all meaning.
+    """
+    plant, actuator, f = flight.plant, flight.hardware.actuator, flown(flight, track=True)
+    n, whole = len(plant.states), actuated(plant, actuator)
+    _check(f, n)
+    at = _substeps(f, whole, n, times)
+    rows = _rows(at, plant, actuator, flight.wind, times)
+    if actuator is None:
+        return Tracked(rows, None, None)
+    moves = whole.A @ at.free + whole.B[:, :1] * at.command
+    still = times < at.onset
+    rate = np.where(still, 0.0, np.where(at.bounded, at.slope, moves[n]))
+    return Tracked(rows, rate, np.where(still | at.bounded, 0.0, whole.A[n] @ moves))
+
+
+def outputs_of(plant: AnyPlant, rows: FloatArray, gusts: FloatArray) -> FloatArray:
+    """Return the outputs of a plant, of its states with the deflection, and of the wind [rad]."""
+    _, _, C, D = plant.matrices()
+    return np.asarray(C @ rows[:-1] + D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts]))
+
+
+def _check(f: Flights, order: int) -> None:
     """Raise `InputError` when states of a flight have grown beyond all meaning."""
-    track = _flown(f)
+    track = _written(f)
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
     if np.any(beyond):
         first = track[np.argmax(beyond)]
         check_not_lost(float(first[-1]), first[:order])
-
-
-def between_samples(
-    f: Flights, plant: AnyPlant, actuator: Actuator | None, wind: History, times: FloatArray
-) -> FloatArray:
-    """Return the states of the plant and the deflection at times ``(n,)``, zero before the start.
-
-    `f`: one flight, flown with its track. `plant`, `actuator`, `wind`: what flew. `times`: times
-    [s] up to its end.
-    """
-    return _rows(_substeps(f, plant, actuator, times), plant, actuator, wind, times)
-
-
-def nozzle_between(
-    f: Flights, plant: AnyPlant, actuator: Actuator, wind: History, times: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the same, and rate and acceleration of the nozzle right after times ``(n,)``.
-
-    They are those of the actuator's equation. In a substep in which its rate or its stop bounds the
-    nozzle it goes evenly; that it is stopped short there counts as no acceleration, nor does a jump
-    of the rate of an actuator of first order.
-    """
-    at, whole, n = (
-        _substeps(f, plant, actuator, times),
-        actuated(plant, actuator),
-        len(plant.states),
-    )
-    moves = whole.A @ at.free + whole.B[:, :1] * at.command
-    still = times < at.onset
-    rate = np.where(still, 0.0, np.where(at.bounded, at.slope, moves[n]))
-    acceleration = np.where(still | at.bounded, 0.0, whole.A[n] @ moves)
-    return _rows(at, plant, actuator, wind, times), rate, acceleration
 
 
 def _rows(
@@ -115,12 +125,10 @@ class _Substeps(NamedTuple):
         return found
 
 
-def _substeps(
-    f: Flights, plant: AnyPlant, actuator: Actuator | None, times: FloatArray
-) -> _Substeps:
-    whole = actuated(plant, actuator).select(INPUTS[:1], ())
-    n, N, order = len(plant.states), f.now.y.shape[1], len(whole.states)
-    limit, track = float(f.cases.limit[0]), _flown(f)
+def _substeps(f: Flights, whole: LinearSystem, n: int, times: FloatArray) -> _Substeps:
+    """Of a system with n states of the plant, then those of its actuator."""
+    N, order = f.now.y.shape[1], len(whole.states)
+    limit, track = float(f.cases.limit[0]), _written(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
@@ -142,14 +150,14 @@ def _substeps(
         slope=(last - first) / lengths,
         free=y,
     )
-    moved = whole.to_steps(at.once)
+    moved = whole.select(INPUTS[:1], ()).to_steps(at.once)
     free = at.moved(
         np.concatenate([moved.A, moved.B], axis=2), np.column_stack([y[:, :order], command])
     )
     return at._replace(free=free)
 
 
-def _flown(f: Flights) -> FloatArray:
+def _written(f: Flights) -> FloatArray:
     """The rows of the track that were written."""
     return f.track[~np.isnan(f.track[:, -1])]
 
