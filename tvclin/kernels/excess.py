@@ -191,6 +191,18 @@ def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
 
 
 @bare
+def to_come(wind: Any, i: int, u: float, p: Any) -> Any:
+    """Return the wind's future at a time, integral of e^(-p r) f(t + r) dr over what is to come."""
+    knots, c, rates, _, _ = wind
+    total = 0.0 * (p * c[0, 0, 0])
+    for j in range(knots.size - 2, i, -1):
+        width = knots[j + 1] - knots[j]
+        total = future(c[j], rates, 0.0, width, p) + np.exp(-p * width) * total
+    left = knots[i + 1] - knots[i] - u
+    return future(c[i], rates, u, left, p) + np.exp(-p * left) * total
+
+
+@bare
 def of_future(law: Any, p: Any, ahead: Any, x: float, y: float) -> Any:
     """Return the demand of a mode p, which may be complex, by the wind's future and a state.
 

@@ -18,9 +18,9 @@ from tvclin.kernels.excess import (
     onset,
     parts,
     root,
+    to_come,
 )
 from tvclin.kernels.source import bare, kernel
-from tvclin.kernels.terms import future
 
 
 @kernel
@@ -52,14 +52,9 @@ def from_onset(winds: Any, which: Any, poles: Any, out: Any, first: int, last: i
     knots, c, rates = winds
     for case in range(first, last):
         i = which[case]
+        wind = (knots[i], c[i], rates[i], knots, knots)
         for k in range(poles.shape[1]):
-            p, ahead = poles[case, k], 0.0 * (poles[case, k] * c[i, 0, 0, 0])
-            begin = onset((knots[i], c[i], rates[i], knots, knots))
-            for j in range(knots.shape[1] - 2, begin - 1, -1):
-                width = knots[i, j + 1] - knots[i, j]
-                part = future(c[i, j], rates[i], 0.0, width, p)
-                ahead = np.exp(-p * width) * ahead + part
-            out[case, k] = ahead
+            out[case, k] = to_come(wind, onset(wind), 0.0, poles[case, k])
 
 
 @bare

@@ -23,9 +23,9 @@ from tvclin.kernels.excess import (
     parts,
     root,
     state,
+    to_come,
 )
 from tvclin.kernels.source import bare, kernel
-from tvclin.kernels.terms import future
 
 
 @kernel
@@ -52,8 +52,7 @@ def at_heights(
         x, y = state(wind, law, i, u)
         for k in range(poles.shape[1]):
             p = poles[case, k]
-            ahead = _ahead(wind, i, u, p)
-            out[case, k] = of_future(law, p, ahead, x, y)
+            out[case, k] = of_future(law, p, to_come(wind, i, u, p), x, y)
 
 
 @bare
@@ -74,15 +73,3 @@ def _reached(wind: Any, law: Any, height: float, ends: Any) -> tuple[int, float]
                 return i, root(ABOVE, level, wind, law, i, a, start - level, b, stop - level)
     i = knots.size - 2
     return i, knots[i + 1] - knots[i]
-
-
-@bare
-def _ahead(wind: Any, i: int, u: float, p: Any) -> Any:
-    """Return the wind's future at a time, integral of e^(-p r) f(t + r) dr over what is to come."""
-    knots, c, rates, _, _ = wind
-    total = 0.0 * (p * c[0, 0, 0])
-    for j in range(knots.size - 2, i, -1):
-        width = knots[j + 1] - knots[j]
-        total = future(c[j], rates, 0.0, width, p) + np.exp(-p * width) * total
-    left = knots[i + 1] - knots[i] - u
-    return future(c[i], rates, u, left, p) + np.exp(-p * left) * total

@@ -27,7 +27,7 @@ def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
 
 def on_axis(polynomial: FloatArray, omega: FloatArray) -> AnyArray:
     """Return the values at j omega ``(..., m)``; the leading axes broadcast."""
-    even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
+    even, odd = _halves(polynomial)
     square = -(omega**2)
     values = value(even, square).astype(complex)
     values.imag = omega * value(odd, square)
@@ -58,8 +58,7 @@ def add(first: AnyArray, second: AnyArray) -> AnyArray:
 
 def squared_size(polynomial: FloatArray) -> FloatArray:
     """Return |p(j omega)|^2 as a polynomial in omega^2."""
-    even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
-    even, odd = _alternating(even), _alternating(odd)
+    even, odd = (_alternating(half) for half in _halves(polynomial))
     squares = multiply(even, even)
     if odd.shape[-1]:
         squares = add(squares, times_variable(multiply(odd, odd)))
@@ -68,12 +67,10 @@ def squared_size(polynomial: FloatArray) -> FloatArray:
 
 def imaginary_part(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return Im(first(j omega) conj(second(j omega)))/omega as a polynomial in omega^2."""
-    parts = []
-    for polynomial in (first, second):
-        even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
-        sign = (-1.0) ** np.arange(even.shape[-1])[::-1], (-1.0) ** np.arange(odd.shape[-1])[::-1]
-        parts.append((even * sign[0], odd * sign[1]))
-    (even, odd), (even_2, odd_2) = parts
+    (even, odd), (even_2, odd_2) = (
+        [half * (-1.0) ** np.arange(half.shape[-1])[::-1] for half in _halves(polynomial)]
+        for polynomial in (first, second)
+    )
     return add(multiply(odd, even_2), -multiply(even, odd_2))
 
 
@@ -151,6 +148,11 @@ def bound(polynomial: FloatArray) -> FloatArray:
     order = np.arange(1, polynomial.shape[-1])
     sizes = np.abs(polynomial[..., 1:] / polynomial[..., :1]) ** (1.0 / order)
     return 2.0 * np.asarray(sizes.max(axis=-1, initial=0.0))
+
+
+def _halves(polynomial: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The even powers, and the odd ones over the variable, as polynomials in its square."""
+    return polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
 
 
 def _alternating(polynomial: FloatArray) -> FloatArray:

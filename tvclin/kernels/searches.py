@@ -4,30 +4,25 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.arrays import FloatArray, IndexArray
 
 Evaluate = Callable[[FloatArray, IndexArray], FloatArray]
 """Values at times ``(k,)`` of the batch elements at the flat positions ``(k,)``."""
 
 
 def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) -> FloatArray:
-    """Return the first time at which values ``(..., m)`` reach zero from below; inf if never."""
+    """Return the first time at which values ``(..., m)`` reach zero from below; inf if never.
+
+    To rounding; where a value and the one before it have no different signs, its own time.
+    """
     times, values = np.broadcast_arrays(times, values)
     reached = values >= 0.0
-    index = np.argmax(reached, axis=-1)
-    found = refine(times, index, evaluate)
+    index = np.argmax(reached, axis=-1)[..., np.newaxis]
+    low, high = (
+        np.take_along_axis(times, np.maximum(index - back, 0), axis=-1)[..., 0] for back in (1, 0)
+    )
+    found = roots_between(low.ravel(), high.ravel(), evaluate).reshape(high.shape)
     return np.where(np.any(reached, axis=-1), found, np.inf)
-
-
-def refine(times: FloatArray, index: AnyArray, evaluate: Evaluate) -> FloatArray:
-    """Return the root between ``times[index - 1]`` and ``times[index]``, to rounding.
-
-    Where the ends have no different signs it is the later end.
-    """
-    index = index[..., np.newaxis]
-    high = np.take_along_axis(times, index, axis=-1)[..., 0]
-    low = np.take_along_axis(times, np.maximum(index - 1, 0), axis=-1)[..., 0]
-    return roots_between(low.ravel(), high.ravel(), evaluate).reshape(high.shape)
 
 
 def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> FloatArray:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.kernels.rational import product
+from tvclin.kernels.rational import Rational, product
 
 _INDEPENDENT = 1e6
 """Eigenvectors with a higher condition number are not used: poles are repeated, or nearly so."""
@@ -303,6 +303,12 @@ class StateLoop:
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
         one = np.ones_like(values)
         return np.where(at_pole, one, values), np.where(at_pole, 0.0, one)
+
+
+AnyLoop = Rational | StateLoop
+"""A batch ``(k,)`` of loops L(s) = G(s) e^(-s delay), closed by 1 + L = 0, however it is written
+down. The engine of the margins (`stability`, `loop_grid`, `loop_margins`) asks what both answer;
+frequencies are in rad/s, and NaN fills rows of roots and frequencies."""
 
 
 def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:

@@ -182,7 +182,9 @@ def trim_then_hold(
             "limit must oppose the wind, with the sign of -B alpha_w,max; got"
             f" {limit.ravel()[0]:.6g} rad against a wind of {np.ravel(wind.peak)[0]:.6g} rad"
         )
-    time = leaving_time(dead_band_driver(plant, wind, trim, switch), limit, dead_band)
+    literal = one_of("switch", switch, SWITCHES) == "literal"
+    driver = trim if literal else wind * -np.asarray(plant.coefficients.B)
+    time = leaving_time(driver, limit, dead_band)
     leaves = np.isfinite(time)
     held = linear_pieces(
         np.where(leaves, time, wind.knots[..., -1])[..., np.newaxis],
@@ -190,13 +192,6 @@ def trim_then_hold(
         0.0,
     )
     return trim.before(time) + Piecewise(held)
-
-
-def dead_band_driver(plant: Plant, wind: History, trim: History, switch: str) -> History:
-    """Return the deflection whose size leaves the dead band: -B alpha_w, or the trim itself."""
-    if one_of("switch", switch, SWITCHES) == "literal":
-        return trim
-    return wind * -np.asarray(plant.coefficients.B)
 
 
 def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:

@@ -23,8 +23,9 @@ from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.fronts.load_record import PROVED
 from tvclin.boundary.fronts.ramps import ramped_deflection
 from tvclin.boundary.fronts.rates import rate_front
+from tvclin.boundary.optimum.grid import apart
 from tvclin.boundary.optimum.load_case import LoadCase
-from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram, apart
+from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.linear.deflections import HeldDeflection
 from tvclin.linear.modes import unstable_poles

@@ -124,3 +124,9 @@ def split(cells: FloatArray, doubtful: IndexArray) -> FloatArray:
     widths = cells[near + 1] - cells[near]
     new = cells[near] + widths * (np.arange(1, 16) / 16.0)[:, np.newaxis]
     return np.unique(np.concatenate([cells, new.ravel()]))
+
+
+def apart(nodes: FloatArray, gap: float) -> FloatArray:
+    """Return nodes in order, without those that all but coincide; the last stays."""
+    nodes = np.unique(nodes)
+    return np.append(nodes[:-1][np.diff(nodes) > gap], nodes[-1])

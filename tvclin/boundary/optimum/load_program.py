@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
+from tvclin.boundary.optimum.grid import apart
 from tvclin.boundary.optimum.load_case import LoadCase, carried
 from tvclin.boundary.optimum.load_proof import Weighed
 
@@ -292,12 +293,6 @@ class LoadProgram:
             parts.append(np.clip(1.0 - np.abs(side - right) / (rate * width), 0.0, 1.0))
         new_nodes = np.concatenate([self.nodes, *(start + width * x for x in parts)])
         return apart(new_nodes, 1e-6 / self.case.fastest)
-
-
-def apart(nodes: FloatArray, gap: float) -> FloatArray:
-    """Return nodes in order, without those that all but coincide; the last stays."""
-    nodes = np.unique(nodes)
-    return np.append(nodes[:-1][np.diff(nodes) > gap], nodes[-1])
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:

@@ -16,6 +16,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.exponential_sums import even_for
+from tvclin.boundary.optimum.grid import apart
 from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
 from tvclin.boundary.optimum.rate_program import RateProgram
 from tvclin.linear.plant import Plant
@@ -179,14 +180,7 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
         parts.append(even_for(np.real(pole), last, share))
         if np.imag(pole):
             parts.append(np.linspace(0.0, last, share))
-    return _apart(np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max())
-
-
-def _apart(nodes: FloatArray, gap: float) -> FloatArray:
-    """The nodes in order, without those that all but coincide; the last stays."""
-    nodes = np.unique(nodes)
-    far = np.diff(nodes) > gap
-    return np.append(nodes[:-1][far], nodes[-1])
+    return apart(np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max())
 
 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
@@ -209,4 +203,4 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
         new.append(right - np.abs(side - values[loose + 1]) / slope)
     inside = [np.where((time > left) & (time < right), time, left) for time in new]
     fastest = np.abs(program.constraints.poles).max()
-    return _apart(np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope))
+    return apart(np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope))

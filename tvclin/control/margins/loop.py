@@ -19,7 +19,7 @@ from tvclin.base.errors import (
 from tvclin.kernels.delayed_poles import rightmost_poles
 from tvclin.kernels.loop_margins import LoopFindings, loop_findings
 from tvclin.kernels.rational import Rational
-from tvclin.kernels.state_loop import StateLoop
+from tvclin.kernels.state_loop import AnyLoop, StateLoop
 
 if TYPE_CHECKING:
     import control
@@ -60,7 +60,7 @@ class Loop:
         and an algebraic loop: a numerator of the same degree as the denominator, or higher.
     """
 
-    form: Rational | StateLoop
+    form: AnyLoop
     batch: tuple[int, ...]
 
     def __init__(
@@ -267,7 +267,7 @@ class Loop:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.where(pole, np.inf, above / below))
 
-    def _hold(self, form: Rational | StateLoop, batch: tuple[int, ...]) -> None:
+    def _hold(self, form: AnyLoop, batch: tuple[int, ...]) -> None:
         object.__setattr__(self, "form", form)
         object.__setattr__(self, "batch", batch)
 
@@ -286,7 +286,7 @@ def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
     return np.broadcast_to(array, (*batch, *own)).reshape((-1, *own))
 
 
-def _matrices(form: Rational | StateLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
     """A, B and C of the first of some loops; of polynomials as their companion."""
     if isinstance(form, StateLoop):
         k = form.case[0]
