@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.kernels import heights, switches
+from tvclin.kernels import switches
 from tvclin.kernels.choice import run
+from tvclin.kernels.futures import at_heights
 from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -85,17 +86,17 @@ class Problem:
         found.ravel()[some] = out
         return found
 
-    def left_at(self, cases: IndexArray, heights_: FloatArray, poles: AnyArray) -> AnyArray:
+    def left_at(self, cases: IndexArray, heights: FloatArray, poles: AnyArray) -> AnyArray:
         """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
 
-        `cases`: places of some cases in the flattened batch, ``(n,)``. `heights_`: of trim to
+        `cases`: places of some cases in the flattened batch, ``(n,)``. `heights`: of trim to
         either side, positive, ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``.
         Returned: the limit that each mode by itself asks for, held from then on, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
         found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
-        work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights_)
-        self._run(heights.at_heights, winds, which[cases], *work, found)
+        work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights)
+        self._run(at_heights, winds, which[cases], *work, found)
         return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property

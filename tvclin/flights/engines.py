@@ -96,17 +96,10 @@ def sixdof_verdict(
 
 @dataclass(frozen=True)
 class Engine:
-    """One way to fly.
+    """One way to fly, and what it is in words.
 
-    Attributes
-    ----------
-    words : str
-        What it is.
-    fly : callable
-        A flight, as of `fly_planar`.
-    verdict : callable
-        Takes a vehicle, a wind and a control, and by name the plane, whether parameters are frozen,
-        and options of its own, and gives the verdict on a limit.
+    `fly`: a flight, as of `fly_planar`. `verdict`: takes a vehicle, a wind and a control, and by
+    name the plane, whether parameters are frozen, and options of its own.
     """
 
     words: str

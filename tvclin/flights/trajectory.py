@@ -38,16 +38,9 @@ _STEEP = np.radians(89.9)
 
 @dataclass(frozen=True, eq=False)
 class NominalFlight:
-    """The nominal flight over a span of time; make it with `nominal_flight`.
+    """The nominal flight over a span of time [s]; make it with `nominal_flight`.
 
-    Attributes
-    ----------
-    vehicle : Vehicle
-        The vehicle at its own time.
-    condition : FlightCondition
-        What was assumed.
-    start, stop : float
-        The span [s].
+    `vehicle`: at its own time. `condition`: what was assumed.
     """
 
     vehicle: Vehicle
@@ -58,10 +51,7 @@ class NominalFlight:
     def states(self, t: ArrayLike) -> FloatArray:
         """Return velocity [m/s], flight path angle [rad] and altitude [m], ``(3,) + t.shape``.
 
-        Raises
-        ------
-        InputError
-            For times outside the span.
+        `InputError` for times outside the span.
         """
         times = finite("t", t, "s")
         slack = 1e-9 * (self.stop - self.start)

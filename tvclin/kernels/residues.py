@@ -18,18 +18,10 @@ _ROUNDINGS = 32.0
 def residues(
     poles: AnyArray, gains: tuple[AnyArray, ...], inputs: tuple[Pieces, ...], start: FloatArray
 ) -> tuple[AnyArray, FloatArray]:
-    """Return the residue at each pole, with the time counted from `start`, and its rounding.
+    """Return the residue at each pole, with the time counted from `start` [s], and its rounding.
 
-    Parameters
-    ----------
-    poles : ndarray
-        Poles [1/s], ``(..., N)``; what is NaN stays NaN.
-    gains : tuple of ndarray
-        For each input, the residues of its transfer function there, ``(..., N)``.
-    inputs : tuple of Pieces
-        The inputs; their batches broadcast with that of the poles.
-    start : ndarray
-        Times [s], ``(...)``.
+    `poles`: in 1/s, ``(..., N)``; what is NaN stays NaN. `gains`: for each input the residues of
+    its transfer function there. `inputs`: their batches broadcast with that of the poles.
     """
     terms, sizes = [], []
     roundings = np.asarray(_ROUNDINGS)

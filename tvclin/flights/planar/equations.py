@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import instance, one_of, single
+from tvclin.base.errors import one_of, single
 from tvclin.flights.trajectory import NominalFlight
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -45,7 +45,6 @@ class PlanarMotion:
     nominal: NominalFlight | None = None
 
     def __post_init__(self) -> None:
-        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
         single("vehicle", self.vehicle.replace(time=None).batch)
 

@@ -19,28 +19,12 @@ _INTEGRATORS = {
 class Engine:
     """One instance of JSBSim with one model, at rest in its initial state.
 
-    Parameters
-    ----------
-    model : str
-        XML of the model.
-    initial : mapping
-        Initial state: properties of JSBSim below ``ic/`` and their values.
-    step : float
-        Step [s].
-    planet : str, optional
-        XML of a planet; without one it is the rotating Earth, WGS84.
-    drift : bool
-        Whether the velocity changes; without drift it keeps its initial value.
-
-    Raises
-    ------
-    InputError
-        When JSBSim is not installed.
-
-    Notes
-    -----
     Each `run` moves the state with what acted before, then evaluates what acts at the new time:
     inputs of the new time are set before the call.
+
+    `model`, `planet`: XML; without a planet it is the rotating Earth, WGS84. `initial`: properties
+    below ``ic/`` and their values. `step`: in s. `drift`: whether the velocity changes.
+    `InputError` when JSBSim is not installed.
     """
 
     def __init__(
