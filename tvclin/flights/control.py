@@ -4,12 +4,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.base.errors import InputError, between, instance, number, positive, small_angle
+from tvclin.base.errors import (
+    InputError,
+    between,
+    instance,
+    number,
+    positive,
+    single,
+    small_angle,
+)
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Law
-from tvclin.flights.checks import check_one
 from tvclin.flights.closed_loop.checks import check_actuator, check_rate_limit
 from tvclin.winds.histories import History
 
@@ -99,3 +106,15 @@ def limit_of(control: object, deflection_limit: float) -> float:
     return number(
         "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
     )
+
+
+def check_one(name: str, history: object, start: float) -> None:
+    """Raise `InputError` unless this is one history that begins with the flight [s] or later."""
+    instance(name, history, History, "such as TriangularWind")
+    assert isinstance(history, History)
+    single(name, history.batch)
+    if history.onset < start:
+        raise InputError(
+            f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
+            f" {float(history.onset):.6g} s on"
+        )

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tvclin.base.errors import InputError, flag
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.flights.checks import check_frozen
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of
 from tvclin.flights.falls import judged, watched_until
@@ -48,7 +48,7 @@ def planar_verdict(
     not, they vary along the nominal flight of `condition`. `InputError` as `fly_planar`, and for an
     aerodynamically stable vehicle.
     """
-    check_frozen(frozen, condition)
+    _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
     if frozen:  # any time is like another, and near zero it is known more sharply
         wind = wind.shift(-wind.onset)
@@ -82,7 +82,7 @@ def sixdof_verdict(
     `step`, `earth`: as of `fly_sixdof`, which says what is refused; all others as of
     `planar_verdict`.
     """
-    check_frozen(frozen, condition)
+    _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
     pole, begin = float(case.coefficients.pole), float(wind.onset)
     air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, pole))
@@ -92,6 +92,14 @@ def sixdof_verdict(
         return float(case.flown(case.steering(command, limit, air), air)[-1, 1])
 
     return judged(late_rate, command.control, wind, pole)
+
+
+def _check_frozen(frozen: bool, condition: object) -> None:
+    """Raise `InputError` unless parameters are frozen, or vary in a condition."""
+    if flag("frozen", frozen) == (condition is not None):
+        raise InputError(
+            "condition must be given exactly when parameters are not frozen (frozen=False)"
+        )
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
-from tvclin.kernels import polynomials
 from tvclin.kernels.residues import residues as residues_of_pieces
 from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
@@ -102,8 +101,7 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
     Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
     """
     modes = unstable_modes(plant)
-    start = first_time(deflection, wind)
-    found, _ = residues_at(modes, deflection, wind, start)
+    found, _, start = _at_poles(modes, deflection, wind)
     with np.errstate(over="ignore"):
         return found * np.exp(-modes.poles * start[..., np.newaxis])
 
@@ -120,8 +118,7 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
         As of `attitude_responses`.
     """
     modes = unstable_modes(plant)
-    start = first_time(deflection, wind)
-    found, tolerance = residues_at(modes, deflection, wind, start)
+    found, tolerance, _ = _at_poles(modes, deflection, wind)
     zero = (np.abs(found) <= tolerance) | np.isnan(modes.poles)
     stable = np.all(zero, axis=-1)
     with np.errstate(invalid="ignore"):
@@ -140,24 +137,21 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
     return judge(plant, deflection, wind).stable
 
 
-def first_time(deflection: History, wind: History) -> FloatArray:
-    """Return when the first of two histories begins [s], shape ``(...)``."""
+def _at_poles(
+    modes: Modes, deflection: History, wind: History
+) -> tuple[AnyArray, FloatArray, FloatArray]:
+    """The residues [rad], the rounding to which they are known, and when the first input begins.
+
+    They are those of the same flight with its time counted from there [s], and so neither vanish
+    for a late wind nor overflow for an early one; e^(-p start) times them are those of the flight
+    as it is. Both are ``(..., N)``; NaN at a pole that is NaN.
+    """
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
-    return np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
-
-
-def residues_at(
-    modes: Modes, deflection: History, wind: History, start: FloatArray
-) -> tuple[AnyArray, FloatArray]:
-    """Return the residues [rad] at the poles of `modes`, and the rounding to which they are known.
-
-    They are those of the same flight with its time counted from `start` [s], and so neither
-    vanish for a late wind nor overflow for an early one; e^(-p start) times them are those of the
-    flight as it is. Both have shape ``(..., N)``; NaN at a pole that is NaN.
-    """
+    start = np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
     gains = (modes.deflection_residues, modes.wind_residues)
-    return residues_of_pieces(modes.poles, gains, (deflection.pieces, wind.pieces), start)
+    pieces = (deflection.pieces, wind.pieces)
+    return (*residues_of_pieces(modes.poles, gains, pieces, start), start)
 
 
 def _final_attitude(
@@ -200,7 +194,7 @@ def _without_common_zero(plant: Plant) -> list[FloatArray]:
 
 
 def _oscillates(plant: Plant) -> Any:
-    poles = polynomials.roots(plant.denominator)
+    poles = plant.poles
     size = np.abs(poles).max(axis=-1, keepdims=True)
     undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)
     return np.any(undamped, axis=-1)

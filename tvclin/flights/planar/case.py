@@ -23,12 +23,11 @@ from tvclin.base.errors import (
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.answer import FARTHEST
-from tvclin.flights.checks import check_one
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
 from tvclin.flights.closed_loop.regimes import Loop
 from tvclin.flights.condition import FlightCondition
-from tvclin.flights.control import ONSET, Command, ReportControl
+from tvclin.flights.control import ONSET, Command, ReportControl, check_one
 from tvclin.flights.planar.equations import PlanarMotion
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant

@@ -19,10 +19,9 @@ from tvclin.base.errors import (
 )
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.answer import OUTPUTS
-from tvclin.flights.checks import check_one
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.condition import FlightCondition
-from tvclin.flights.control import Command, ReportControl
+from tvclin.flights.control import Command, ReportControl, check_one
 from tvclin.flights.sixdof.airframe import Place, borrowed
 from tvclin.flights.sixdof.departure import Course, course_of
 from tvclin.flights.sixdof.earth import Earth
