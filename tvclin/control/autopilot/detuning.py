@@ -23,7 +23,8 @@ from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.record import MARGINS, Margins, loop_margins
 from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import FlexiblePlant
-from tvclin.vehicle.structure import SloshTank, Structure
+from tvclin.linear.flexible_modes import named_modes
+from tvclin.vehicle.structure import SloshTank
 
 _SHOWN = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}
 """The margins of a table, and their headings."""
@@ -172,7 +173,7 @@ def detuned(
     single("autopilot", autopilot.batch)
     single("plant", plant.batch)
     row = positive("factors", one_row("factors", factors))
-    names = _names(plant.structure)
+    names, _ = named_modes(plant)
     if not names:
         raise InputError("detuned() needs a plant with a bending mode or a tank; this has none")
     count = len(names)
@@ -198,11 +199,6 @@ def detuned(
         tuple(_edges(autopilot, plant, names, float(row.min()), float(row.max()))),
         plants,
     )
-
-
-def _names(structure: Structure) -> tuple[str, ...]:
-    parts = {"bending": structure.bending, "slosh": structure.slosh}
-    return tuple(f"{kind} {k}" for kind, modes in parts.items() for k in range(1, len(modes) + 1))
 
 
 def with_modes(

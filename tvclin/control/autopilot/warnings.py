@@ -13,7 +13,7 @@ from tvclin.control.autopilot.wiring import exact_loop
 from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.flexible_modes import named_modes
-from tvclin.linear.modes import unstable_modes
+from tvclin.linear.modes import unstable_poles
 
 
 def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:
@@ -48,7 +48,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
             warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=stacklevel)
     if autopilot.actuator is None:
         return
-    poles = np.real(unstable_modes(plant).poles)
+    poles = np.real(unstable_poles(plant))
     fastest = np.nan_to_num(poles).max(axis=-1, initial=0.0)
     slow = np.asarray(autopilot.actuator.natural_frequency) < fastest
     if np.any(slow):
