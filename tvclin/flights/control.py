@@ -4,15 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.base.errors import (
-    InputError,
-    between,
-    instance,
-    number,
-    positive,
-    single,
-    small_angle,
-)
+from tvclin.base.errors import InputError, between, instance, number, positive, single, small_angle
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw

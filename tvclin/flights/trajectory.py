@@ -17,15 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    LATEST,
-    InputError,
-    between,
-    finite,
-    instance,
-    number,
-    single,
-)
+from tvclin.base.errors import LATEST, InputError, between, finite, instance, number, single
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.flights.condition import FlightCondition
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle

@@ -5,15 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.errors import (
-    InputError,
-    between,
-    finite,
-    number,
-    one_row,
-    positive,
-    small_angle,
-)
+from tvclin.base.errors import InputError, between, finite, number, one_row, positive, small_angle
 from tvclin.boundary.fronts.load_limits import limits_of
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.linear.plant import Plant

@@ -17,12 +17,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray
-from tvclin.base.errors import (
-    InputError,
-    broadcast,
-    instance,
-    times_row,
-)
+from tvclin.base.errors import InputError, broadcast, instance, times_row
 from tvclin.control.autopilot.answer import WindAnswer, wind_answer
 from tvclin.control.autopilot.diagram import with_diagram
 from tvclin.control.autopilot.feedback import Feedback

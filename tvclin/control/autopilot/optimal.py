@@ -7,14 +7,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    between,
-    instance,
-    nonnegative,
-    number,
-    positive,
-)
+from tvclin.base.errors import InputError, between, instance, nonnegative, number, positive
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.linear.plant import Plant
 

@@ -7,15 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from tvclin.base.declared import checked, file_table, quantity, word
-from tvclin.base.errors import (
-    InputError,
-    each,
-    instance,
-    nonnegative,
-    one_of,
-    positive,
-    single,
-)
+from tvclin.base.errors import InputError, each, instance, nonnegative, one_of, positive, single
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS, GAINS

@@ -10,12 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    finite,
-    instance,
-)
+from tvclin.base.errors import InputError, callable_for, finite, instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.warnings import warn_of_feedback

@@ -10,13 +10,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import (
-    InputError,
-    callable_for,
-    instance,
-    number,
-    positive,
-)
+from tvclin.base.errors import InputError, callable_for, instance, number, positive
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wiring import closed_loop

@@ -6,16 +6,7 @@ from typing import Any, Self
 import numpy as np
 
 from tvclin.base.documents import keyed, picked
-from tvclin.base.errors import (
-    InputError,
-    each,
-    instance,
-    nonnegative,
-    number,
-    one_of,
-    plain,
-    text,
-)
+from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, plain, text
 from tvclin.base.tables import FileTable
 from tvclin.control.margins.bands import BandMargins, ModeBand
 from tvclin.control.margins.record import MARGINS, Margins, factor_to

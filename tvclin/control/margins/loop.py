@@ -9,13 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
-from tvclin.base.errors import (
-    InputError,
-    broadcast,
-    finite,
-    nonnegative,
-    within,
-)
+from tvclin.base.errors import InputError, broadcast, finite, nonnegative, within
 from tvclin.kernels.delayed_poles import rightmost_poles
 from tvclin.kernels.loop_margins import LoopFindings, loop_findings
 from tvclin.kernels.rational import Rational

@@ -19,14 +19,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    InputError,
-    between,
-    callable_for,
-    nonnegative,
-    number,
-    positive,
-)
+from tvclin.base.errors import InputError, between, callable_for, nonnegative, number, positive
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator

@@ -32,18 +32,10 @@ from tvclin.flights.closed_loop.edges import (
     in_all,
     stopped_winds,
 )
-from tvclin.flights.closed_loop.flown_record import (
-    CHANGES,
-    NOTHING,
-    FlownMargin,
-    FlownMargins,
-)
+from tvclin.flights.closed_loop.flown_record import CHANGES, NOTHING, FlownMargin, FlownMargins
 from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
 from tvclin.flights.closed_loop.many import RINGS, SURVIVED, fly_many
-from tvclin.flights.closed_loop.near_rest import (
-    delay_at_growth,
-    factors_at_growth,
-)
+from tvclin.flights.closed_loop.near_rest import delay_at_growth, factors_at_growth
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 

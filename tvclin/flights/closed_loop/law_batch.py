@@ -11,13 +11,7 @@ from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.autopilot.wiring import (
-    ASKED,
-    RETURNED,
-    SEEN,
-    integral_of_attitude,
-    law_blocks,
-)
+from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, integral_of_attitude, law_blocks
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED

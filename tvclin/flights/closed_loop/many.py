@@ -11,15 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import (
-    LATEST,
-    between,
-    broadcast,
-    instance,
-    number,
-    numbers,
-    positive,
-)
+from tvclin.base.errors import LATEST, between, broadcast, instance, number, numbers, positive
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.afterwards import swings_on

@@ -21,10 +21,7 @@ from tvclin.flights.closed_loop.law_batch import LawBatch
 from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flight_arrays import (
-    NEVER,
-    Flights,
-)
+from tvclin.kernels.flight_arrays import NEVER, Flights
 from tvclin.kernels.threads import in_slices
 
 _PLAIN, _COMPILED = 3e-5, 5e-8

@@ -14,12 +14,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    ending,
-    flag,
-    instance,
-)
+from tvclin.base.errors import InputError, ending, flag, instance
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.answer import FARTHEST

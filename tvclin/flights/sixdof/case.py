@@ -8,15 +8,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import (
-    InputError,
-    flag,
-    instance,
-    number,
-    one_of,
-    single,
-    within,
-)
+from tvclin.base.errors import InputError, flag, instance, number, one_of, single, within
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.answer import OUTPUTS
 from tvclin.flights.closed_loop.checks import check_span
