@@ -13,5 +13,5 @@ def warn_of_the_end(time: float) -> None:
     warnings.warn(
         f"the flight ends at t = {time:.6g} s, where its attitude is more than 25 deg from the"
         " nominal: beyond, the model holds no longer",
-        stacklevel=4,
+        stacklevel=3,
     )

@@ -121,20 +121,22 @@ def fly(
     )
     most, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
     check_engine(plant, actuator)
-    start = float(wind.onset)
-    check_span(start, float(times.max()))
+    check_span(float(wind.onset), float(times.max()))
     if sample_rate is None:
         if delay:
             raise InputError("a delay belongs to samples; give a sample_rate")
         if plant.structure is not None:
             raise InputError("a flexible plant is flown by samples; give a sample_rate")
-        rows = _continuous(plant, law, wind, times, (limit, most), actuator, start, factor)
+        rows = _continuous(plant, law, wind, times, (limit, most), actuator, factor)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
         hardware = Hardware(length, late, actuator, most)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
-    return _response(plant, wind, times, rows)
+    outputs = np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]])
+    labels, name = (*plant.outputs, "deflection"), f"{plant.model} with limits"
+    title = f"Flight with limits, {plant.model} model"
+    return time_response(times, outputs, labels, name=name, title=title, wind=wind)
 
 
 def _continuous(
@@ -144,7 +146,6 @@ def _continuous(
     times: FloatArray,
     limits: tuple[float, float],
     actuator: Actuator | None,
-    start: float,
     gain: float,
 ) -> FloatArray:
     if law.rate_noise[0]:
@@ -155,8 +156,8 @@ def _continuous(
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
     # any time is like another, and near zero it is known more sharply
-    loop, times = Loop(LinearEquations(plant), law, *limits, actuator, gain), times - start
-    flight = ContinuousFlight(loop, wind.shift(-start))
+    start, loop = float(wind.onset), Loop(LinearEquations(plant), law, *limits, actuator, gain)
+    flight, times = ContinuousFlight(loop, wind.shift(-start)), times - start
     return flight.shown(flight.arcs(0.0, float(times.max())), times)
 
 
@@ -207,16 +208,3 @@ def _sampled(
     check_pace(plant, length)
     until = max(last, start) + length
     return tracked(one_flight(plant, law, wind, limit, hardware, gain, until), times).rows
-
-
-def _response(
-    plant: AnyPlant, wind: History, times: FloatArray, rows: FloatArray
-) -> TimeResponseData:
-    return time_response(
-        times,
-        np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]]),
-        (*plant.outputs, "deflection"),
-        name=f"{plant.model} with limits",
-        title=f"Flight with limits, {plant.model} model",
-        wind=wind,
-    )

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import times_row
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.answer import FARTHEST, OUTPUTS, warn_of_the_end
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of, limit_of
-from tvclin.flights.sixdof.case import Air, SixDof
+from tvclin.flights.sixdof.case import SixDof
 from tvclin.flights.sixdof.earth import Earth
 from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import Vehicle
@@ -108,13 +107,9 @@ def fly_sixdof(
     command = command_of(control, float(times.min()), actuator, rate_limit)
     limit = limit_of(control, deflection_limit)
     rows = case.flown(case.steering(command, limit, air), air)
-    return _response(times, air, rows, f"{vehicle.name or 'vehicle'}, {plane}")
-
-
-def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> TimeResponseData:
     flown = air.times[: len(rows)]
     if abs(rows[-1, 0]) > FARTHEST:
         warn_of_the_end(float(flown[-1]))
     outputs = np.stack([np.interp(times, flown, row, right=np.nan) for row in rows.T])
-    title = f"Flight with six degrees of freedom, {title}"
-    return time_response(times, outputs, OUTPUTS, name="JSBSim", title=title, wind=air.wind)
+    title = f"Flight with six degrees of freedom, {vehicle.name or 'vehicle'}, {plane}"
+    return time_response(times, outputs, OUTPUTS, name="JSBSim", title=title, wind=wind)
