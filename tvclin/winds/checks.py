@@ -56,10 +56,7 @@ def check_end(wind: History) -> None:
 
 
 def keep(wind: History, **checked: FloatArray) -> None:
-    """Keep the checked fields of a frozen wind, all in the shape of its batch.
-
-    `InputError` unless their shapes broadcast.
-    """
+    """Keep the checked fields of a frozen wind, all in the shape of its batch."""
     together(**checked)
     for name, value in zip(checked, np.broadcast_arrays(*checked.values()), strict=True):
         object.__setattr__(wind, name, plain(value))

@@ -110,9 +110,6 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return what is studied: the vehicle, and model and plane where they are given.
 
     They stand in [study] or in [campaign], so that one file serves both.
-
-    `InputError` for an unknown table, one that is none, a wrong one that only studies read, a
-    vehicle or its table that is missing, and what is given twice.
     """
     if not document:
         raise InputError(

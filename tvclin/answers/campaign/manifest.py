@@ -67,10 +67,7 @@ def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
 
 
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
-    """Write the manifest into a folder, or find it there, and return it.
-
-    `InputError` when the folder holds another campaign or cannot be written.
-    """
+    """Write the manifest into a folder, or find it there, and return it."""
     if exists(folder / NAME):
         found = read_manifest(folder)
         if written(found.campaign) != written(campaign):
@@ -87,10 +84,7 @@ def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Man
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Return the manifest of a folder.
-
-    `InputError` when there is none, or it was changed after the campaign began.
-    """
+    """Return the manifest of a folder, unless it was changed after the campaign began."""
     file = folder / NAME
     try:
         document = json.loads(file.read_text(encoding="utf-8"))

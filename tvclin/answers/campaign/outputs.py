@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -101,28 +102,16 @@ def _slow(campaign: Campaign) -> bool:
     return campaign.model == "drift-and-speed"
 
 
-def _searched(campaign: Campaign) -> bool:
-    """Whether the minimum is, as that of vectors is too."""
-    return _slow(campaign) or campaign.planes == BOTH
-
-
-def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    def alone(plant: Plant, wind: History) -> Any:
-        return np.abs(forecast_free_limit(plant, wind).deflection)
-
-    return _least(campaign, batch, "forecast_free", alone, lambda one: one.no_forecast)
-
-
-def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    return _least(campaign, batch, "minimum", least_peaks, lambda one: one.minimum)
+def _forecast_free(plant: Plant, wind: History) -> FloatArray:
+    return np.abs(forecast_free_limit(plant, wind).deflection)
 
 
 def _least(
-    campaign: Campaign,
-    batch: Batch,
     name: str,
     alone: Callable[[Plant, History], Any],
     vector: Callable[[VectorNeed], float],
+    campaign: Campaign,
+    batch: Batch,
 ) -> dict[str, Any]:
     """What nothing undercuts; in both planes, and in each by itself, of the first case."""
     if not batch.parts:
@@ -195,11 +184,13 @@ REGISTRY = {
     ),
     "forecast-free": Output(
         lambda campaign: _of_planes(campaign, {"forecast_free": "rad"}),
-        _forecast_free,
+        partial(_least, "forecast_free", _forecast_free, lambda one: one.no_forecast),
         lambda campaign: campaign.planes == BOTH,
     ),
     "minimum": Output(
-        lambda campaign: _of_planes(campaign, {"minimum": "rad"}), _minimum, _searched
+        lambda campaign: _of_planes(campaign, {"minimum": "rad"}),
+        partial(_least, "minimum", least_peaks, lambda one: one.minimum),
+        lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),
     "flight": Output(lambda campaign: _of_planes(campaign, COLUMNS), flights),

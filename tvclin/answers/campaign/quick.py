@@ -313,10 +313,3 @@ def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float)
 
 def _plants(vehicle: Vehicle, case: Case) -> dict[str, Plant]:
     return {plane: Plant.from_vehicle(vehicle, case.model, plane) for plane in PLANES}
-
-
-def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:
-    if limit is None:
-        return None
-    enough = int(np.sum(covers(limit, deflection)))
-    return success_probability(enough, deflection.size, confidence)

@@ -23,12 +23,9 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN_OVER
-from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
-from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_response
 from tvclin.vehicle.coefficients import BOTH
-from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
@@ -41,16 +38,13 @@ _WATCHED = 20.0
 class ReplayedPlane:
     """One case in one plane.
 
-    `plant`, `wind`: its plant and wind. `law`: what flew it, where the campaign flies. `flexible`:
-    what was flown then, where the vehicle has a structure. `share`: the part of the limit that it
-    was flown with.
+    `made`: its plant and wind. `law`: what flew it, where the campaign flies. `share`: the part of
+    the limit that it was flown with.
     """
 
-    plant: Plant
-    wind: History
-    law: Law | None = None
-    flexible: FlexiblePlant | None = None
-    share: float = 1.0
+    made: Batch
+    law: Law | None
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +80,8 @@ class Replay:
     def _required(self, plane: str) -> float:
         from tvclin.answers.requirement import required_deflection
 
-        one = self._plane(plane)
-        return float(required_deflection(one.plant, one.wind, self.dead_band).deflection)
+        made = self._plane(plane).made
+        return float(required_deflection(made.plant, made.wind, self.dead_band).deflection)
 
     def response(
         self, capability: float = 1.0, points: int = 401, plane: str = ""
@@ -99,16 +93,16 @@ class Replay:
         from the onset of the wind to twice its duration. `InputError` when the case cannot be, or
         needs no deflection.
         """
-        one = self._plane(plane)
+        made = self._plane(plane).made
         required = self._required(plane) if plane else self.required
         if required == 0.0:
             raise InputError(f"case {self.case} needs no deflection")
         deflection = trim_then_hold(
-            one.plant, one.wind, capability * required, self.dead_band, "literal"
+            made.plant, made.wind, capability * required, self.dead_band, "literal"
         )
-        start, end = float(one.wind.onset), float(one.wind.end)
+        start, end = float(made.wind.onset), float(made.wind.end)
         return attitude_response(
-            one.plant, deflection, one.wind, np.linspace(start, 2.0 * end - start, points)
+            made.plant, deflection, made.wind, np.linspace(start, 2.0 * end - start, points)
         )
 
     @property
@@ -207,15 +201,15 @@ class Replay:
         `InputError` when the case cannot be, or the campaign flies nothing.
         """
         one = self._plane(plane)
-        plant, wind = one.plant, one.wind
+        wind = one.made.wind
         if one.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
-        poles = np.real(unstable_modes(plant).poles)
+        poles = np.real(unstable_modes(one.made.plant).poles)
         begin, rate = float(wind.onset), hardware["sample_rate"]
         end = float(wind.end) + (_WATCHED / float(poles.max()) if poles.size else 0.0)
         return fly(
-            one.flexible or plant,
+            one.made.flying,
             one.law,
             wind,
             begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
@@ -284,10 +278,8 @@ def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
     shares = shares_of(campaign, made) if made.parts else {}
     return {
         plane: ReplayedPlane(
-            one.first.plant,
-            one.first.wind,
+            one.first,
             law_of(campaign.parts[plane], one) if flies else None,
-            one.first.flexible,
             float(np.ravel(shares.get(plane, 1.0))[0]),
         )
         for plane, one in (made.parts or {campaign.plane: made}).items()

@@ -159,8 +159,7 @@ def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str,
 def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
     """Return how each input goes with the loss of flights, the strongest first.
 
-    `inputs`: dispersed values, ``(n,)`` each. `lost`: which flights are lost, ``(n,)``. Returned:
-    nothing where no flight or every flight is lost.
+    `inputs`: dispersed values, ``(n,)`` each. Nothing where no flight or every flight is lost.
 
     How sure it is comes from the test of Mann and Whitney, exact for few flights without ties,
     times the number of inputs (Bonferroni).

@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 
 
 def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
-    """Return the autopilot of a case; for a wind and criteria where its rule needs them.
-
-    `InputError` as `Case.autopilot` and `least_asked`.
-    """
+    """Return the autopilot of a case; for a wind and criteria where its rule needs them."""
     if case.asked.design != LEAST_NOZZLE:
         return case.autopilot
     return least_asked(case, wind, criteria).autopilot

@@ -55,8 +55,7 @@ def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float |
     """Return the rows of one burn, of which no number is missing.
 
     `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
-    [s]. `InputError` for times that fall, fewer than two rows, and a number that is missing between
-    them.
+    [s].
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)

@@ -101,10 +101,7 @@ def load_sizing(
 
 
 def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
-    """Return the name or the file of the vehicle of a study file, or a vehicle as it is.
-
-    `InputError` for a study file that has the numbers of its vehicle itself.
-    """
+    """Return the name or the file of the vehicle of a study file, or a vehicle as it is."""
     text, name = vehicle_text(source)
     document = tables_of(text, name)
     named = [

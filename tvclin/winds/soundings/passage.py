@@ -53,9 +53,6 @@ def angles_along(
 
     The flight is straight between its times. In yaw the wind meets it at right angles. With a
     `largest` angle [rad], the longest time that stays below it alone.
-
-    `InputError` for a flight that is not four arrays of one length, does not ascend, does not reach
-    the wind, or is slower than the part of the wind across it.
     """
     time, path, speed, climb = checked_flight(flight)
     low, high = max(height[0], path[0]), min(height[-1], path[-1])
@@ -98,7 +95,7 @@ def longest_run(times: FloatArray, good: BoolArray) -> slice:
 
 
 def checked_flight(flight: Flown) -> list[FloatArray]:
-    """Return the four arrays of a flight; raise `InputError` as `angles_along`."""
+    """Return the four arrays of a flight; `InputError` where they are none, or do not ascend."""
     try:
         given = {name: getattr(flight, name) for name in _FIELDS}
     except AttributeError:
