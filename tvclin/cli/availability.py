@@ -11,7 +11,6 @@ import typer
 from tvclin.answers.availability import answer_tables
 from tvclin.answers.availability.growth import PairGrowth
 from tvclin.answers.availability.record import Availability, Today
-from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with
@@ -84,25 +83,6 @@ class JudgedOptions:
         f"Which balloon of a --today that holds several, {TIME_HELP}", metavar="TIME"
     )
 
-    def availability(
-        self, flight: FlightSchedule, soundings: Soundings, blows: GustOptions, **told: Any
-    ) -> Availability:
-        """Return on how many days a limit is enough, which `availability` is told with more."""
-        from tvclin.answers.availability.availability import availability
-
-        gust, speed = blows.on_top
-        with bar("soundings") as progress:
-            return availability(
-                flight,
-                soundings,
-                stop=self.stop,
-                persistence=self.growth,
-                gust=gust,
-                gust_speed=speed,
-                progress=progress,
-                **told,
-            )
-
     @property
     def growth(self) -> float | PairGrowth | None:
         """An angle [rad], or how needs grew in the archive; None without an option."""
@@ -173,14 +153,28 @@ def availability(
     every direction; 1: it is not, or that is not known; 2: bad input.
     """
     from tvclin import plots
+    from tvclin.answers.availability.availability import availability as availability_of
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
-    told = {"limit": float(limit), "azimuth": azimuths, **model.values, **sign.values}
-    told |= question.values
-    found = judged.availability(flight, only.read(archive), blows, **told)
+    soundings, (gust, speed) = only.read(archive), blows.on_top
+    with bar("soundings") as progress:
+        found = availability_of(
+            flight,
+            soundings,
+            limit=float(limit),
+            azimuth=azimuths,
+            stop=judged.stop,
+            persistence=judged.growth,
+            gust=gust,
+            gust_speed=speed,
+            progress=progress,
+            **model.values,
+            **sign.values,
+            **question.values,
+        )
     today = () if balloon is None else found.today(balloon)
     if csv is not None:
         found.to_csv(csv)

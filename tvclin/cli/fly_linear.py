@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.flexible import with_filters
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.cli.flight_cases import REPORT, Flying
 from tvclin.cli.fly_shown import Compared, wind_line
@@ -68,6 +69,13 @@ class LinearCase(Flying):
             f" actuator {with_servo}",
         ]
         return "\n".join(said)
+
+
+def law_with_a_stop(case: StudyPlan, name: str) -> Law:
+    """Return the law of --law, whose flight takes the limit as the stop of the nozzle."""
+    if case.nozzle.limit is None:
+        raise InputError("--law needs --limit-deg, the stop of the nozzle")
+    return LinearCase(case, "", name, None).control
 
 
 def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:

@@ -4,11 +4,11 @@ import numpy as np
 
 from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.base.errors import InputError, one_of
+from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
-from tvclin.cli.fly_linear import LinearCase
+from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out
 from tvclin.cli.options import (
@@ -57,7 +57,7 @@ def loads(
         flies.gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (limits, bound, motion, flies)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid)
-    flown = _flown(case, names, blows.name(case))
+    flown = _flown(case, names)
     with waiting("angle over load"):
         front = _front(case)
     title = blows.title(case, vehicle)
@@ -91,15 +91,10 @@ def _print(title: str, front: LoadFront, flown: list[FlownLoad]) -> None:
         say(f"Flown: {one.words}.")
 
 
-def _flown(case: StudyPlan, names: list[str], wind: str) -> list[FlownLoad]:
-    """The loads of laws in a wind with a name."""
+def _flown(case: StudyPlan, names: list[str]) -> list[FlownLoad]:
+    """The loads of laws."""
     if not names:
         note_left_out(case, "loads without --law")
         return []
-    if case.nozzle.limit is None:
-        raise InputError("--law needs --limit-deg, the stop of the nozzle")
     with waiting("flying"):
-        return [
-            FlownLoad.of(case, name, LinearCase(case, wind, name, None).control, case.load)
-            for name in names
-        ]
+        return [FlownLoad.of(case, name, law_with_a_stop(case, name), case.load) for name in names]

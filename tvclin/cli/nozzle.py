@@ -3,11 +3,11 @@
 from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.base.errors import InputError, one_of
+from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
-from tvclin.cli.fly_linear import LinearCase
+from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out
 from tvclin.cli.options import (
@@ -68,7 +68,7 @@ def nozzle(
     case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")
-    flown = _flown(case, law, blows.name(case))
+    flown = _flown(case, law)
     with waiting("angle over rate"):
         front = _front(case)
     title, needed = blows.title(case, vehicle), _needed(case) if laws else None
@@ -91,14 +91,12 @@ def _front(case: StudyPlan) -> RateFront:
     return rate_front(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
 
 
-def _flown(case: StudyPlan, law: str | None, wind: str) -> FlownCard | None:
-    """What the flight of a law in a wind with a name asks of the nozzle; None without a law."""
+def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
+    """What the flight of a law asks of the nozzle; None without a law."""
     if law is None:
         return None
-    if case.nozzle.limit is None:
-        raise InputError("--law needs --limit-deg, the stop of the nozzle")
     with waiting("flying"):
-        return FlownCard.of(case, law, LinearCase(case, wind, law, None).control)
+        return FlownCard.of(case, law, law_with_a_stop(case, law))
 
 
 def _needed(case: StudyPlan) -> FlownFront:

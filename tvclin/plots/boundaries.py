@@ -48,8 +48,8 @@ if TYPE_CHECKING:
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 CONFIGURATIONS = ("configuration-i", "configuration-ii")
 
-_ABSCISSA = "wind duration tau*{} [-]"
-_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
+ABSCISSA = "wind duration tau*{} [-]"
+ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 _POINTS, _FLOWN_POINTS = 200, 40
 """Durations of the wind; with a gust, where the trim law is flown for each."""
@@ -123,7 +123,7 @@ def figure_5(
     names = ", ".join(_short(vehicle, number) for number, vehicle in enumerate(loaded, 1))
     damped = next((s for s in symbols if s != "beta"), "beta")
     curves = Curves(
-        "figure-5", f"triangular wind, y_BR; {names}", _ABSCISSA.format(damped), x, tuple(columns)
+        "figure-5", f"triangular wind, y_BR; {names}", ABSCISSA.format(damped), x, tuple(columns)
     )
     labels = list(dict.fromkeys(column.label for column in columns))
     styles: dict[str, Any] = {labels[0]: {"color": INK, "ls": "-", "lw": 2.0}}
@@ -131,7 +131,7 @@ def figure_5(
     styles |= {label: {"color": c, "ls": line, "lw": 2.0} for label, c, line in broken}
     look = Look(
         title="Figure 5. Stability boundary in triangular winds: eqs (12) and (18)",
-        ordinate=_ORDINATE,
+        ordinate=ORDINATE,
         styles=styles,
         limits=dict.fromkeys(curves.panels, (0.0, 1.02)),
     )
@@ -226,16 +226,21 @@ def _draw_boundaries(
     styles["rectangular"] = {"color": INK, "ls": "-", "lw": 2.0}
     what = f"y_BR {_FIXED if c is None else _DRIFT}"
     if c is not None:
-        what += f"; {c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+        what += f"; {drift_words(c)}"
     symbol = "beta" if c is None else c.pole_symbol
-    curves = Curves(name, what, _ABSCISSA.format(symbol), x, tuple(columns))
+    curves = Curves(name, what, ABSCISSA.format(symbol), x, tuple(columns))
     plot = draw(
-        curves, Look(title, _ORDINATE, styles, "wind and dead band", limits={"": (0.0, 1.02)})
+        curves, Look(title, ORDINATE, styles, "wind and dead band", limits={"": (0.0, 1.02)})
     )
     axes = plot.axes[0, 0]
     axes.set_yticks(np.arange(0, 1.01, 0.1))
     _mark_durations(axes, x)
     return plot
+
+
+def drift_words(c: Coefficients) -> str:
+    """Return what eq (18) knows of a vehicle."""
+    return f"{c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
 
 
 def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:

@@ -12,6 +12,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import positive
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.flights.engines import ENGINES
+from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.flown import PEAK, chosen_engine, flown_limit
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
@@ -29,8 +30,6 @@ ALONG = {
     "along the trajectory, yaw": ("yaw", PEAK),
 }
 """Plane and peak [rad] of the winds that are flown with varying parameters."""
-_ABSCISSA = "wind duration tau*{} [-]"
-_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _FIXED, _DRIFT = "without drift, eq (12)", "with drift, eq (18)"
 _CURVES = np.linspace(0.05, 20.0, 400)
 
@@ -105,15 +104,12 @@ def _figure(
         for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flies)
     ]
     c = Coefficients.from_vehicle(vehicle)
-    what = (
-        f"triangular wind of 1 deg, y_BR; {c.pole_symbol} = {c.pole:.6g} 1/s,"
-        f" b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s; flown within 0.0015"
-    )
-    curves = Curves(f"figure-{number}", what, _ABSCISSA.format(c.pole_symbol), x, tuple(columns))
+    what = f"triangular wind of 1 deg, y_BR; {drift_words(c)}; flown within 0.0015"
+    curves = Curves(f"figure-{number}", what, ABSCISSA.format(c.pole_symbol), x, tuple(columns))
     look = Look(
         title=f"Figure {number}. Stability boundary, theoretical and flown\n{vehicle.name or name};"
         " winds of 1 deg, parameters frozen unless flown along the trajectory",
-        ordinate=_ORDINATE,
+        ordinate=ORDINATE,
         styles=_styles(flies),
         limits=dict.fromkeys(curves.panels, (0.0, 1.02)),
     )

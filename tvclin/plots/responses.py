@@ -12,6 +12,7 @@ from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
+from tvclin.plots.boundaries import drift_words
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.flown import PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
@@ -85,7 +86,7 @@ def attitude_chart(
     c = plant.coefficients
     what = f"(Theta - Theta_n)/(-alpha_w,max); model {plant.model}, K = {dead_band:g}"
     if plant.model != "fixed-path":
-        what += f", {c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+        what += f", {drift_words(c)}"
     if flights is not None:
         what += "; flown with the same deflection limits in pitch, tail wind of 1 deg (assumed)"
     curves = Curves(name, what, "time t/tau [-]", x, tuple(columns))
