@@ -282,7 +282,7 @@ def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
     tops[0, 0] = 1.0 / tops[0, 0]
     pairs = np.concatenate([classical_margins(found), tops])
     pairs[..., ~good] = np.nan
-    numbers = (status, found.unstable_poles, *pairs.reshape(-1, good.size))
+    numbers = (status, found.unstable_poles, *pairs.reshape(2 * len(pairs), good.size))
     lists = (found.gain_frequencies, found.phases, found.phase_frequencies, found.factors)
     crossings = Crossings(*(_trimmed(rows, batch) for rows in lists))
     names = [field.name for field in fields(Margins)][:-1]
