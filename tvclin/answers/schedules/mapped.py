@@ -229,25 +229,19 @@ def _is_coefficient(heading: Heading) -> bool:
 def vehicle_columns(flight: Flight) -> dict[str, Column]:
     """Return the fields of a vehicle, and altitude and nominal deflection, of a flight."""
     have = flight.columns
-    plain = (*_PLAIN, "altitude", "nominal_deflection", "pitch_damping")
-    made = {name: have[name] for name in plain if name in have}
-    for name in _EITHER:
-        if name in have:
-            made[name] = have[name]
+    known = (*_PLAIN, "altitude", "nominal_deflection", "pitch_damping", *_EITHER)
+    made = {name: have[name] for name in known if name in have}
     if "weight" not in made:
         made["weight"] = weight_of(flight)
     if "aerodynamic_arm" not in made:
         made["aerodynamic_arm"] = aerodynamic_arm_of(flight)
     if "control_arm" not in made:
         made["control_arm"] = control_arm_of(flight, have["gimbal_station"])
-    for name, coefficient in (
-        ("normal_force_slope", "normal_force_coefficient_slope"),
-        ("axial_force", "axial_force_coefficient"),
-    ):
+    for name in ("normal_force_slope", "axial_force"):
         if name not in made:
-            parts = [have[one] for one in ("dynamic_pressure", "reference_area", coefficient)]
+            parts = [have[one] for one in _EITHER[name]]
             values = parts[0].values * parts[1].values * parts[2].values
             made[name] = Column(values, " times ".join(one.origin for one in parts))
-            if coefficient.endswith("slope"):
+            if name == "normal_force_slope":
                 check_slope(parts[2].values)
     return made

@@ -15,11 +15,11 @@ from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.text import Text
 
 _HEADER = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
-_HEIGHT, _DIRECTION, _SPEED = slice(16, 21), slice(40, 45), slice(46, 51)
+HEIGHT, DIRECTION, SPEED = slice(16, 21), slice(40, 45), slice(46, 51)
 _WIDTH = 51
-_BLANK = (33, 39, 45)
+BLANK = (33, 39, 45)
 """Between the last columns nothing stands, counted from 0."""
-_ABSENT = (-9999.0, -8888.0)
+ABSENT = (-9999.0, -8888.0)
 """Missing, and removed by quality control."""
 
 
@@ -49,16 +49,16 @@ def _read(text: Text, first: int, end: int, title: str, count: int) -> Levels:
             first + 1, f"{count} levels are announced and {line.size} follow; the file is cut short"
         )
     rows = [text.lines[i - 1] for i in line]
-    good = [len(row) >= _WIDTH and all(row[i] == " " for i in _BLANK) for row in rows]
+    good = [len(row) >= _WIDTH and all(row[i] == " " for i in BLANK) for row in rows]
     text.require(
         np.array(good, dtype=bool), line, lambda _: "a level is cut short or not in its columns"
     )
     return Levels.blowing(
         text=text,
         line=line,
-        speed=_column(text, "WSPD", [row[_SPEED] for row in rows], line) / 10,
-        direction=np.radians(_column(text, "WDIR", [row[_DIRECTION] for row in rows], line)),
-        height=_column(text, "GPH", [row[_HEIGHT] for row in rows], line),
+        speed=_column(text, "WSPD", [row[SPEED] for row in rows], line) / 10,
+        direction=np.radians(_column(text, "WDIR", [row[DIRECTION] for row in rows], line)),
+        height=_column(text, "GPH", [row[HEIGHT] for row in rows], line),
         title=title,
         geopotential=True,
         balloon=True,
@@ -67,4 +67,4 @@ def _read(text: Text, first: int, end: int, title: str, count: int) -> Levels:
 
 def _column(text: Text, name: str, cells: list[str], line: IntArray) -> FloatArray:
     values = text.numbers(name, cells, line)
-    return np.where(np.isin(values, _ABSENT), np.nan, values)
+    return np.where(np.isin(values, ABSENT), np.nan, values)

@@ -20,13 +20,14 @@ from numpy.typing import NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason
+from tvclin.winds.soundings.igra import ABSENT, BLANK, DIRECTION, HEIGHT, SPEED
 from tvclin.winds.soundings.many import Collected, Wanted
 from tvclin.winds.soundings.many_levels import Rows, collected
 
 _HEADER = re.compile(rb"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b")
 BEGINS = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
 _WIDEST = 60
-_BLANK = (33, 39, 45)
+_PRESSURE = slice(9, 15)
 _DERIVED = "-drvd"
 _AT_ONCE = 100_000
 """Levels that are looked at together."""
@@ -203,10 +204,9 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     """The levels of some soundings, of their lines."""
     whole = np.array(lines or [b""], dtype=f"S{_WIDEST}")[: len(lines)]
     letters = whole.view(np.uint8).reshape(len(lines), _WIDEST)
-    good = np.all(letters[:, _BLANK] == ord(" "), axis=1)
+    good = np.all(letters[:, BLANK] == ord(" "), axis=1)
     pressure, height, direction, speed = (
-        _numbers(letters[:, columns], good)
-        for columns in (slice(9, 15), slice(16, 21), slice(40, 45), slice(46, 51))
+        _numbers(letters[:, columns], good) for columns in (_PRESSURE, HEIGHT, DIRECTION, SPEED)
     )
     return Rows(
         sounding=np.repeat(np.arange(counts.size), counts),
@@ -228,4 +228,4 @@ def _numbers(letters: NDArray[np.uint8], good: BoolArray) -> FloatArray:
     powers = 10.0 ** np.arange(letters.shape[1] - 1, -1, -1)
     values = np.where(digit, letters - np.uint8(ord("0")), np.uint8(0)) @ powers
     values = np.where(minus.any(axis=1), -values, values)
-    return np.where((values == -9999.0) | (values == -8888.0), np.nan, values)
+    return np.where(np.isin(values, ABSENT), np.nan, values)
