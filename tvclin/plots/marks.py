@@ -146,6 +146,8 @@ def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
             found.append(
                 (_cost(place, around) + 0.02 * distance, len(found), offset, direction, place)
             )
+        if min(one[0] for one in found) <= 0.02 * distance:  # hides nothing: none is better
+            break
     _, _, offset, (right, up), place = min(found, key=lambda one: one[:2])
     note.set_position(tuple(offset))
     note.set_horizontalalignment(("center", "left", "right")[int(right)])
@@ -156,11 +158,12 @@ def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
 def _cost(place: "Bbox", around: _Around) -> float:
     frame = around.frame
     out = place.x0 < frame.x0 or place.x1 > frame.x1 or place.y0 < frame.y0 or place.y1 > frame.y1
-    room = place.padded(_MARK_SIZE / 2.0)
+    room, points = place.padded(_MARK_SIZE / 2.0), around.points
+    covered = np.all((points >= room.min) & (points <= room.max), axis=-1)
     return (
         _OUTSIDE * out
         + _LABEL * sum(bool(place.overlaps(other)) for other in around.taken)
-        + _MARK * sum(bool(room.contains(*point)) for point in around.points)
+        + _MARK * int(np.sum(covered))
         + sum(cost for path, cost in around.curves if path.intersects_bbox(place, filled=False))
     )
 
