@@ -202,6 +202,7 @@ def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
 def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one() -> None:
     """The altitude [m] once had the smallest error of an angle [rad], which is its rounding."""
     from tvclin.flights.closed_loop.continuous import ContinuousFlight
+    from tvclin.flights.closed_loop.regimes import Loop
     from tvclin.flights.condition import load_flight_condition
     from tvclin.flights.planar.case import planar_case
 
@@ -214,7 +215,7 @@ def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one(
             vehicle, wind, (62.0, 75.0), plane="pitch", drift=True, condition=condition
         )
         law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle, "fixed-path"))
-        flight = ContinuousFlight(case.motion, law, wind, 0.2 * peak, float("inf"), None)
-        arcs = flight.arcs(62.0, 75.0)
+        loop = Loop(case.motion, law, 0.2 * peak, float("inf"), None)
+        arcs = ContinuousFlight(loop, wind).arcs(62.0, 75.0)
         counts.append(sum(len(arc.solution.ts) for arc in arcs))
     assert counts[1] < 2 * counts[0]
