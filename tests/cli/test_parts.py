@@ -236,8 +236,6 @@ OF_ONE_TIME = {
     "nozzle": ("--law", "autopilot"),
     "loads": ("--law", "autopilot"),
 }
-
-
 IN_FLIGHT = ("gust", "head wind", "heading", "shape of the stop", "rate limit", "limit")
 """Parts that count in flown margins alone."""
 
