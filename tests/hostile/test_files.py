@@ -59,6 +59,15 @@ def test_a_name_longer_than_the_file_system_takes_is_one_sentence(arguments) -> 
     assert LONG not in check_refused(run(*arguments))
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [("size", "--csv", "no/x.csv"), ("size", "--plot", "no/x.png"), ("size", "--plot", "x.xyz")],
+)
+def test_where_an_answer_cannot_be_written_is_told_before_the_work(monkeypatch, arguments) -> None:
+    monkeypatch.setattr("tvclin.cli.size.flight_asked", pytest.fail)
+    assert "x." in check_refused(run(*arguments))
+
+
 def test_a_campaign_needs_a_folder_that_can_be(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     file = tmp_path / "many.toml"
@@ -174,7 +183,10 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "between 1e-09 and 1e+09"),
         (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
         (["laws", "--wind", "triangle", "--duration", "1e6"], "samples"),
-        (["size", "--gust", "45", "1e4", "--varying", "--every", "50"], "for at most 5000 times"),
+        (
+            [*("size", "--gust", "45", "1e4", "--varying"), *("--from", "70", "--to", "71")],
+            "for at most 5000 times",
+        ),
     ],
 )
 def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(arguments, told):

@@ -10,6 +10,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import boundary_alone, open_loop_needs
+from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import Plant
 from tvclin.winds.shaped import ShapedWind
 
@@ -17,6 +18,8 @@ _COARSE, _FINE = 16, 64
 """Steps over the wind, at least and at most: two in each duration of the gust."""
 _CLOSE = 1e-4
 """The time is known to this part of the duration of the wind."""
+_LOOKS = 15
+"""About how often that takes to look."""
 
 
 def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
@@ -51,12 +54,13 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
         near = times[[max(best - 1, 0), min(best + 1, steps)]]
         from scipy.optimize import minimize_scalar
 
-        finer = minimize_scalar(
-            lambda at: -float(needed(np.asarray(at))),
-            bounds=tuple(near),
-            method="bounded",
-            options={"xatol": _CLOSE * length},
-        )
+        with repeated(_LOOKS):
+            finer = minimize_scalar(
+                lambda at: -float(needed(np.asarray(at))),
+                bounds=tuple(near),
+                method="bounded",
+                options={"xatol": _CLOSE * length},
+            )
         better = -finer.fun > found[best]
         return replace(wind, gust_at=float(finer.x if better else times[best]))
     return wind

@@ -36,13 +36,7 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     A file that is there already is replaced, and lends its mode; of a link the file that it leads
     to is written.
     """
-    name, path = called(path), _behind_links(path)
-    if exists(path) and path.is_dir():
-        raise InputError(f"{name} is a directory; name a file in it")
-    if exists(path) and not path.is_file():
-        raise InputError(f"{name} is not an ordinary file; name another")
-    if not exists(path.parent):
-        raise InputError(f"{name} cannot be written: make the folder {called(path.parent)} first")
+    path = place_of(path)
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:_PREFIX]}.")
         os.close(handle)
@@ -58,6 +52,24 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
         raise _unwritable(path, error) from None
     finally:
         Path(temporary).unlink(missing_ok=True)
+
+
+def place_of(path: Path) -> Path:
+    """Return where a file is written, behind links; `InputError` where none can be."""
+    name, path = called(path), _behind_links(path)
+    if exists(path) and path.is_dir():
+        raise InputError(f"{name} is a directory; name a file in it")
+    if exists(path) and not path.is_file():
+        raise InputError(f"{name} is not an ordinary file; name another")
+    if not exists(path.parent):
+        raise InputError(f"{name} cannot be written: make the folder {called(path.parent)} first")
+    try:
+        path.lstat()
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:  # its name is too long
+        raise _unwritable(path, error) from None
+    return path
 
 
 def write_text(path: Path, text: str) -> None:

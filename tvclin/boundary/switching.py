@@ -26,8 +26,10 @@ from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
-_SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
-"""About what a breakpoint of a case takes, in plain Python and as machine code."""
+_SECONDS, _COMPILED = 1e-4, 5e-3
+"""About what a breakpoint of a case takes for each rate of its wind, and machine code of that."""
+_FILTERED = {"f": 3, "c": 10}
+"""How often as long it takes where trim is filtered, by the kind of the rates."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Problem:
         """Return the solution for each driver: B alpha_w, or where `literal` trim itself."""
         winds, which, numbers = self._arrays
         out = np.empty((which.size, len(literal), 3))
-        self._run(switches.switches, winds, which, numbers, np.array(literal), out)
+        self._run(switches.switches, self._filtering, winds, which, numbers, np.array(literal), out)
         time, demand, status = np.moveaxis(out.reshape(*self.shape, len(literal), 3), -1, 0)
         return [
             Switch(
@@ -82,7 +84,7 @@ class Problem:
         winds, which, numbers = self._arrays
         some = np.flatnonzero(cases)
         out = np.empty(some.size)
-        self._run(switches.largest_trims, winds, which[some], numbers[some], out)
+        self._run(switches.largest_trims, self._filtering, winds, which[some], numbers[some], out)
         found.ravel()[some] = out
         return found
 
@@ -96,7 +98,7 @@ class Problem:
         winds, which, numbers = self._arrays
         found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights)
-        self._run(at_heights, winds, which[cases], *work, found)
+        self._run(at_heights, 1, winds, which[cases], *work, found)
         return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property
@@ -108,7 +110,12 @@ class Problem:
         columns = [np.broadcast_to(one, self.shape).ravel() for one in every]
         return winds, which, np.stack(columns, axis=-1)
 
-    def _run(self, function: Any, winds: Any, which: IndexArray, *arrays: Any) -> None:
-        knots = winds[0].shape[-1] * which.size
-        work = (winds, which, *arrays)
-        run(function, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
+    @property
+    def _filtering(self) -> int:
+        """How often as long it takes to follow trim as where it is the wind."""
+        winds, _, numbers = self._arrays
+        return _FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
+
+    def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
+        seconds = _SECONDS * longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
+        run(function, (winds, which, *arrays), which.size, seconds, _COMPILED * seconds)

@@ -24,6 +24,7 @@ from tvclin.cli.options import (
     Plot,
     asked,
     switch,
+    to_write,
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
@@ -140,7 +141,8 @@ def availability(
     as_json: AsJson = False,
     csv: Path | None = asked(
         "Also write what every sounding needs into this file: need_deg (empty where"
-        " --limit-deg is not judged), and its bounds, least_deg and most_deg."
+        " --limit-deg is not judged), and its bounds, least_deg and most_deg.",
+        callback=to_write,
     ),
     plot: Plot = None,
 ) -> None:

@@ -12,7 +12,7 @@ from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import note_left_out, only_with
-from tvclin.cli.options import GROUP, MODEL, NOZZLE, STUDY, AsJson, Given, asked
+from tvclin.cli.options import GROUP, MODEL, NOZZLE, STUDY, AsJson, Given, asked, to_write
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
@@ -43,7 +43,7 @@ def card(
     sign: Given = Given(STUDY, "sign"),
     own: FlownLaw = GROUP,
     as_json: AsJson = False,
-    csv: Path | None = asked("Also write every flight into this CSV file."),
+    csv: Path | None = asked("Also write every flight into this CSV file.", callback=to_write),
 ) -> None:
     """Say what a whole flight asks of the nozzle: angle, rate, acceleration, travel, and torque.
 

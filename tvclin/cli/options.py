@@ -8,12 +8,12 @@ from importlib import import_module
 from inspect import Parameter, Signature, signature
 from keyword import iskeyword
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
 import typer
 
 from tvclin.base.declared import Declared, declared, help_line
-from tvclin.base.files import write_text
+from tvclin.base.files import place_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
 from tvclin.boundary.stops import STOPS
@@ -25,6 +25,22 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
     from tvclin.plots.curves import Curves
+
+
+def to_write(file: Path | None) -> Path | None:
+    """Return the file of an option; where none can be written that is told before the work."""
+    if file is not None:
+        place_of(file)
+    return file
+
+
+def _to_draw(file: Path | None) -> Path | None:
+    if to_write(file) is not None:
+        from tvclin.plots.style import figure_format
+
+        figure_format(cast(Path, file))
+    return file
+
 
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 SOURCE_HELP = (
@@ -38,9 +54,13 @@ TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
-Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]
+Csv = Annotated[
+    Path | None,
+    typer.Option(help="Also write what --plot draws into this CSV file.", callback=to_write),
+]
 Plot = Annotated[
-    Path | None, typer.Option(help="Also draw a figure into this file (png, pdf, svg).")
+    Path | None,
+    typer.Option(help="Also draw a figure into this file (png, pdf, svg).", callback=_to_draw),
 ]
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
@@ -48,11 +68,24 @@ Rigid = Annotated[
 
 
 def asked(
-    help: str, default: Any = None, *, shown: str = "", flag: str = "", metavar: str | None = None
+    help: str,
+    default: Any = None,
+    *,
+    shown: str = "",
+    flag: str = "",
+    metavar: str | None = None,
+    callback: Callable[[Any], Any] | None = None,
 ) -> Any:
     """Return the option of a parameter: its help, and what stands for its default there."""
     named = [flag] if flag else []
-    return typer.Option(default, *named, help=help, show_default=shown or True, metavar=metavar)
+    return typer.Option(
+        default,
+        *named,
+        help=help,
+        show_default=shown or True,
+        metavar=metavar,
+        callback=callback,
+    )
 
 
 def switch(flag: str, help: str) -> Any:

@@ -15,7 +15,7 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.lines import words
-from tvclin.cli.options import GROUP, asked, grouped
+from tvclin.cli.options import GROUP, asked, grouped, to_write
 from tvclin.cli.output import print_tables, say
 from tvclin.vehicle.coefficients import Coefficients
 
@@ -30,7 +30,10 @@ source = typer.Typer(
 schedule.add_typer(source, name="from")
 
 File = Annotated[Path, typer.Argument(help="The file that the tool exported.")]
-Output = Annotated[Path, typer.Option("-o", "--output", help="The schedule to write, a CSV file.")]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", help="The schedule to write, a CSV file.", callback=to_write),
+]
 Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from the nose tip aft.")]
 
 
@@ -152,7 +155,7 @@ def log(
     ],
     output: Output,
     wind_output: Path | None = asked(
-        "Also write the wind that the flight met, over height, as CSV."
+        "Also write the wind that the flight met, over height, as CSV.", callback=to_write
     ),
     columns: Path | None = asked(
         "TOML file with a table named columns, as of tvclin schedule from table.",

@@ -38,6 +38,7 @@ from tvclin.cli.options import (
     Plot,
     asked,
     switch,
+    to_write,
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
@@ -158,7 +159,9 @@ def size(
         "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
     ),
     as_json: AsJson = False,
-    csv: Path | None = asked("Also write every flight time and wind into this file."),
+    csv: Path | None = asked(
+        "Also write every flight time and wind into this file.", callback=to_write
+    ),
     plot: Plot = None,
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.

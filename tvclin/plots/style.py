@@ -246,6 +246,18 @@ class _Drawn:
         return getattr(ControlPlot(self.lines, self.axes, self.figure), name)
 
 
+def figure_format(path: Path) -> str:
+    """Return the format that the ending of a file says; `InputError` for one that is none."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in FigureCanvasBase.get_supported_filetypes():
+        raise InputError(
+            f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
+        )
+    return kind
+
+
 def save_figure(plot: "ControlPlot", path: Path) -> None:
     """Write a figure, whole or not at all, and close it, also where it cannot be written.
 
@@ -263,12 +275,8 @@ def save_figure(plot: "ControlPlot", path: Path) -> None:
     """
     import matplotlib.pyplot as plt
 
-    kind = path.suffix.lstrip(".").lower()
     try:
-        if kind not in plot.figure.canvas.get_supported_filetypes():
-            raise InputError(
-                f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
-            )
+        kind = figure_format(path)
         drawn = BytesIO()  # not the file: on a full disk the writer of PDF fails in its own way
         with plt.rc_context({"svg.hashsalt": "tvclin"}):
             plot.figure.savefig(drawn, format=kind, dpi=150)
