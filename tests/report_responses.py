@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, finite, nonnegative, plain, positive, together, within
-from tvclin.kernels.limits import psi
+from tvclin.numerics.limits import psi
 
 FloatArray = NDArray[np.float64]
 

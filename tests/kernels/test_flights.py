@@ -11,7 +11,7 @@ from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded, slow_ends
-from tvclin.kernels.propagation import exponentials
+from tvclin.numerics.propagation import exponentials
 
 VEHICLE = tv.load_vehicle("configuration-i")
 PEAK = 0.08

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from tvclin.boundary import closed_forms
-from tvclin.kernels import choice, limits, threads
+from tvclin.kernels import choice, threads
 from tvclin.kernels.small_roots import small_roots
+from tvclin.numerics import limits
 
 CASES = 20_000
 
@@ -151,7 +152,7 @@ def test_where_no_cache_can_be_written_kernels_work_all_the_same(tmp_path):
         "import numba.core.caching as caching\n"
         "caching.CacheImpl._locator_classes = []\n"
         "import numpy as np\n"
-        "from tvclin.kernels import polynomials\n"
+        "from tvclin.numerics import polynomials\n"
         "from tvclin.kernels.choice import pinned\n"
         "with pinned(True): print(polynomials.roots(np.array([1.0, -6.0, 11.0, -6.0])).sum())\n"
     )

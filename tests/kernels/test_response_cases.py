@@ -13,13 +13,13 @@ import tvclin as tv
 from tests.sixty_digits import carried
 from tests.turns import by_turns
 from tvclin.kernels.choice import pinned
-from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.threads import VARIABLE
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import Piecewise
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 AGREE = 1e-13
-"""Of the largest value of each output, as `kernels.responses` states."""
+"""Of the largest value of each output, as `numerics.responses` states."""
 
 
 @pytest.fixture(params=[False, True], ids=["plain Python", "machine code"])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps

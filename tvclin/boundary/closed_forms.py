@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
-from tvclin.kernels import limits
+from tvclin.numerics import limits
 
 OK = "ok"
 NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"

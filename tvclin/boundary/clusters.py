@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
 from tvclin.boundary.stops import CircularStop, Stop, Vectors, along, vectors
-from tvclin.kernels.searches import lowest
+from tvclin.numerics.searches import lowest
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720

@@ -34,17 +34,15 @@ from tvclin.base.errors import (
     plain,
 )
 from tvclin.kernels.choice import run
-from tvclin.kernels.futures import largest_futures
-from tvclin.kernels.pieces import rows
+from tvclin.kernels.futures import COMPILED, PLAIN, largest_futures
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.numerics.pieces import rows
 from tvclin.winds.histories import History
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
 BEFORE_THE_END = "bound: a turn at the end of the wind may need a little more"
-_SECONDS, _COMPILED = 1e-4, 5e-3
-"""About what a breakpoint of a case takes for each rate of its wind, and machine code of that."""
 
 
 @dataclass(frozen=True)
@@ -166,9 +164,9 @@ def forecast_free_limit(
         )
     winds, which = rows((wind * (1.0 / peak)).pieces, shape)
     found = np.empty((which.size, 3))
-    seconds = _SECONDS * which.size * winds[0].shape[-1] * winds[2].shape[-1]
+    terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), found)
-    run(largest_futures, work, which.size, seconds, _COMPILED * seconds)
+    run(largest_futures, work, which.size, PLAIN * terms, COMPILED * terms)
     foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)

@@ -21,14 +21,12 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
-from tvclin.kernels.reaches import least_reaches
+from tvclin.kernels.reaches import COMPILED, PLAIN, least_reaches
 from tvclin.linear.modes import poles_in_words, unstable_poles
 from tvclin.linear.plant import RIGID, Plant
 
 MOST_MODES = 2
 """Unstable modes for which the set is known in closed form."""
-_SECONDS, _COMPILED_SECONDS = 5e-5, 5e-7
-"""About what one reach takes, in plain Python and as machine code."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +110,7 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
     found = np.empty(fast.size)
     columns = [np.require(one, float, ["C", "W"]) for one in (fast, slow, ratio)]
     count = found.size
-    run(least_reaches, (*columns, found), count, _SECONDS * count, _COMPILED_SECONDS * count)
+    run(least_reaches, (*columns, found), count, PLAIN * count, COMPILED * count)
     return found
 
 

@@ -28,7 +28,7 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
-from tvclin.kernels.searches import lowest
+from tvclin.numerics.searches import lowest
 from tvclin.winds.plane_wind import unit
 
 Vectors = ComplexArray

@@ -22,14 +22,9 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels import switches
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import at_heights
-from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
+from tvclin.numerics.pieces import rows
 from tvclin.winds.histories import History
-
-_SECONDS, _COMPILED = 1e-4, 5e-3
-"""About what a breakpoint of a case takes for each rate of its wind, and machine code of that."""
-_FILTERED = {"f": 3, "c": 10}
-"""How often as long it takes where trim is filtered, by the kind of the rates."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +109,9 @@ class Problem:
     def _filtering(self) -> int:
         """How often as long it takes to follow trim as where it is the wind."""
         winds, _, numbers = self._arrays
-        return _FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
+        return switches.FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
 
     def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
-        seconds = _SECONDS * longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
-        run(function, (winds, which, *arrays), which.size, seconds, _COMPILED * seconds)
+        terms = longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
+        seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
+        run(function, (winds, which, *arrays), which.size, *seconds)

@@ -1,1 +1,1 @@
-"""Array kernels: plain arithmetic on arrays, with no objects and no units above them."""
+"""Loops over numbers in arrays, run as plain Python or as machine code of the same."""

@@ -35,6 +35,12 @@ from tvclin.kernels.excess import (
 )
 from tvclin.kernels.source import bare, kernel
 
+PLAIN, COMPILED = 1e-4, 5e-7
+"""Seconds that a breakpoint of a case takes for each rate of its wind, in plain Python and
+as machine code."""
+ONSET_PLAIN, ONSET_COMPILED = 3e-5, 1e-7
+"""The same of `from_onset`, for each pole."""
+
 
 @kernel
 def largest_futures(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:

@@ -10,6 +10,10 @@ _ARRIVED = 2.0**-51
 """A last step of two roundings."""
 
 
+PLAIN, COMPILED = 5e-5, 5e-7
+"""About how many seconds a reach takes, in plain Python and as machine code."""
+
+
 @kernel
 def least_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last: int) -> None:
     """Write the reach to ``out (n,)``; arguments as of `recoverable.least_reach`, ``(n,)`` each."""

@@ -33,6 +33,11 @@ from tvclin.kernels.terms import filtered
 FOUND, JUMPS, NEVER = 0, 1, 2
 """There is a solution; the demand jumps over it; it is above all that the driver reaches."""
 
+PLAIN, COMPILED = 1e-4, 5e-7
+"""Seconds that a breakpoint of a case takes for each rate of its wind, in plain Python and
+as machine code."""
+FILTERED = {"f": 3, "c": 10}
+"""How often as long it takes where trim is filtered, by the kind of the rates."""
 _FALLEN = 1e-9
 """A driver that is lower than its earlier height by this part has fallen: more than the rounding of
 a time, and less than any jump of a wind that is meant."""

@@ -24,10 +24,10 @@ from tvclin.base.errors import (
     together,
     within,
 )
-from tvclin.kernels import pieces as kernel
-from tvclin.kernels.pieces import Pieces
-from tvclin.kernels.searches import first_crossing
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.numerics import pieces as kernel
+from tvclin.numerics.pieces import Pieces
+from tvclin.numerics.searches import first_crossing
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
 SWITCHES = ("report", "literal")

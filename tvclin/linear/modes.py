@@ -11,9 +11,9 @@ from tvclin.base.arrays import AnyArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
-from tvclin.kernels import polynomials
-from tvclin.kernels.responses import growing
 from tvclin.linear.plant import INPUTS, RIGID, Plant
+from tvclin.numerics import polynomials
+from tvclin.numerics.responses import growing
 
 _TOGETHER = 2e-6
 """Poles nearer to each other than this part of their size count as repeated ones."""

@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, one_of, positive
-from tvclin.kernels import polynomials
-from tvclin.kernels.responses import System
 from tvclin.linear.models import MODELS, usual_model
 from tvclin.linear.system import LinearSystem
+from tvclin.numerics import polynomials
+from tvclin.numerics.responses import System
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, one_of, shown, times_row
-from tvclin.kernels import responses
 from tvclin.linear.plant import INPUTS, RIGID, Plant
+from tvclin.numerics import responses
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:

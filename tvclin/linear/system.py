@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
-from tvclin.kernels import state_space
-from tvclin.kernels.propagation import driven, exponentials
+from tvclin.numerics import state_space
+from tvclin.numerics.propagation import driven, exponentials
 
 if TYPE_CHECKING:
     import control

@@ -14,10 +14,10 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
-from tvclin.kernels.residues import residues as residues_of_pieces
 from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import INPUTS, Plant
+from tvclin.numerics.residues import residues as residues_of_pieces
 from tvclin.winds.histories import History, Piecewise
 
 

@@ -12,10 +12,10 @@ from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
-from tvclin.kernels.loop_grid import frequencies
-from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
+from tvclin.numerics.loop_grid import frequencies
+from tvclin.numerics.stability import stability
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import broken, literal
 

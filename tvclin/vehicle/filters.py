@@ -12,7 +12,7 @@ from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, array_of, between, broadcast, finite, nonzero, within
 from tvclin.base.lines import Line, significant
-from tvclin.kernels import polynomials
+from tvclin.numerics import polynomials
 
 LARGEST = 1e9
 """Of frequencies [rad/s] and damping ratios, and one over the smallest frequency."""

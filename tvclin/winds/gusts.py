@@ -9,7 +9,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import ending, instance, nonnegative, single
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import Pulse

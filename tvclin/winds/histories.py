@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, array_of, finite, real, shown, whole_number
-from tvclin.kernels import integrals, lags, polynomials
-from tvclin.kernels import pieces as kernel
-from tvclin.kernels.pieces import Pieces
-from tvclin.kernels.searches import lowest
+from tvclin.numerics import integrals, lags, polynomials
+from tvclin.numerics import pieces as kernel
+from tvclin.numerics.pieces import Pieces
+from tvclin.numerics.searches import lowest
 
 _FASTEST = 1e100
 """Laplace variables beyond this [rad/s] would overflow in products."""

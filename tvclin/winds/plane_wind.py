@@ -23,8 +23,8 @@ from tvclin.base.errors import (
     plain,
     within,
 )
-from tvclin.kernels import pieces as kernel
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics import pieces as kernel
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
 
 _ROUNDING = 1e-12

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import nonnegative
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import straight_lines

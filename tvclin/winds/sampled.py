@@ -9,7 +9,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, finite, within
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics.pieces import Pieces
 from tvclin.winds.checks import LONGEST
 from tvclin.winds.histories import History, linear_pieces
 

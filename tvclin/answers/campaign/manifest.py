@@ -22,7 +22,7 @@ from tvclin.base.files import called, exists, make_directory, reason, write_text
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.kernels.choice import available
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics.pieces import Pieces
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle

@@ -29,7 +29,7 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
-from tvclin.kernels.searches import roots_between
+from tvclin.numerics.searches import roots_between
 
 _LONGEST = 500.0
 """Of the span, over the time of the fastest mode; the mesh has four times as many steps."""

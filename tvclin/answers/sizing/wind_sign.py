@@ -24,8 +24,8 @@ from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.limit import boundary_limit
-from tvclin.kernels import pieces
 from tvclin.linear.plant import Plant
+from tvclin.numerics import pieces
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle

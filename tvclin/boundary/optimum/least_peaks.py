@@ -16,16 +16,14 @@ from tvclin.boundary.optimum.constraints import conditions
 from tvclin.boundary.optimum.minimum_peak import optimum_of
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
-from tvclin.kernels.futures import from_onset
-from tvclin.kernels.pieces import rows
-from tvclin.kernels.searches import lowest
+from tvclin.kernels.futures import ONSET_COMPILED, ONSET_PLAIN, from_onset
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
+from tvclin.numerics.pieces import rows
+from tvclin.numerics.searches import lowest
 from tvclin.winds.checks import check_end
 from tvclin.winds.histories import History
 
-_SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
-"""About what a breakpoint takes for each pole, in plain Python and as machine code."""
 _SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
 """Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
 _CLOSER = tuple(float(span) for span in range(1, 31))
@@ -111,7 +109,7 @@ def _moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray
     found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
     knots = found.size * winds[0].shape[-1]
     work = (winds, which, np.ascontiguousarray(known), found)
-    run(from_onset, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
+    run(from_onset, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     return found if np.iscomplexobj(known) else np.real(found)
 
 

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
-from tvclin.kernels.moments import moments
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
+from tvclin.numerics.moments import moments
 from tvclin.winds.histories import History
 
 Three = tuple[AnyArray, AnyArray, AnyArray]

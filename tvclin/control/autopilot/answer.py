@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import finite, instance, one_of, single
-from tvclin.kernels.peaks import largest
-from tvclin.kernels.propagation import Motion, exponentials, motion
+from tvclin.numerics.peaks import largest
+from tvclin.numerics.propagation import Motion, exponentials, motion
 from tvclin.winds.histories import History
 
 _SETTLED = 40.0

@@ -21,9 +21,9 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.record import MARGINS, Margins, loop_margins
-from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
+from tvclin.numerics.stability import stability
 from tvclin.vehicle.structure import SloshTank
 
 _SHOWN = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}

@@ -8,8 +8,8 @@ from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import closed_loop
-from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
+from tvclin.numerics.propagation import answering, exponentials, inputs_at
 from tvclin.winds.histories import History
 
 _STEPS = 400

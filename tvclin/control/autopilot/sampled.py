@@ -18,10 +18,10 @@ from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import COMMAND, RETURNED, law_of
 from tvclin.control.margins.sampled_loop import SampledLoop
-from tvclin.kernels import state_space
-from tvclin.kernels.state_loop import StateLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect
+from tvclin.numerics import state_space
+from tvclin.numerics.state_loop import StateLoop
 
 _MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 """The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""

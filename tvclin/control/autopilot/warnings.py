@@ -10,10 +10,10 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import exact_loop
-from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.modes import unstable_poles
+from tvclin.numerics.stability import stability
 
 
 def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:

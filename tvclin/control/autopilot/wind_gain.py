@@ -10,10 +10,10 @@ from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.wiring import wind_numerator
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
-from tvclin.kernels import polynomials
-from tvclin.kernels.loop_grid import AROUND, BELOW, BEYOND
-from tvclin.kernels.searches import lowest
 from tvclin.linear.flexible import AnyPlant
+from tvclin.numerics import polynomials
+from tvclin.numerics.loop_grid import AROUND, BELOW, BEYOND
+from tvclin.numerics.searches import lowest
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot

@@ -15,10 +15,10 @@ from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Matrices, pade_delay
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels import polynomials, state_space
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
+from tvclin.numerics import polynomials, state_space
 from tvclin.vehicle.filters import Filter
 
 COMMAND, RETURNED = "deflection_command", "returned_command"

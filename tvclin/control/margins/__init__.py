@@ -2,5 +2,5 @@
 
 The files inside: `loop` is what has margins, `sampled_loop` the same of a law in steps, `record`
 holds the answer, `bands` that of each mode (`band_terms` its arithmetic), and `criteria` judges
-them. The arithmetic is in `kernels.loop_margins`.
+them. The arithmetic is in `numerics.loop_margins`.
 """

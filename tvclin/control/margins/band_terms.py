@@ -8,8 +8,8 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.searches import lowest
-from tvclin.kernels.state_loop import StateLoop
+from tvclin.numerics.searches import lowest
+from tvclin.numerics.state_loop import StateLoop
 
 _AROUND = np.concatenate([-np.geomspace(40.0, 0.02, 60), [0.0], np.geomspace(0.02, 40.0, 60)])
 """Frequencies around a mode, in half-widths, among which its peak is looked for."""

@@ -18,8 +18,8 @@ from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import InDecibels, Margins, in_shape, margins_of
-from tvclin.kernels.loop_margins import LoopFindings, classical_margins, least_of
-from tvclin.kernels.state_loop import StateLoop
+from tvclin.numerics.loop_margins import LoopFindings, classical_margins, least_of
+from tvclin.numerics.state_loop import StateLoop
 
 GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable"
 

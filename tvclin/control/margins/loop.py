@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, finite, nonnegative, within
-from tvclin.kernels.delayed_poles import rightmost_poles
-from tvclin.kernels.loop_margins import LoopFindings, loop_findings
-from tvclin.kernels.rational import Rational
-from tvclin.kernels.state_loop import AnyLoop, StateLoop
+from tvclin.numerics.delayed_poles import rightmost_poles
+from tvclin.numerics.loop_margins import LoopFindings, loop_findings
+from tvclin.numerics.rational import Rational
+from tvclin.numerics.state_loop import AnyLoop, StateLoop
 
 if TYPE_CHECKING:
     import control

@@ -13,7 +13,7 @@ from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.loop_margins import LoopFindings, classical_margins
+from tvclin.numerics.loop_margins import LoopFindings, classical_margins
 
 OK = "ok"
 UNSTABLE = "unstable"

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import within
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.loop_margins import LoopFindings
-from tvclin.kernels.state_loop import StateLoop
 from tvclin.linear.system import delay_parts
+from tvclin.numerics.loop_margins import LoopFindings
+from tvclin.numerics.state_loop import StateLoop
 
 _STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
 """Newton's steps to a delay, how long over the frequency, and how near is there."""

@@ -7,7 +7,7 @@ from math import factorial
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.kernels.pieces import at_pieces, locate, moved, spread
+from tvclin.numerics.pieces import at_pieces, locate, moved, spread
 from tvclin.winds.histories import History
 
 _SPAN = 0.5

@@ -15,8 +15,8 @@ from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, integral_of_a
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
-from tvclin.kernels.state_space import beside
 from tvclin.linear.system import LinearSystem, connect
+from tvclin.numerics.state_space import beside
 
 SENSED = ("sensed_attitude", "sensed_attitude_rate", *SEEN[2:])
 """What the sensors give, as of `Measurement`."""

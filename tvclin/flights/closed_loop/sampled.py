@@ -24,8 +24,6 @@ from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import NEVER, Flights
 from tvclin.kernels.threads import in_slices
 
-_PLAIN, _COMPILED = 3e-5, 5e-8
-"""Seconds for a sample of one flight, in plain Python and compiled, or so."""
 _TYPES = {float: np.float64, bool: np.bool_}
 
 
@@ -43,7 +41,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
         return
     cases = f.cases.limit.size
     samples, first = float(_last(f).sum()), 0
-    seconds = samples * _PLAIN
+    seconds = samples * kernel.PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
         while first < cases and (fly := choice.swiftest(kernel.fly, seconds)) is kernel.fly:
             begun = perf_counter()  # one that stays open takes longer than was thought
@@ -51,7 +49,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
             seconds, first = perf_counter() - begun, first + 1
     if first < cases:
         compact = _compact(f)
-        work = samples * _COMPILED
+        work = samples * kernel.COMPILED
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
 
 
@@ -77,7 +75,7 @@ class Stepper:
     """Flights that are moved by what stands beside them, a sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        seconds = float(_last(f).sum()) * _PLAIN / 2.0
+        seconds = float(_last(f).sum()) * kernel.PLAIN / 2.0
         looks, moves = (choice.swiftest(one, seconds) for one in (kernel.look, kernel.advance))
         self._look, self._advance = looks, moves
         self._flights = f if looks is kernel.look else _compact(f)

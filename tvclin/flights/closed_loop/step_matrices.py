@@ -7,8 +7,8 @@ import numpy as np
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.control.autopilot.actuated import INPUTS
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.kernels.state_space import beside
 from tvclin.linear.system import LinearSystem, connect, rising
+from tvclin.numerics.state_space import beside
 
 COARSE = 0.5 + 1e-9
 """Samples of a law are steps of the hardware up to this part of 1/omega of its actuator."""

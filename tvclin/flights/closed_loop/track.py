@@ -13,10 +13,10 @@ from tvclin.flights.closed_loop.batch import Batch
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.flights.closed_loop.sampled import flown
 from tvclin.kernels.flight_arrays import Flights
-from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, rising
+from tvclin.numerics.propagation import answering, exponentials, inputs_at
 from tvclin.winds.histories import History
 
 _DIGITS = 12

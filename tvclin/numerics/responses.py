@@ -21,14 +21,10 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels import choice
-from tvclin.kernels.pieces import Pieces, flat, spread
-from tvclin.kernels.response_cases import MARGINAL, respond, room
+from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, room
 from tvclin.kernels.threads import in_slices
+from tvclin.numerics.pieces import Pieces, flat, spread
 
-_PLAIN = (1e-3, 2e-6)
-"""Seconds that plain Python takes for one case, and for one time of one output."""
-_FAST = 1e-3
-"""What machine code takes of that."""
 _REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
 
 
@@ -86,7 +82,7 @@ def responses(
     rising = times.copy() if order is None else times[order]
     out = np.empty((which.shape[1], plants[2].shape[-1], times.size))
     near = np.zeros(len(out), dtype=bool)
-    seconds = len(out) * (_PLAIN[0] + _PLAIN[1] * out[0].size)
+    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
     kernel = choice.swiftest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
@@ -94,7 +90,7 @@ def responses(
         with np.errstate(all="ignore"):  # what is beyond all numbers is infinite
             kernel(rising, plants, first, second, which, out, near, memory, begin, end)
 
-    in_slices(work, len(out), 0.0 if kernel is respond else _FAST * seconds)
+    in_slices(work, len(out), 0.0 if kernel is respond else COMPILED * seconds)
     if order is not None:
         out[..., order] = out.copy()
     return out.reshape(*shape, *out.shape[1:]), near.reshape(shape) if near.any() else None

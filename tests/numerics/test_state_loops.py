@@ -9,8 +9,8 @@ import pytest
 
 import tvclin as tv
 from tvclin.control.margins.record import Margins
-from tvclin.kernels import state_space
-from tvclin.kernels.loop_margins import loop_findings
+from tvclin.numerics import state_space
+from tvclin.numerics.loop_margins import loop_findings
 
 EPS = np.finfo(float).eps
 NUMBERS = [field.name for field in fields(Margins)][2:-1]
@@ -270,7 +270,7 @@ def test_a_loop_of_matrices_has_no_polynomials():
 
 def test_what_passes_at_once_is_a_crossing_at_infinity():
     # In the w plane of a sampled loop: (0.4 - 0.5 w)/(w + 1) is -0.5 at infinity.
-    from tvclin.kernels.state_loop import StateLoop
+    from tvclin.numerics.state_loop import StateLoop
 
     one, no = np.ones((1, 1)), np.zeros(1)
     form = StateLoop.balanced(-one[np.newaxis], one, 0.9 * one, np.array([-0.5]), no)

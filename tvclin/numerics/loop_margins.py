@@ -10,11 +10,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
-from tvclin.kernels.loop_grid import frequencies
-from tvclin.kernels.rational import inverse, product
-from tvclin.kernels.searches import lowest, roots_between
-from tvclin.kernels.stability import stability
-from tvclin.kernels.state_loop import AnyLoop
+from tvclin.numerics.loop_grid import frequencies
+from tvclin.numerics.rational import inverse, product
+from tvclin.numerics.searches import lowest, roots_between
+from tvclin.numerics.stability import stability
+from tvclin.numerics.state_loop import AnyLoop
 
 _TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.kernels.rational import Rational, product
+from tvclin.numerics.rational import Rational, product
 
 _INDEPENDENT = 1e6
 """Eigenvectors with a higher condition number are not used: poles are repeated, or nearly so."""

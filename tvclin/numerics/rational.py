@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
-from tvclin.kernels import polynomials
+from tvclin.numerics import polynomials
 
 _ROUNDING = 1e-13
 """A value below this part of the sum of its terms is their rounding: a zero on the axis."""

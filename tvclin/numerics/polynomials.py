@@ -4,14 +4,12 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.kernels.choice import run
-from tvclin.kernels.small_roots import small_roots
+from tvclin.kernels.small_roots import COMPILED, PLAIN, small_roots
 
 _NOTHING = 1e-300
 """A leading coefficient that is so small beside the largest is zero: its root is no number."""
 _LOW = 4
 """The degree up to which roots are found one after the other."""
-_SECONDS, _COMPILED_SECONDS = 5e-5, 1e-6
-"""About what one such polynomial takes, in plain Python and as machine code."""
 
 
 def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
@@ -138,7 +136,7 @@ def _of_low_degree(monic: FloatArray) -> AnyArray:
         rows = rows[:1]
     found = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
     count = len(rows)
-    run(small_roots, (rows, found), count, _SECONDS * count, _COMPILED_SECONDS * count)
+    run(small_roots, (rows, found), count, PLAIN * count, COMPILED * count)
     together = np.resize(found, monic.shape)
     return together if np.any(np.imag(together)) else np.real(together)
 

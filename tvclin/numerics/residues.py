@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray
-from tvclin.kernels import integrals
-from tvclin.kernels.pieces import Pieces
+from tvclin.numerics import integrals
+from tvclin.numerics.pieces import Pieces
 
 _EPS = float(np.finfo(float).eps)
 _DEAD = 750.0

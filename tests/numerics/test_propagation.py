@@ -6,9 +6,9 @@ import pytest
 from scipy.linalg import expm, matrix_balance
 from scipy.optimize import minimize_scalar
 
-from tvclin.kernels.peaks import largest
-from tvclin.kernels.pieces import Pieces
-from tvclin.kernels.propagation import driven, exponentials, inputs_at, motion
+from tvclin.numerics.peaks import largest
+from tvclin.numerics.pieces import Pieces
+from tvclin.numerics.propagation import driven, exponentials, inputs_at, motion
 
 EPS = np.finfo(float).eps
 STEPS = np.array([0.0, 1e-12, 1e-3, 0.1, 1.0, 30.0])

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.kernels import polynomials
-from tvclin.kernels.moments import moments
-from tvclin.kernels.pieces import Pieces
-from tvclin.kernels.searches import first_crossing
+from tvclin.numerics import polynomials
+from tvclin.numerics.moments import moments
+from tvclin.numerics.pieces import Pieces
+from tvclin.numerics.searches import first_crossing
 from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps

@@ -8,7 +8,7 @@ import pytest
 from tests.control.test_margins import NUMBERS, actuated, brute_force, random_loops
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Crossings, loop_margins
-from tvclin.kernels import polynomials
+from tvclin.numerics import polynomials
 
 FREQUENCIES = [
     "aero_frequency",

@@ -7,8 +7,8 @@ depends on how fine they are.
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.kernels.stability import Stability, last_frequency
-from tvclin.kernels.state_loop import AnyLoop
+from tvclin.numerics.stability import Stability, last_frequency
+from tvclin.numerics.state_loop import AnyLoop
 
 _EVEN = 401
 """Logarithmic frequencies over the whole range."""

@@ -6,8 +6,8 @@ from math import factorial
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
-from tvclin.kernels.moments import moments
-from tvclin.kernels.pieces import Pieces, at_pieces, locate, moved
+from tvclin.numerics.moments import moments
+from tvclin.numerics.pieces import Pieces, at_pieces, locate, moved
 
 
 def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:

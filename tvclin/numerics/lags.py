@@ -3,9 +3,9 @@
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray
-from tvclin.kernels.integrals import powers
-from tvclin.kernels.moments import moments
-from tvclin.kernels.pieces import Pieces, moved, spread
+from tvclin.numerics.integrals import powers
+from tvclin.numerics.moments import moments
+from tvclin.numerics.pieces import Pieces, moved, spread
 
 _NEAR = 0.25
 """A rate within this of a lag's pole, times the width, counts as resonant."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
-from tvclin.kernels.propagation import Motion, applied, exponentials
+from tvclin.numerics.propagation import Motion, applied, exponentials
 
 _EACH = 128
 """Steps of one size in the ladder of times; the size may double from one lot to the next."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.kernels.moments import moments
+from tvclin.numerics.moments import moments
 
 _EPS = np.finfo(float).eps
 

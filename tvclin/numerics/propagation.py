@@ -15,7 +15,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError
-from tvclin.kernels.pieces import Pieces, locate, moved
+from tvclin.numerics.pieces import Pieces, locate, moved
 
 _BATCH = 3
 """Axes of many matrices."""

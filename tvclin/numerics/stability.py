@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.kernels.state_loop import AnyLoop
+from tvclin.numerics.state_loop import AnyLoop
 
 _AXIS = 1e-12
 """Nearer to the imaginary axis than this part of the largest pole is on it."""

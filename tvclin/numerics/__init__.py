@@ -1,0 +1,1 @@
+"""Mathematics on arrays, in numpy: polynomials, sums of exponentials, loops, zeros."""
