@@ -26,7 +26,7 @@ duration_s = 6.0
 [gust]
 peak_deg = 0.5
 duration_s = 1.0
-peak_time_s = 2.0
+peak_time_s = 2.5
 [nozzle]
 limit_deg = 1.0
 rate_limit_deg_per_s = 20
