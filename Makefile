@@ -24,7 +24,12 @@ suite:
 
 thorough: export PYTHONDONTWRITEBYTECODE =
 thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
-	$(SUITE) -m thorough $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
+	$(SUITE) -m thorough $(THOROUGH)
+
+# With SHARE=3 a third of the files, by turns, a day each.
+SHARE := 1
+THOROUGH = $(shell grep -rlE "thorough|tests.turns" --include="test_*.py" tests | sort \
+  | awk "NR % $(SHARE) == $(DAY) % $(SHARE)")
 
 test-all: test thorough  ## pass the tests, the thorough ones, and half the numbers as on an older processor
 	$(MAKE) --no-print-directory other-processor NUMBERS="$(HALF)"

@@ -7,7 +7,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.flights.condition import load_flight_condition
 
-SOUNDINGS = 40
+REPORTED = ("configuration-i", "configuration-ii")
 
 
 def launcher() -> tv.FlightSchedule:
@@ -40,12 +40,15 @@ def sounding(rng: np.random.Generator) -> tv.WindProfile:
     )
 
 
-@pytest.mark.parametrize("name", usual(["configuration-i", "configuration-ii", "launcher"], 2))
-def test_flown_trim_laws_survive_at_the_sized_limit(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "soundings"),
+    usual([("launcher", 10), *((name, 40) for name in ("launcher", *REPORTED))], 0),
+)
+def test_flown_trim_laws_survive_at_the_sized_limit(name: str, soundings: int) -> None:
     schedule = launcher() if name == "launcher" else tv.load_schedule(name, step=20.0)
     rng, flown = np.random.default_rng(7), 0
     times = np.linspace(*schedule.span, 4)[1:3]
-    for _ in range(SOUNDINGS):
+    for _ in range(soundings):
         azimuth = float(rng.uniform(0.0, 2.0 * np.pi))
         met = tv.fly_through(sounding(rng), schedule, azimuth=azimuth)
         sized = tv.size(schedule, met, times=times, dead_bands=1.0)
@@ -60,4 +63,4 @@ def test_flown_trim_laws_survive_at_the_sized_limit(name: str) -> None:
             outcome = tv.fly_many(plant, law, wind, **options).status
             assert outcome == "survived", (azimuth, time, np.degrees(limit))
             flown += 1
-    assert flown > SOUNDINGS
+    assert flown > soundings

@@ -48,7 +48,7 @@ def test_a_limit_held_from_the_onset_leaves_nothing_that_grows(configuration_i, 
     assert signed_need(configuration_i, wind, "fixed-path", 0.0) == pytest.approx(held, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", usual(["configuration-i", "configuration-ii"], 0))
+@pytest.mark.parametrize("name", usual(["configuration-i", "configuration-ii"]))
 def test_head_and_tail_winds_need_what_flights_need(name) -> None:
     """Of flights along the nominal trajectory, over that of a small wind of either sign.
 

@@ -8,6 +8,7 @@ from scipy.optimize import linprog
 
 import tvclin
 from tests.optima import NAMES, plant_of, solved, triangle
+from tests.turns import usual
 from tvclin import Plant, optimum_deflection
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.dual import best_multipliers
@@ -50,8 +51,9 @@ def cases(count):
         yield Constraints(poles, rng.normal(size=count) / decays, horizon)
 
 
-def test_random_cases_against_a_linear_program():
-    for constraints in cases(60):
+@pytest.mark.parametrize("count", usual([20, 60], 0))
+def test_random_cases_against_a_linear_program(count):
+    for constraints in cases(count):
         window = Window(constraints)
         best = best_multipliers(window)
         proof = certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])

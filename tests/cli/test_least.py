@@ -121,6 +121,7 @@ def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
         assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["met"]) == (1, False)
 
 
+@pytest.mark.thorough
 def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
     notch = ("made-up-launcher", "--notch-hz", "5.6,0.05,0.7", "--json")
     found = json.loads(run("autopilot", "--least", "--crossover", "2", *notch).stdout)

@@ -99,8 +99,7 @@ def test_the_boundary_beside_it(label: str, number: int) -> None:
             ("tail wind of 5 degrees", 5.0, "pitch"),
             ("head wind of 5 degrees", -5.0, "pitch"),
             ("across, 1 degree", 1.0, "yaw"),
-        ],
-        2,
+        ]
     ),
 )
 def test_along_the_trajectory(label: str, degrees: float, plane: str) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,8 +22,8 @@ from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.fronts.ramps import ramped_deflection
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
-from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
+from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.rate_limit import least_peak_at_rate
 from tvclin.linear.modes import poles_in_words, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -30,6 +32,8 @@ _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Rates of a front over the least one, unless rates are given."""
 _NOTHING = 1e-12
 """A part of the least angle that is none."""
+_EQUAL = 1e-10
+"""A part by which a rate or an angle may differ and be the same."""
 _RATES = (1e-15, 1e9)
 """Rates [rad/s] and accelerations that can be told from none, and from any."""
 _ANY = float(np.radians(1.0))
@@ -123,16 +127,20 @@ def rate_front(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Case:
     """A plant in a wind, from its onset on: the conditions, and the least angles at any rate."""
 
-    plant: Plant
     wind: History
     constraints: Constraints
+    unlimited: Optimum
     acceleration: float
-    least: float
     blind: float | None
+
+    @property
+    def least(self) -> float:
+        """The least deflection [rad] at any rate."""
+        return self.unlimited.peak
 
     @property
     def pole(self) -> float:
@@ -156,42 +164,45 @@ class _Case:
             )
         return p * self.alone if np.isinf(c) else -c / p * float(np.log1p(-(p**2) * self.alone / c))
 
-    def known(self, rate: float) -> float:
+    @cached_property
+    def known(self) -> Callable[[float], float]:
         """The least deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
-        found = float(ramped_deflection(self.alone, self.pole, rate, self.acceleration))
+        return cache(self._known)
+
+    def _known(self, rate: float) -> float:
+        found = self.by_one_pole(rate)
         if self.least == 0.0 or np.isinf(found) or self._one_pole(found, rate):
             return found
         if np.isfinite(self.acceleration):
             raise InputError(
                 "acceleration_limit needs a case that one unstable pole decides; leave it out"
             )
-        start = float(self.wind.onset)
-        try:
-            return optimum_with_rate_limit(self.plant, self.wind, rate, start).peak
-        except InputError:  # the rate is too small for the other poles
-            return np.inf
+        return least_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
+
+    def by_one_pole(self, rate: float) -> float:
+        """The least deflection [rad], the wind known, if the fastest pole alone decides."""
+        return float(ramped_deflection(self.alone, self.pole, rate, self.acceleration))
+
+    def unforeseen(self, rate: float) -> float:
+        """The bound without a forecast [rad]; zero where none is known."""
+        return float(ramped_deflection(self.blind or 0.0, self.pole, rate))
 
     def needed(self, rate: float) -> float:
         """The larger of the least deflection and the bound without a forecast [rad]."""
-        bound = 0.0 if self.blind is None else ramped_deflection(self.blind, self.pole, rate)
-        return max(self.known(rate), float(bound))
+        return max(self.known(rate), self.unforeseen(rate))
 
     def needed_rate(self, limit: float) -> float:
-        """The least rate [rad/s] at an angle [rad]; infinite if none is enough."""
-        from scipy.optimize import brentq
+        """The least rate [rad/s] at an angle [rad]; infinite if none is enough.
 
+        The fastest pole alone asks for a rate in closed form, which other poles can only raise.
+        """
         if self.least == 0.0:
             return 0.0
         lowest = max(self.least_rate, self.pole * (self.blind or 0.0)) or self.pole * self.least
-        if self.needed(_FASTEST * lowest) > limit:
-            return np.inf
-
-        def excess(times: float) -> float:
-            return 1.0 / self.needed(float(np.exp(times)) * lowest) - 1.0 / limit
-
-        if excess(_NOTHING) >= 0.0:
-            return lowest
-        return lowest * float(np.exp(brentq(excess, _NOTHING, np.log(_FASTEST), xtol=1e-10)))
+        alone = _least_rate(lambda r: max(self.by_one_pole(r), self.unforeseen(r)), limit, lowest)
+        if np.isinf(alone) or self.known(alone) <= limit * (1.0 + _EQUAL):
+            return alone
+        return _least_rate(self.known, limit, alone)
 
     def _one_pole(self, d: float, rate: float) -> bool:
         """Whether the other unstable pole q takes nothing from the fast one.
@@ -214,6 +225,21 @@ class _Case:
         return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NOTHING)
 
 
+def _least_rate(needed: Callable[[float], float], limit: float, lowest: float) -> float:
+    """The least rate [rad/s] above `lowest` with a deflection within a limit, or infinite."""
+    from scipy.optimize import brentq
+
+    if needed(_FASTEST * lowest) > limit:
+        return np.inf
+
+    def excess(times: float) -> float:
+        return 1.0 / needed(float(np.exp(times)) * lowest) - 1.0 / limit
+
+    if excess(_NOTHING) >= 0.0:
+        return lowest
+    return lowest * float(np.exp(brentq(excess, _NOTHING, np.log(_FASTEST), xtol=_EQUAL)))
+
+
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
@@ -223,10 +249,10 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
             "plant must have a real unstable pole as its fastest; it has"
             f" {poles_in_words(unstable_poles(plant))}"
         )
-    least = optimum_deflection(plant, wind, start).peak
+    unlimited = optimum_deflection(plant, wind, start)
     blind: float | None = 0.0
     if not wind.one_sign:
         blind = None
-    elif least > 0.0:
+    elif unlimited.peak > 0.0:
         blind = abs(float(forecast_free_limit(plant, wind).deflection))
-    return _Case(plant, wind, constraints, acceleration, least, blind)
+    return _Case(wind, constraints, unlimited, acceleration, blind)

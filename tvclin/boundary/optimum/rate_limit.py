@@ -17,14 +17,20 @@ from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.exponential_sums import even_for
 from tvclin.boundary.optimum.grid import apart
-from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
+from tvclin.boundary.optimum.minimum_peak import (
+    OK,
+    STABLE,
+    UNTOUCHED,
+    Optimum,
+    optimum_deflection,
+)
 from tvclin.boundary.optimum.rate_program import RateProgram
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
 _RATES = (1e-15, 1e9)
 """Rates that the program can tell from none, and from any [rad/s]."""
-_FEWEST_STEPS, _MOST_STEPS = 10, 10_000
+_FEWEST_STEPS, _STEPS, _MOST_STEPS = 10, 200, 10_000
 """Steps of the program."""
 _REFINEMENTS = 8
 """Programs on nodes that are made finer; `change` says how far the last one moved the peak."""
@@ -82,7 +88,7 @@ def optimum_with_rate_limit(
     rate_limit: float,
     start: float = 0.0,
     horizon: float | None = None,
-    steps: int = 200,
+    steps: int = _STEPS,
 ) -> RateLimitedOptimum:
     """Return the deflection of least peak whose rate stays within a limit.
 
@@ -124,8 +130,15 @@ def optimum_with_rate_limit(
     if unlimited.peak == 0.0:
         status = UNTOUCHED if constraints.demands.size else STABLE
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
-    nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
-    program, values, change = _refined(constraints, nodes, rate, unlimited.peak)
+    switches = unlimited.switch_times - start
+    program, peak, change = _refined(constraints, switches, rate, unlimited.peak, steps)
+    values = program.least_motion(peak * (1.0 + _SETTLED)) if np.isfinite(peak) else None
+    if values is None:
+        raise InputError(
+            f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g}"
+            f" rad/s, and about {1.001 * program.least_rate():.4g} rad/s would do"
+        )
+    values *= unlimited.peak
     slopes = np.diff(values) / np.diff(program.nodes)
     deflection: History = Piecewise(
         linear_pieces(program.nodes + start, values, np.append(slopes, 0.0))
@@ -143,14 +156,30 @@ def optimum_with_rate_limit(
     )
 
 
+def least_peak_at_rate(
+    constraints: Constraints, unlimited: Optimum, start: float, rate: float
+) -> float:
+    """Return the peak [rad] of `optimum_with_rate_limit` alone; infinite where none is enough.
+
+    `constraints`, `unlimited`: of the case, and its `optimum_deflection`, from `start` [s] on.
+    The tolerance of a linear program, 1e-7 of the peak, is added to it.
+    """
+    switches = unlimited.switch_times - start
+    _, peak, _ = _refined(constraints, switches, rate, unlimited.peak, _STEPS)
+    return peak * unlimited.peak * (1.0 + _ACTIVE)
+
+
 def _refined(
-    constraints: Constraints, nodes: FloatArray, rate: float, unit: float
-) -> tuple[RateProgram, FloatArray, float]:
-    """The program on nodes fine enough, its values [rad], and the last change of the peak."""
+    constraints: Constraints, switches: FloatArray, rate: float, unit: float, steps: int
+) -> tuple[RateProgram, float, float]:
+    """The program on nodes fine enough, the peak in units, and its last change.
+
+    Where the rate is too small, the peak is infinite.
+    """
+    nodes = _first_nodes(constraints, switches, steps)
     change, reached = np.inf, np.inf
-    best: RateProgram | None = None
+    best = program = RateProgram(constraints, nodes, rate, unit)
     for _ in range(_REFINEMENTS):
-        program = RateProgram(constraints, nodes, rate, unit)
         found = program.least_peak()
         if found is None:
             break
@@ -160,15 +189,8 @@ def _refined(
             best, reached = program, peak
         if change < _SETTLED:
             break
-        nodes = _with_corners(program, *found)
-    values = None if best is None else best.least_motion(reached * (1.0 + _SETTLED))
-    if best is None or values is None:
-        least = RateProgram(constraints, nodes, rate, unit).least_rate()
-        raise InputError(
-            f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g}"
-            f" rad/s, and about {1.001 * least:.4g} rad/s would do"
-        )
-    return best, values * unit, max(change, 0.0)
+        program = RateProgram(constraints, _with_corners(program, *found), rate, unit)
+    return best, reached, max(change, 0.0)
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
