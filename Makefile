@@ -24,12 +24,11 @@ suite:
 
 thorough: export PYTHONDONTWRITEBYTECODE =
 thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
-	$(SUITE) -m thorough $(THOROUGH)
+	$(SUITE) -m thorough --share=$$(($(DAY) % $(SHARES)))/$(SHARES) \
+	  $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
 
-# With SHARE=3 a third of the files, by turns, a day each.
-SHARE := 1
-THOROUGH = $(shell grep -rlE "thorough|tests.turns" --include="test_*.py" tests | sort \
-  | awk "NR % $(SHARE) == $(DAY) % $(SHARE)")
+# With SHARES=3 a third of them, by turns, a day each.
+SHARES := 1
 
 test-all: test thorough  ## pass the tests, the thorough ones, and half the numbers as on an older processor
 	$(MAKE) --no-print-directory other-processor NUMBERS="$(HALF)"

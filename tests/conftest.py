@@ -16,6 +16,20 @@ LONGEST = 10.0
 """Seconds of flights and responses in plain Python beyond which a test waits for numba."""
 
 
+def pytest_addoption(parser):
+    """Let a run take a part of the tests that it selects, as `make thorough SHARES=3` does."""
+    parser.addoption("--share", default="0/1", help="0/3: of the tests the first, fourth, ...")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config, items):
+    """Leave the share that is asked for, of each file about as much."""
+    first, each = map(int, config.getoption("--share").split("/"))
+    taken = items[first::each]
+    config.hook.pytest_deselected(items=[one for k, one in enumerate(items) if k % each != first])
+    items[:] = taken
+
+
 @pytest.fixture(autouse=True)
 def _what_plain_python_can_carry(monkeypatch):
     """Skip a test whose kernels take minutes in plain Python; they are the same source with numba.

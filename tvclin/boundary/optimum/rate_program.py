@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -94,8 +95,16 @@ class RateProgram:
     def _values(self, solution: FloatArray) -> FloatArray:
         return np.append(0.0, solution[: self.nodes.size - 1])
 
-    def _rows(self, aim: str) -> tuple[Any, Any]:
+    @cached_property
+    def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
         """Rows that must not be positive, and rows that must be zero or the demands.
+
+        Of the program of the rate, or of the others.
+        """
+        return cache(self._rows_of)
+
+    def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:
+        """Make the rows.
 
         Variables are the values at the nodes after the first, their changes up and down, and
         the bound, which is the peak, or the rate times the last time.
@@ -105,8 +114,8 @@ class RateProgram:
         count = self.nodes.size - 1
         one, none = sparse.identity(count), sparse.csr_matrix((count, count))
         share = np.diff(self.nodes)[:, np.newaxis] / self.nodes[-1]
-        bound = -share if aim == _RATE else -np.ones((count, 1))
-        sides = [[none, one, one]] if aim == _RATE else [[one, none, none], [-one, none, none]]
+        bound = -share if of_rate else -np.ones((count, 1))
+        sides = [[none, one, one]] if of_rate else [[one, none, none], [-one, none, none]]
         conditions = np.zeros((self.sizes.size, 3 * count + 1))
         conditions[:, :count] = self.moments[:, 1:] / self.sizes[:, np.newaxis]
         change = one - sparse.eye(count, k=-1)
@@ -129,7 +138,7 @@ class RateProgram:
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
         count = self.nodes.size - 1
-        below, equal = self._rows(aim)
+        below, equal = self._rows(aim == _RATE)
         demands = self.constraints.demands / self.sizes / self.unit
         right, over = np.append(np.zeros(count), demands), np.zeros(below.shape[0])
         steps = np.full(count, np.inf) if aim == _RATE else np.minimum(self.steps, 1e6)
