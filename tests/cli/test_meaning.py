@@ -41,6 +41,11 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
         (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
         (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
         (("fly", "--engine", "planar", "--actuator-hz", 3), "--actuator-hz needs --engine linear"),
+        # one of several options of nearly one name
+        (("study", "--peak-deg", 0), "--peak-deg must be other than zero; got 0 deg"),
+        (("study", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
+        (("size", "--peak-speed", 0), "peak_speed must be other than zero; got 0 m/s"),
+        (("autopilot", "--actuator-damping", -1), "--actuator-damping must be positive; got -1"),
     ],
 )
 def test_what_has_no_meaning_is_refused(arguments, words):

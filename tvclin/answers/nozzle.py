@@ -18,6 +18,7 @@ from tvclin.base.errors import (
 )
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.sizes import sized
 from tvclin.vehicle.structure import Engine
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
@@ -158,4 +159,7 @@ def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7)
     """Return an actuator of a natural frequency [rad/s] and a damping ratio; none of zero."""
     if number("actuator_frequency", actuator_frequency) == 0.0:
         return None
-    return Actuator(natural_frequency=actuator_frequency, damping=actuator_damping)
+    return Actuator(
+        natural_frequency=sized("actuator_frequency", actuator_frequency, "rad/s"),
+        damping=sized("actuator_damping", actuator_damping),
+    )

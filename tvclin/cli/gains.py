@@ -53,7 +53,8 @@ class LoopOptions:
         if servo is None:
             only_with("an actuator, --actuator-hz", actuator_damping=self.actuator_damping)
         elif self.actuator_damping is not None:
-            servo = replace(servo, damping=self.actuator_damping)
+            damping = number("--actuator-damping", self.actuator_damping, positive)
+            servo = replace(servo, damping=damping)
         delay = plan.asked.delay
         if self.delay_ms is not None:
             delay = number("--delay-ms", self.delay_ms, nonnegative, "ms") / 1000.0

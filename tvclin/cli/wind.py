@@ -98,17 +98,21 @@ class PulseOptions(GustOptions, _Pulse):
         """Return a plan with the pulse of these options, as far as they give one."""
         wind, shape = pulse_of(plan), getattr(self, "wind", None)
         lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
+        peak = wind.peak
+        if self.peak_deg is not None:
+            peak = float(np.radians(number("--peak-deg", self.peak_deg, nonzero, "deg")))
         wind = replace(
             wind,
             shape=wind.shape if shape is None else one_of("--wind", shape, PULSES),
             duration=lasts,
-            peak=wind.peak if self.peak_deg is None else float(np.radians(self.peak_deg)),
+            peak=peak,
             heading=chosen(self._heading, wind.heading),
         )
         wind = self._gusty(wind, plan)
         if self.peak_speed is not None:
             whole = whole_vehicle(plan.vehicle, "--peak-speed")
-            wind = wind.of_speed(self.peak_speed, whole, plan.plane)
+            speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
+            wind = wind.of_speed(speed, whole, plan.plane)
         return replace(plan, wind=wind)
 
     def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:

@@ -12,7 +12,7 @@ from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.declared import checked, file_table, quantity, word
-from tvclin.base.errors import InputError, between, directions, fraction, instance, one_of
+from tvclin.base.errors import InputError, between, directions, fraction, instance, nonzero, one_of
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
 
@@ -59,7 +59,7 @@ class AvailabilityAsked:
     known_to: float | None = quantity("length", None, between(0.0, 1e5))
     confidence: float = quantity("number", 0.95, fraction)
     least_part: float | None = quantity("number", None, between(0.0, 1.0))
-    gust_speed: float | None = quantity("speed", None, key=None, option=None)
+    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
 
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")

@@ -30,6 +30,7 @@ from tvclin.base.errors import (
     each,
     instance,
     nonnegative,
+    nonzero,
     number,
     one_of,
     positive,
@@ -109,8 +110,8 @@ class SizingAsked:
     another: str = text("", key=None, option=None)
     pulse: bool = flag(True, key=None, option=None)
     others: tuple[ShapedWind, ...] = ()
-    peak_speed: float | None = quantity("speed", None, option=None)
-    gust_speed: float | None = quantity("speed", None, key=None, option=None)
+    peak_speed: float | None = quantity("speed", None, nonzero, option=None)
+    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
     window: float | None = quantity("time", None, positive, shown="all of it")
     start: float | None = quantity(

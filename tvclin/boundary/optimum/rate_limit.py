@@ -134,9 +134,11 @@ def optimum_with_rate_limit(
     program, peak, change = _refined(constraints, switches, rate, unlimited.peak, steps)
     values = program.least_motion(peak * (1.0 + _SETTLED)) if np.isfinite(peak) else None
     if values is None:
+        least = 1.001 * program.least_rate()
         raise InputError(
-            f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g}"
-            f" rad/s, and about {1.001 * program.least_rate():.4g} rad/s would do"
+            "rate_limit is too small for any deflection to survive this wind; got"
+            f" {np.degrees(rate):.4g} deg/s, and about {np.degrees(least):.4g} deg/s"
+            f" ({least:.4g} rad/s) would do"
         )
     values *= unlimited.peak
     slopes = np.diff(values) / np.diff(program.nodes)
