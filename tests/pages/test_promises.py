@@ -168,6 +168,15 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
     assert imported - set(sys.stdlib_module_names) <= known | own | {"tvclin"}
 
 
+def test_no_body_of_a_command_has_more_than_thirty_lines() -> None:
+    for file in (ROOT / "tvclin" / "cli").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                body = node.body[ast.get_docstring(node) is not None :]
+                lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
+                assert lines <= 30, f"{file.name}: {node.name} has {lines}"
+
+
 def test_packages_are_tried_on_the_lowest_and_the_newest_python_that_is_promised() -> None:
     workflow = ROOT / ".github" / "workflows" / "check.yml"
     if not workflow.exists():

@@ -157,7 +157,7 @@ def availability(
     from tvclin import plots
     from tvclin.answers.availability.availability import availability as availability_of
 
-    limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
+    limit = float(np.radians(within("--limit-deg", limit_deg, 0.0, 90.0)))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon
@@ -166,7 +166,7 @@ def availability(
         found = availability_of(
             flight,
             soundings,
-            limit=float(limit),
+            limit=limit,
             azimuth=azimuths,
             stop=judged.stop,
             persistence=judged.growth,
@@ -181,12 +181,8 @@ def availability(
     if csv is not None:
         found.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(found, source))
-    answer(
-        as_json,
-        lambda: _document(found, today),
-        lambda: _print(found, today, source),
-        (all(one.go for one in today) if today else any(part.judged for part in found.part())),
-    )
+    yes = all(one.go for one in today) if today else any(part.judged for part in found.part())
+    answer(as_json, lambda: _document(found, today), lambda: _print(found, today, source), yes)
 
 
 def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
