@@ -201,7 +201,7 @@ def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle):
         (["--plane", "roll"], "plane must be one of"),
         (["--until", "0"], "--until must be between"),
         (["--points", "1"], "--points must be between"),
-        (["--peak-deg", "0"], "peak must be"),
+        (["--peak-deg", "0"], "--peak-deg must be"),
         (["--peak-deg", "-80", "--engine", "sixdof"], "horizontal wind can make"),
         (["--duration", "140", "--along-trajectory"], "nominal flight does not reach"),
         (["--plot", "flight.xyz"], "xyz"),
