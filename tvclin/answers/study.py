@@ -211,7 +211,7 @@ class Study(CaseNeed, Shown):
             *undamped(*rests),
             *doubts(case.vehicle),
             *gust_placed(pulse_of(case), need.blows),
-            *along_the_path(case, history, sign, need.sign_unknown),
+            *along_the_path(need),
             *words_of(need.planes, case.plane, need.in_both),
         )
         return cls(

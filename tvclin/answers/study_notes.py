@@ -8,18 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case import Case
+from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
-from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
+from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
-from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 
 _STRONG = radians(1.5)
@@ -46,15 +45,21 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
         yield from slips(vehicle)
 
 
-def along_the_path(case: Case, history: History, sign: str | None, why: str) -> Iterator[str]:
-    """Say of a strong wind in the pitch plane that its dynamic pressure is frozen, and why."""
-    if case.plane != "pitch" or abs(float(history.peak)) <= _STRONG:
+def along_the_path(need: CaseNeed) -> Iterator[str]:
+    """Say of a strong wind in the pitch plane what its dynamic pressure leaves in doubt."""
+    if need.plane != "pitch" or abs(float(need.history.peak)) <= _STRONG:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
-    if sign == FROZEN:
+    if need.sign == FROZEN:
         yield f"{changes}, as asked: a head wind needs more"
-    elif why:
-        yield f"{changes}; what a head wind needs more is not known: {why}"
+    elif need.sign_unknown:
+        yield f"{changes}; what a head wind needs more is not known: {need.sign_unknown}"
+    elif need.counts[0] != FROZEN and need.requirement.governs in (MINIMUM, AFTER_TRIM):
+        yield (
+            "the slow mode of the flight path sets what is required in calm air's dynamic pressure,"
+            f" and what a {need.counts[0]} wind changes is known of the fastest mode alone: in a"
+            " head wind of 5 deg the slow mode asked for 1 to 5 percent more than is required here"
+        )
 
 
 def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:

@@ -128,7 +128,7 @@ def _notes(choices: Choices, need: CaseNeed) -> list[str]:
     return [
         *doubts(plan.vehicle),
         *gust_placed(choices.wind, need.blows),
-        *along_the_path(plan, need.history, plan.sign, need.sign_unknown),
+        *along_the_path(need),
         *([_BOTH.format(plan.plane)] if need.in_both else words_of(need.planes, plan.plane, False)),
         *([_CALM] if need.counts[0] != FROZEN else ()),
     ]
