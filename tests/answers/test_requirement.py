@@ -441,3 +441,10 @@ def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():
     calm = tv.Coefficients(mu_alpha=0.0, mu_delta=2.0, C1=0.1, q=0.01)
     found = tv.required_deflection(tv.Plant.from_coefficients(calm, "drift-exact"), triangle(7.5))
     assert (found.limit, found.deflection, found.governs) == (0.0, 0.0, NOTHING)
+
+
+def test_a_wind_too_long_to_be_flown_needs_the_whole_of_trim(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
+    wind = tv.TriangularWind(peak=np.radians(5), duration=1e5)
+    trim = abs(float(tv.trim_deflection(plant, wind).peak))
+    assert abs(tv.required_deflection(plant, wind).deflection) == pytest.approx(trim, rel=1e-5)

@@ -124,6 +124,8 @@ def _survives(
         rate = np.clip(asked, *_RATES)
         flyable = span * rate <= 2.0 * _MOST_SAMPLES
         limits = np.where(flyable, limits, np.nan)
+    if np.all(np.isnan(limits)):
+        return np.zeros(limits.shape, dtype=bool)
     fly = partial(fly_many, law=law, wind=wind, deflection_limit=limits, sample_rate=rate)
     survived = fly(plant).status == "survived"
     if plant.model == "drift-and-speed" and not np.all(own := decidable(plant)):
