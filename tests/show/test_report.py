@@ -800,6 +800,20 @@ def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
     assert any("the dynamic pressure in a head wind" in one for one in page.texts)
 
 
+@pytest.mark.usefixtures("few_durations")
+def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives() -> None:
+    case = {
+        "vehicle": tv.load_vehicle("configuration-i"),
+        "nozzle": tv.Nozzle(limit=np.radians(0.2)),
+        "design": tv.AutopilotDesign(design="canonical"),
+    }
+    survived = Page(tv.report_html(tv.answers.StudyPlan(**case))).numbers[
+        "facts.survivable_peak_deg"
+    ][0]
+    stop = find(tv.answers.StudyPlan(**case)).stop
+    assert survived == pytest.approx(5.0 * 0.2 / abs(np.degrees(stop.deflection)), rel=1e-12)
+
+
 def test_a_notebook_shows_a_short_table() -> None:
     vehicle = tv.load_vehicle("configuration-i").replace(name="<b>")
     study = tv.Study.from_vehicle(

@@ -158,12 +158,12 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     stop = 0.0 if found.stop is None else abs(float(found.stop.deflection)) * s.of_both
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
-    if s.survivable_peak is not None:
-        part = (
-            min(1.0, s.required_deflection / stop) if stop else 1.0
-        )  # flights scale with the wind
-        survived = degrees("facts.survivable_peak", part * abs(s.survivable_peak), unit="deg")
-        rows.append((SURVIVES, survived))
+    if s.limit is not None and s.survivable_peak is not None:
+        survived = abs(s.survivable_peak)
+        if stop:  # a flight scales with its wind
+            blown = s.planes.peak if s.in_both and s.planes is not None else s.history.peak
+            survived = min(survived, abs(float(blown)) * s.limit / stop)
+        rows.append((SURVIVES, degrees("facts.survivable_peak", survived, unit="deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append(("ideal trim takes", trim))
