@@ -294,6 +294,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"gust": {"peak_deg": 1, "duratoin_s": 2}}, "'duratoin_s'; did you mean duration_s"),
         ({"gust": {"peak_deg": 1}}, "a key is missing .*: duration_s"),
         ({"gust": {"peak_deg": 0, "duration_s": 2}}, "peak must be other than zero"),
+        ({"nozzle": {"actuator_damping": -1}}, "actuator_damping must be positive"),
         ({"shedule": {}}, "unknown table: 'shedule'; did you mean schedule"),
         ({"schedule": {"sorce": "a"}}, "'sorce'; did you mean source"),
         ({"schedule": {"source": 3}}, "needs a source"),

@@ -138,18 +138,26 @@ class CaseNeed:
             return np.inf
 
     @property
+    def judged_peak(self) -> float:
+        """The peak [rad] of the wind that is judged: in both planes that of its vector."""
+        blows = self.planes if self.planes is not None and self.in_both else self.history
+        return float(blows.peak)
+
+    @property
     def judged(self) -> dict[str, Any]:
         """Whether the limit is enough, and what peak it survives; None without one."""
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
-        peak = self.planes.peak if self.planes is not None and self.in_both else self.history.peak
         size = limit / needed if needed else np.inf
         if self.counts[0] != FROZEN and 0.0 < size < np.inf:
             size = survived_size(
                 limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
             )
-        return {"sufficient": bool(covers(limit, needed)), "survivable_peak": float(peak) * size}
+        return {
+            "sufficient": bool(covers(limit, needed)),
+            "survivable_peak": self.judged_peak * size,
+        }
 
     @property
     def governs(self) -> str:

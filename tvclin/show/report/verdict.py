@@ -161,8 +161,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     if s.limit is not None and s.survivable_peak is not None:
         survived = abs(s.survivable_peak)
         if stop:  # a flight scales with its wind
-            blown = s.planes.peak if s.in_both and s.planes is not None else s.history.peak
-            survived = min(survived, abs(float(blown)) * s.limit / stop)
+            survived = min(survived, abs(s.judged_peak) * s.limit / stop)
         rows.append((SURVIVES, degrees("facts.survivable_peak", survived, unit="deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
