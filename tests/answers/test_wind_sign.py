@@ -10,6 +10,7 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.answers.case_need import case_need
 from tvclin.answers.sizing.air_met import in_air
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.varying import varying_need
@@ -275,46 +276,93 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
 
 
 @pytest.mark.parametrize(
-    ("duration", "needed", "said"),
+    ("duration", "calm", "head"),
     usual(
         [
-            (60.0, 0.1083, 0.1057),
-            (40.0, 0.0800, 0.0790),
-            (90.0, 0.1381, 0.1332),
-            (120.0, 0.1565, 0.1498),
+            (60.0, 0.1048, 0.1083),
+            (40.0, 0.0780, 0.0800),
+            (90.0, 0.1325, 0.1381),
+            (120.0, 0.1492, 0.1565),
         ],
         0,
     ),
 )
-def test_a_slow_mode_in_a_head_wind_asks_for_what_the_doubt_says(
-    configuration_i, duration, needed, said
+def test_a_slow_mode_in_the_air_met_needs_the_least_of_all_control(
+    configuration_i, duration, calm, head
 ) -> None:
-    """By a linear program over both modes, in the air that is met; numbers of docs/limits.md."""
+    """By a linear program over both modes; numbers of docs/limits.md.
+
+    The program's control is constant in an eighth of a second, its peak about 2e-5 too high, and
+    the steps of the ratio are good to 1e-4.
+    """
     wind = tv.ShapedWind("triangular", np.radians(5.0), duration)
     found = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind), 0.0)
-    calm, head = (least_of_two_modes(configuration_i, wind, turn) for turn in (0.0, -1.0))
-    assert found.frozen_deflection == pytest.approx(calm, rel=1e-3)
-    shown = np.degrees([head, found.required_deflection])
-    assert shown == pytest.approx([needed, said], abs=6e-5)  # to the digit, and 1e-5 of the steps
-    assert 1.0 < head / found.required_deflection < 1.05
-    assert any("1 to 5 percent" in note for note in found.notes)
-    assert not any("1 to 5 percent" in note for note in tv.Study.of(found.case, 1.0).notes)
+    needs = {"calm": found.frozen_deflection} | found.sign_needs
+    assert np.degrees([needs["calm"], needs["head"]]) == pytest.approx([calm, head], abs=5e-5)
+    least = {"calm": 0.0, "head": -1.0, "tail": 1.0}
+    least = {name: least_peak(configuration_i, wind, turn) for name, turn in least.items()}
+    assert needs == pytest.approx(least, rel=2e-4)
 
 
-def least_of_two_modes(vehicle, wind, turn) -> float:
+@pytest.mark.thorough
+@pytest.mark.parametrize("duration", [40.0, 60.0])
+def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_i, duration):
+    """As before, of drift and speed; after the wind the cells of a slow pair are coarse, 5e-4."""
+    wind = tv.ShapedWind("triangular", np.radians(5.0), duration)
+    case = tv.Case(vehicle=configuration_i, wind=wind, model="drift-and-speed")
+    needs = case_need(case, 0.0).sign_needs
+    least = {"head": -1.0, "tail": 1.0}
+    least = {
+        name: least_peak(configuration_i, wind, turn, case.model) for name, turn in least.items()
+    }
+    assert needs == pytest.approx(least, rel=5e-4)
+
+
+@pytest.mark.parametrize("dead_band", [0.5, 0.25, 0.0])
+def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band) -> None:
+    """In 64 steps; the crossing of trim and demand is on one of them, as above."""
+    plants = configuration_i.rigid.replace(weight=configuration_i.weight * np.array([0.9, 1.1]))
+    winds = tv.TriangularWind(peak=np.radians([4.0, 5.0]), duration=[60.0, 80.0])
+    found = batch_factors(plants, "drift-exact", "pitch", winds, dead_band, "head")
+    for i, weight in enumerate([0.9, 1.1]):
+        vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
+        duration, peak = float(winds.one(i, (2,)).end), float(winds.one(i, (2,)).peak)
+        case = tv.Case(vehicle=vehicle, wind=tv.ShapedWind("triangular", peak, duration))
+        alone = case_need(case, dead_band, "head")
+        assert "minimum over all" in alone.requirement.governs
+        assert found[i] == pytest.approx(alone.counts[1], rel=5e-4)
+
+
+@pytest.mark.parametrize("dead_band", [0.05, 0.1, 0.25, 0.4])
+def test_a_dead_band_left_at_once_needs_what_frozen_parameters_need(configuration_i, dead_band):
+    """Before the first of the times at which the wind is looked at."""
+    vehicle = configuration_i.rigid
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=40.0)
+    plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+    limit = abs(float(tv.boundary_limit(plant, wind, dead_band, "literal").deflection))
+    held = vehicle.replace(time=np.linspace(0.0, 40.0, 3))
+    held = held.replace(weight=np.full(3, vehicle.weight))
+    mode = GrowingMode(tv.FlightSchedule(held), "drift-exact", "pitch", (0.0, 40.0))
+    needed = varying_need(mode, wind, np.array([dead_band])).required
+    assert needed == pytest.approx([limit], rel=1e-8)
+
+
+def least_peak(vehicle, wind, turn, model="drift-exact") -> float:
     """The least peak [rad] of any control, constant in an eighth of a second."""
     path, count = float(vehicle.attitude), int(8 * wind.duration)
-    h, ends = wind.duration / count, np.geomspace(1.0, 1200.0, 250) - 1.0
+    h, ends = wind.duration / count, np.geomspace(1.0, 3000.0, 300) - 1.0
 
     def matrices(ratio):
-        return tv.Plant.from_vehicle(in_air(vehicle, ratio), "drift-exact").matrices()[:2]
+        return tv.Plant.from_vehicle(in_air(vehicle, ratio), model).matrices()[:2]
 
     A, B = matrices(1.0)
     poles, rows = np.linalg.eig(A.T)
-    grows = (np.abs(poles.imag) < 1e-12) & (poles.real > 1e-6)
-    poles, rows = poles[grows].real[:, np.newaxis], rows[:, grows].real.T
+    grows = (poles.real > 1e-6) & (poles.imag >= 0.0)
+    poles, rows = poles[grows][:, np.newaxis], rows[:, grows].T
     after = rows @ B[:, :1] * -np.diff(np.exp(-poles * ends)) / poles
-    held, demand = np.zeros((len(poles), count)), np.zeros(len(poles))
+    turns = poles.imag[:, 0] > 0.0
+    rows, after = (np.vstack([one.real, one.imag[turns]]) for one in (rows, after))
+    held, demand = np.zeros((len(rows), count)), np.zeros(len(rows))
     for k in reversed(range(count)):
         angle = wind.peak * (1.0 - abs((2 * k + 1) / count - 1.0))
         blows = np.sin(turn * angle) / np.sin(path + turn * angle)
@@ -324,7 +372,7 @@ def least_of_two_modes(vehicle, wind, turn) -> float:
         held[:, k] = rows @ step[:, len(A)]
         demand += rows @ step[:, len(A) + 1] * angle
         rows = rows @ step[:, : len(A)]
-        apart = np.linalg.inv(np.linalg.qr(rows.T)[1].T)  # both turn to the fast one
+        apart = np.linalg.inv(np.linalg.qr(rows.T)[1].T)  # all turn to the fast one
         rows, held, demand, after = (apart @ one for one in (rows, held, demand, after))
     all_of_it = np.hstack([held, after])
     sizes = np.abs(all_of_it).sum(axis=1)

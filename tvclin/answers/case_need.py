@@ -133,7 +133,8 @@ class CaseNeed:
             return factor
         asked = None if self.slanting is not None else name
         try:
-            return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]
+            calm = self.requirement.needs
+            return sign_factors(self.case, self.history, self.dead_band, asked, size, calm)[name]
         except InputError:
             return np.inf
 
@@ -190,7 +191,7 @@ def case_need(case: Case, dead_band: float = 1.0, sign: str | None = None) -> Ca
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), blows.history({})
     required = required_deflection(plant, history, K)
-    factors, unknown = _factors(case, history, float(required.deflection), K, sign)
+    factors, unknown = _factors(case, history, required, K, sign)
     return CaseNeed(case, K, sign, blows, required, planes, factors, unknown)
 
 
@@ -205,13 +206,13 @@ def pulse_of(case: Case) -> ShapedWind:
 
 
 def _factors(
-    case: Case, history: History, needed: float, dead_band: float, sign: str | None
+    case: Case, history: History, required: RequiredDeflection, dead_band: float, sign: str | None
 ) -> tuple[dict[str, float], str]:
     """What the sign of a wind changes, and why it is not known; what is asked for must be."""
-    if not np.isfinite(needed):
+    if not np.isfinite(required.deflection):
         return {}, ""
     try:
-        return sign_factors(case, history, dead_band, sign), ""
+        return sign_factors(case, history, dead_band, sign, calm=required.needs), ""
     except InputError as error:
         if sign is not None:
             raise

@@ -21,7 +21,8 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
     "gust": ("--gust", "--gust-speed", "--gust-plateau", "--gust-at"),
-    "head wind": ("--peak-deg", "--peak-speed", "--sign"),
+    "head wind": ("--peak-deg", "--peak-speed"),
+    "sign that counts": ("--sign",),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
     "measured wind": ("--winds", "--winds-time", "--window", "--bias", "--bias-month"),
@@ -36,30 +37,34 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     ),
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg",),
+    "torque, power, travel and acceleration limits": (),
 }
-"""The parts of a case, and the options that give each; the sign of a peak makes it a head wind."""
+"""The parts of a case, and the options that give each; the sign of a peak makes it a head wind, and
+a sign that counts the dynamic pressure one of those that are met."""
 _LAW = ("actuator", "delay", "filters")
 _LOOP = (*_LAW, "rate limit", "sample rate", "gains")
-_WIND = ("gust", "head wind", "heading", "measured wind")
-_SEVERAL = ("shape of the stop", "dispersion")
+_WIND = ("gust", "head wind", "sign that counts", "heading", "measured wind")
+_WORK = "torque, power, travel and acceleration limits"
+_SEVERAL = ("shape of the stop", "dispersion", _WORK)
+_CALM = ("sign that counts", *_SEVERAL)
 _REFUSED: dict[str, tuple[str, ...]] = {
-    "study": (),
-    "report": (),
-    "respond": (*_LOOP, *_SEVERAL),
-    "optimum": (*(one for one in _LOOP if one != "rate limit"), *_SEVERAL, "limit"),
+    "study": (_WORK,),
+    "report": (_WORK,),
+    "respond": (*_LOOP, *_CALM),
+    "optimum": (*(one for one in _LOOP if one != "rate limit"), *_CALM, "limit"),
     "boundary": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "poles": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
-    "margins": _SEVERAL,
-    "autopilot": ("rate limit", *_SEVERAL),
-    "laws": (*_SEVERAL, "limit"),
-    "fly": _SEVERAL,
-    "nozzle": _SEVERAL,
-    "loads": _SEVERAL,
+    "margins": _CALM,
+    "autopilot": ("rate limit", *_CALM),
+    "laws": (*_CALM, "limit"),
+    "fly": _CALM,
+    "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
+    "loads": _CALM,
     "card": ("dispersion",),
-    "size": tuple(one for one in _LOOP if one != "rate limit"),
-    "availability": (*_LOOP, "dispersion"),
-    "campaign": (),
-    "explore": ("measured wind", "dispersion"),
+    "size": (*(one for one in _LOOP if one != "rate limit"), _WORK),
+    "availability": (*_LOOP, "dispersion", _WORK),
+    "campaign": (_WORK,),
+    "explore": ("measured wind", "dispersion", _WORK),
 }
 _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "margins without --flown": ("rate limit", "limit"),
@@ -69,11 +74,11 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
     "card without the law autopilot": ("gains",),
-    **dict.fromkeys(
-        ("nozzle without --law", "loads without --law"), (*_LAW, "sample rate", "gains")
-    ),
+    "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
+    "loads without --law": (*_LAW, "sample rate", "gains"),
 }
 """What a question that computes a part leaves out of a file, as it is asked here."""
+_LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")
 _HERE = "these numbers"
 _OF_THE_RIGID: dict[str, str] = {
     "study": "the boundaries",
@@ -148,8 +153,10 @@ def told(case: Case, *questions: str) -> Iterator[str]:
         part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
     }
     named = [part for part in _given(case) if part in left] if left else []
-    if named:
-        yield f"what the file says of {listed(named)} is left out here; tvclin study has it"
+    for who, some in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
+        if some:
+            of = listed([part for part in named if part in some])
+            yield f"what the file says of {of} is left out here; tvclin {who} has it"
 
 
 def wholly_rigid(question: str) -> bool:
@@ -167,6 +174,7 @@ def _given(case: Case) -> list[str]:
     found = {
         "gust": getattr(wind, "gust", None) is not None,
         "head wind": getattr(wind, "peak", 0.0) < 0.0,
+        "sign that counts": getattr(case, "sign", None) is not None,
         "heading": getattr(wind, "heading", None) is not None,
         "shape of the stop": nozzle.stop is not None,
         "measured wind": sizing and sizing.soundings and not isinstance(wind, History),
@@ -178,6 +186,7 @@ def _given(case: Case) -> list[str]:
         "gains": replace(asked.bare, sample_rate=None) != AutopilotDesign(),
         "dispersion": dispersions is not None and dispersions.each,
         "limit": nozzle.limit is not None,
+        _WORK: any(vars(nozzle)[one] is not None for one in _LIMITS_OF_WORK),
     }
     return [part for part, there in found.items() if there]
 

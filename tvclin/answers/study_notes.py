@@ -12,7 +12,7 @@ from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
-from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, PAIR, ROUNDING
+from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes
@@ -54,12 +54,6 @@ def along_the_path(need: CaseNeed) -> Iterator[str]:
         yield f"{changes}, as asked: a head wind needs more"
     elif need.sign_unknown:
         yield f"{changes}; what a head wind needs more is not known: {need.sign_unknown}"
-    elif need.counts[0] != FROZEN and need.requirement.governs in (MINIMUM, AFTER_TRIM):
-        yield (
-            "the slow mode of the flight path sets what is required in calm air's dynamic pressure,"
-            f" and what a {need.counts[0]} wind changes is known of the fastest mode alone: in a"
-            " head wind of 5 deg the slow mode asked for 1 to 5 percent more than is required here"
-        )
 
 
 def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:

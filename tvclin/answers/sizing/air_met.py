@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.answers.sizing.collocation import mesh
+from tvclin.answers.sizing.least_met import ModesMet, least_met, modes_met
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant
@@ -62,13 +63,14 @@ class AirMet:
     pressure adds for each part of it, ``(k, m, m + 2, n)`` of times and vehicles, each of which may
     be one for all. `end` is the growing part p at the end and the reach of a deflection there, ``(m
     + 1, n)``, NaN where nothing grows. Where two modes grow as a pair, `paired`, ``(k, n)``, trim
-    must never be limited.
+    must never be limited. `modes` are all that grow, where slower ones count as well.
     """
 
     calm: FloatArray
     more: FloatArray
     end: FloatArray
     paired: BoolArray
+    modes: tuple[ModesMet, ...] = ()
 
     @classmethod
     def held(cls, calm: Plant, denser: Plant) -> AirMet:
@@ -76,8 +78,9 @@ class AirMet:
         both, more = _equations(calm, denser)
         shape = (-1, *both.shape[-2:])
         every = [np.moveaxis(one.reshape(shape), 0, -1)[np.newaxis] for one in (both, more)]
+        A = both.reshape(shape)[..., : shape[-2]]
         end, paired = _held(both.reshape(shape)).T, leading_pole(calm)[1]
-        return cls(every[0], every[1], end, np.reshape(paired, (1, -1)))
+        return cls(every[0], every[1], end, np.reshape(paired, (1, -1)), modes_met(A))
 
     @classmethod
     def along(cls, mode: GrowingMode, times: FloatArray) -> AirMet:
@@ -89,7 +92,9 @@ class AirMet:
         row, reach = mode.at(times[-1])
         every = [np.broadcast_to(one, (t.size, *one.shape[-2:]))[..., None] for one in (both, more)]
         paired = np.broadcast_to(leading_pole(calm)[1], t.shape)[:, np.newaxis]
-        return cls(every[0], every[1], np.append(row, reach)[:, np.newaxis], paired)
+        end = np.append(row, reach)[:, np.newaxis]
+        last = every[0][-1:, :, : row.size, 0]
+        return cls(every[0], every[1], end, paired, modes_met(last))
 
     def equations(self, ratio: FloatArray) -> FloatArray:
         """Return the equations where the dynamic pressures are ``(k, n)`` times those of calm."""
@@ -153,7 +158,7 @@ def even_steps(mode: GrowingMode, span: tuple[float, float]) -> FloatArray:
 def _need(
     met: AirMet, times: FloatArray, ratio: FloatArray, wind: FloatArray, dead_band: float
 ) -> FloatArray:
-    trim, demand = _course(met, times, ratio, wind)
+    trim, demand, least = _course(met, times, ratio, wind, dead_band)
     largest = np.abs(trim).max(axis=0)
     paired = np.broadcast_to(met.paired, (len(times), met.paired.shape[1]))[::2]
     if dead_band < 1.0:
@@ -162,6 +167,8 @@ def _need(
         kept = np.where(paired, side * trim, 0.0).max(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             need = np.fmax(_leaves(side * trim, side * demand, dead_band), kept / dead_band)
+        if least is not None:
+            need = np.fmax(need, np.fmax(least[0], _leaves(side * trim, least, dead_band)))
         return np.stack([need, largest])
     both = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
     over = trim - demand
@@ -182,7 +189,8 @@ def _leaves(driver: FloatArray, demand: FloatArray, K: float) -> FloatArray:
         return np.asarray(demand[0])
     highest, place = np.maximum.accumulate(driver), np.arange(len(driver))[:, np.newaxis]
     new = (driver >= highest * (1.0 - _SLACK)) & (driver > 0.0)
-    last = np.where(new & (driver < K * demand), place, -1).max(axis=0, keepdims=True)
+    short = (new | (place == 0)) & (driver < K * demand)
+    last = np.where(short, place, -1).max(axis=0, keepdims=True)
     after = np.where(new & (place > last), place, place.size).min(axis=0, keepdims=True)
     ends = [np.clip(one, 0, place.size - 1) for one in (last, after)]
     (d0, d1), (L0, L1) = ([np.take_along_axis(x, k, 0) for k in ends] for x in (driver, demand))
@@ -195,9 +203,12 @@ def _leaves(driver: FloatArray, demand: FloatArray, K: float) -> FloatArray:
 
 
 def _course(
-    met: AirMet, times: FloatArray, ratio: FloatArray, wind: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Trim, and the limit that is enough when it is held from then on [rad], ``(ends, n)``."""
+    met: AirMet, times: FloatArray, ratio: FloatArray, wind: FloatArray, dead_band: float
+) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    """Trim, and the limit that is enough when it is held from then on [rad], ``(ends, n)``.
+
+    And for a dead band below 1 the least peak over all modes from then on, if slower ones grow.
+    """
     both = met.equations(ratio)
     m, count = both.shape[1], len(times)
     cases = max(wind.shape[1], both.shape[-1])
@@ -225,7 +236,24 @@ def _course(
     trim = np.einsum("tin,tin->tn", *np.broadcast_arrays(trims[at, :-1], x))
     trim = -(trim + trims[at, -1] * wind[at])
     kept = np.sum(rest[:, 2:m] * x, axis=1) + rest[:, m + 1]
-    return trim, -kept / rest[:, m]
+    if not met.modes or dead_band == 1.0:
+        return trim, -kept / rest[:, m], None
+    least = np.zeros((x.shape[0] if dead_band else 1, cases))
+    for modes in met.modes:
+        some = modes.cases if met.calm.shape[-1] > 1 else np.arange(cases)
+        of = [
+            np.broadcast_to(one, (*one.shape[:-1], cases))[..., some]
+            for one in (times, both, wind, x)
+        ]
+        least[:, some] = least_met(
+            modes, of[0], _cases_first(of[1]), of[2], _cases_first(of[3]), dead_band > 0.0
+        )
+    return trim, -kept / rest[:, m], least
+
+
+def _cases_first(of: FloatArray) -> FloatArray:
+    """The same with the axis of the cases behind that of the times."""
+    return np.ascontiguousarray(np.moveaxis(of, -1, 1))
 
 
 def _walked(

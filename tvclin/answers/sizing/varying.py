@@ -196,14 +196,18 @@ def _boundary(
     last = int(short[-1]) if short.size else -1
     if last + 1 == new.size:
         return max(float(highest[-1]) / K, float(driver.max()))
-    if last < 0:
+    begins = K * side * float(course.demand(times[0]))
+    if last < 0 and (new[0] == 0 or driver[0] >= begins):
         return float(demands[0])
-    floor = float(driver[new[last]])
+    before = 0 if last < 0 else int(new[last])
+    floor, low, high = (
+        max(float(driver[before]), 0.0),
+        *(float(times[i]) for i in (before, new[last + 1])),
+    )
 
     def over(t: float) -> float:
         return max(side * float(course.trim(t)), floor) - K * side * float(course.demand(t))
 
-    low, high = (float(times[new[i]]) for i in (last, last + 1))
     return side * float(course.demand(brentq(over, low, high, xtol=1e-12)))
 
 

@@ -14,6 +14,7 @@ ask for. Speed and path of the vehicle itself hardly change within a wind.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -21,9 +22,16 @@ from numpy.typing import ArrayLike
 
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
+from tvclin.answers.sizing.collocation import mesh, refined
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
-from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.limit import (
+    AFTER_TRIM,
+    MINIMUM,
+    boundary_alone,
+    leading_pole,
+    open_loop_needs,
+)
 from tvclin.linear.plant import Plant
 from tvclin.numerics import pieces
 from tvclin.vehicle.coefficients import PLANES
@@ -44,6 +52,10 @@ _CLOSE = 1e-5
 """Of the logarithm of a factor on the wind."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
+_NEAR = 0.8
+"""Of the boundary: what slower modes ask for below that in calm air stays below it in any wind."""
+_LEAST_RATE = 16.0
+"""Of a `mesh` through the same, over their duration: 64 steps at least."""
 _JUMP = 1e-6
 """A jump of the wind is a slope over this part of its duration."""
 
@@ -120,15 +132,21 @@ def batch_factors(
 
 
 def sign_factors(
-    case: Case, wind: History, dead_band: float, sign: str | None = None, size: float = 1.0
+    case: Case,
+    wind: History,
+    dead_band: float,
+    sign: str | None = None,
+    size: float = 1.0,
+    calm: dict[str, float] | None = None,
 ) -> dict[str, float]:
     """Return what a wind needs by its sign along the path, over what it needs in calm air's.
 
     By `SIGNS`; empty for a wind across the path, and where nothing helps or is needed. `wind` is
     that of the case in its plane, with its gust, and `size` a factor on it; with a stop of both
-    planes the factor is the larger one of the planes. `sign` is the one that counts; a wind with a
-    direction has its own, and `InputError` is raised for another, and for a vehicle of which speed
-    and attitude are not known, and as `signed_need`.
+    planes the factor is the larger one of the planes. `calm` is what the wind needs in the plane of
+    the case in calm air, the `needs` of `required_deflection`, where that is known. `sign` is the
+    one that counts; a wind with a direction has its own, and `InputError` is raised for another,
+    and for a vehicle of which speed and attitude are not known, and as `signed_need`.
     """
     if sign == FROZEN:
         return {}
@@ -137,12 +155,15 @@ def sign_factors(
     along, winds = _met(case, wind, dead_band)
     if along is None:
         return {}
+    known = {} if calm is None else {case.plane: calm}
+    every = [
+        _Signed.of(case, plane, one, along, dead_band, known.get(plane)) for plane, one in winds
+    ]
     given, found = float(np.sign(along.peak)), {}
     for name in SIGNS if sign is None else (sign,):
         turn = SIGNS[name] * given
         if case.heading is None or turn > 0.0:
-            met = [(plane, one, along) for plane, one in winds]
-            found[name] = max(_factor(case, *one, dead_band, turn * size) for one in met)
+            found[name] = max(one.factor(turn * size) for one in every)
     return {} if 0.0 in found.values() else found
 
 
@@ -160,19 +181,67 @@ def _met(
     return parts.get("pitch"), judged
 
 
-def _factor(
-    case: Case, plane: str, wind: History, along: History, dead_band: float, size: float
-) -> float:
-    """The factor of one plane in so many times its wind and that along; zero where none counts."""
-    vehicle = whole_vehicle(case.vehicle, "the sign of a wind").rigid
-    plant = Plant.from_vehicle(vehicle, case.model, plane)
-    frozen = abs(float(boundary_limit(plant, wind, dead_band, "literal").deflection))
-    if frozen == 0.0 or not np.isfinite(frozen):
-        return 0.0
-    need = signed_need(vehicle, wind * size, case.model, dead_band, plane=plane, along=along * size)
-    if not np.isfinite(need):
-        raise InputError("with this dead band no limit is enough")
-    return need / (frozen * abs(size))
+@dataclass(frozen=True, eq=False)
+class _Signed:
+    """A wind in one plane, that along the path, and what it needs in calm air [rad].
+
+    `fast` is the boundary, and `slow` what all growing modes need, for dead bands below 1.
+    """
+
+    vehicle: Vehicle
+    model: str
+    plane: str
+    dead_band: float
+    wind: History
+    along: History
+    fast: float
+    slow: float
+
+    @classmethod
+    def of(
+        cls,
+        case: Case,
+        plane: str,
+        wind: History,
+        along: History,
+        dead_band: float,
+        calm: dict[str, float] | None,
+    ) -> _Signed:
+        vehicle = whole_vehicle(case.vehicle, "the sign of a wind").rigid
+        plant = Plant.from_vehicle(vehicle, case.model, plane)
+        boundary = boundary_alone(plant, wind, dead_band, True)[0]
+        slow = 0.0
+        if dead_band < 1.0:
+            needs = calm or open_loop_needs(plant, wind, np.asarray(dead_band), boundary)
+            slow = max(float(needs[MINIMUM]), float(needs[AFTER_TRIM]))
+        fast = abs(float(boundary.deflection))
+        return cls(vehicle, case.model, plane, dead_band, wind, along, fast, slow)
+
+    def factor(self, size: float) -> float:
+        """Return the factor in so many times these winds; zero where none counts."""
+        if self.fast == 0.0 or not np.isfinite(self.fast):
+            return 0.0
+        of = self.vehicle, self.wind * size, self.model, self.dead_band
+        need = signed_need(*of, plane=self.plane, along=self.along * size)
+        if not np.isfinite(need):
+            raise InputError("with this dead band no limit is enough")
+        fast = need / (max(self.fast, self.slow) * abs(size))
+        return fast if self.slow < _NEAR * self.fast else max(fast, self._over_all_modes(size))
+
+    def _over_all_modes(self, size: float) -> float:
+        """The factor by `need_ratio`, to some 1e-4."""
+        plants = [
+            Plant.from_vehicle(v, self.model, self.plane)
+            for v in (self.vehicle, denser_air(self.vehicle))
+        ]
+        bends = np.concatenate([_bends(self.wind), _bends(self.along)])
+        bends = np.unique(np.clip(bends, self.wind.onset, self.wind.end))
+        ends = mesh(bends, max(float(leading_pole(plants[0])[0]), _LEAST_RATE / np.ptp(bends)))
+        times = refined(ends, np.full(ends.size - 1, 2.0))
+        ratio = pressure_ratio(self.vehicle, self.along(times) * size)
+        times, ratio, angle = (one[np.newaxis] for one in (times, ratio, self.wind(times)))
+        met = AirMet.held(*plants)
+        return float(need_ratio(met, times, ratio, angle, self.dead_band)[0, 0])
 
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
@@ -215,11 +284,17 @@ def signed_need(
     from tvclin.answers.sizing.varying import varying_need
 
     begin, end = float(wind.onset), float(wind.end)
-    knots = wind.knots[(wind.knots > begin) & (wind.knots <= end)]
-    before = knots - _JUMP * (end - begin)
-    jumps = np.abs(wind(knots) - wind(before)) > np.sqrt(_JUMP) * abs(float(wind.peak))
-    times = np.unique(np.concatenate([np.linspace(begin, end, _ROWS), knots, before[jumps]]))
+    times = np.unique(np.concatenate([np.linspace(begin, end, _ROWS), _bends(wind)]))
     ratio = pressure_ratio(vehicle, (wind if along is None else along)(times))
     met = in_air(vehicle, ratio).replace(time=times)
     mode = GrowingMode(FlightSchedule(met), model, plane, (begin, end))
     return float(varying_need(mode, wind, np.array([dead_band])).required[0])
+
+
+def _bends(wind: History) -> FloatArray:
+    """The knots [s] of a wind while it blows, and times just before its jumps."""
+    begin, end = float(wind.onset), float(wind.end)
+    knots = wind.knots[(wind.knots > begin) & (wind.knots <= end)]
+    before = knots - _JUMP * (end - begin)
+    jumps = np.abs(wind(knots) - wind(before)) > np.sqrt(_JUMP) * abs(float(wind.peak))
+    return np.unique(np.concatenate([[begin], knots, before[jumps]]))
