@@ -160,6 +160,30 @@ def test_the_least_load_is_the_jump_of_the_wind():
         load_front(FIXED, half, load=0.45 * PEAK)
 
 
+@pytest.mark.parametrize("plant", [FIXED, exact()])
+def test_loads_far_below_the_peak_have_a_limit_too(plant):
+    """It falls over the load, and what is not settled is said to be not known.
+
+    On a fixed path not less than turning in time takes, (a + s^2/a)/2 for s = 2/(tau beta).
+    """
+    loads = np.array([0.04, 0.05, 0.06, 0.08, 0.1, 0.2])
+    wind, unit = triangle(plant, 4.0), plant.coefficients.B * PEAK
+    limits, proofs = relative(plant, wind, loads)
+    assert np.all(np.isfinite(limits))
+    assert np.all(np.diff(limits) < 0.0)
+    assert np.all(proofs <= limits)
+    assert limits[:-1] == pytest.approx(proofs[:-1], rel=0.2)
+    if plant is FIXED:
+        assert np.all(limits >= (loads + 0.25 / loads) / 2.0)
+    between = 0.5 * (limits[0] + proofs[0]) * unit
+    for limit, verdict in (
+        (between, "NOT known to be enough"),
+        (proofs[0] * 0.9 * unit, "NOT enough"),
+    ):
+        front = load_front(plant, wind, limit=limit, load=loads[0] * PEAK)
+        assert front.verdict.startswith(verdict)
+
+
 def test_without_a_forecast_half_of_the_peak_is_left():
     front = load_front(FIXED, triangle(FIXED, 8.0), PEAK * np.array([0.4, 0.6]), limit=0.01)
     free = tv.forecast_free_limit(FIXED, triangle(FIXED, 8.0))

@@ -110,6 +110,11 @@ class CaseNeed:
         name = max(every, key=lambda one: every[one])
         return name, every[name]
 
+    @property
+    def in_calm_air(self) -> bool:
+        """Whether the dynamic pressure of calm air counts."""
+        return self.counts[0] == FROZEN
+
     def factors_at(self, sizes: ArrayLike) -> FloatArray:
         """Return the factor of the sign that counts in winds of so many times this size.
 
@@ -151,7 +156,7 @@ class CaseNeed:
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
         size = limit / needed if needed else np.inf
-        if self.counts[0] != FROZEN and 0.0 < size < np.inf:
+        if not self.in_calm_air and 0.0 < size < np.inf:
             size = survived_size(
                 limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
             )
@@ -163,9 +168,8 @@ class CaseNeed:
     @property
     def governs(self) -> str:
         """What the required deflection is governed by, in words."""
-        name = self.counts[0]
-        if name != FROZEN:
-            return f"the dynamic pressure in a {name} wind"
+        if not self.in_calm_air:
+            return f"the dynamic pressure in a {self.counts[0]} wind"
         if self.planes is not None and self.in_both:
             return self.planes.governs
         return self.requirement.governs

@@ -198,15 +198,20 @@ def of_heading(
     return planes_needed(plants, both, stop or CircularStop(), dead_band)
 
 
-def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[str]:
-    """Yield what the direction of a wind changes, in words; nothing without one."""
+def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:
+    """Yield what the direction of a wind changes, in words; nothing without one.
+
+    `calm`: whether the dynamic pressure of calm air counts, in which `planes` are.
+    """
     if planes is None:
         return
     missing = 100.0 * planes.misses(plane)
     if not judged:
+        air = "" if calm else " in the dynamic pressure of calm air"
         yield (
             f"this wind blows in both planes: with a round stop they need"
-            f" {np.degrees(planes.deflection):.3f} deg, {missing:.0f} % of which the {plane} plane"
+            f" {np.degrees(planes.deflection):.3f} deg{air}, {missing:.0f} % of which"
+            f" the {plane} plane"
             " alone does not see (to judge both: --stop, or stop in [nozzle])"
         )
         return

@@ -212,7 +212,7 @@ class Study(CaseNeed, Shown):
             *doubts(case.vehicle),
             *gust_placed(pulse_of(case), need.blows),
             *along_the_path(need),
-            *words_of(need.planes, case.plane, need.in_both),
+            *words_of(need.planes, case.plane, need.in_both, need.in_calm_air),
         )
         return cls(
             **vars(need),

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tvclin.answers.requirement import NOTHING
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.cards import Quantity
 from tvclin.base.lines import (
@@ -137,7 +136,7 @@ def _counted(s: Study) -> str:
     """What is the row of the required deflection called, where it is not that of the dead band."""
     if s.in_both:
         return "both planes"
-    return "required" if s.counts[0] == FROZEN else f"{s.counts[0]} wind"
+    return "required" if s.in_calm_air else f"{s.counts[0]} wind"
 
 
 def _judged(s: Study) -> dict[str, tuple[float, float]]:

@@ -33,9 +33,10 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
-_MOST_NODES, _LESS = 1000, 0.95
-_AIMED = (0.125, 0.25, 0.5, 1.0)
-"""Programs on finer nodes until it is; what the load exceeded by is aimed below the next time."""
+_MOST_NODES = 1000
+_AIMED, _BEYOND = (0.125, 0.25, 0.5, 1.0), (1.1, 1.5, 3.0, 10.0)
+"""Programs on finer nodes until it is; what the load exceeded by is aimed below the next time. Else
+the least loads of so many times what is proved."""
 _FEWEST, _MOST, _EACH = 48, 160, 10.0
 """Cells in the wind: about so many in the time of the fastest mode."""
 _GROWTH, _DECAYED = 1.15, 20.0
@@ -120,10 +121,15 @@ class LoadLimits:
                 break
             aimed = load - part * max(solved.load - aimed, 0.0)
             program = LoadProgram(self.case, solved.finer)
-        if np.isinf(self._reached(load)):  # mixed with one that has less load
-            solved = self.program.solve(PEAK, max(_LESS * load, self.least_load))
-            if solved is not None:
-                self.points.append((solved.load, solved.peak))
+        for more in _BEYOND:  # mixed with ones that have less load
+            program = self.program
+            for _ in range(2):
+                limit, (proof, _) = self._reached(load), self._proved(load)
+                found = program.solve(LOAD, min(more * proof, _WHOLE)) if np.isinf(limit) else None
+                if found is None:
+                    break
+                self.points.append((found.load, found.peak))
+                program = LoadProgram(self.case, found.finer)
         return self._reached(load), *self._proved(load)
 
     def _reached(self, load: float) -> float:

@@ -100,6 +100,11 @@ class LoadFront(Shown):
         if self.enough is None:
             return "nothing is asked; give a limit and a load"
         if not self.enough:
+            at = np.flatnonzero(self.loads == self.load)
+            if at.size and self.limit is not None and self.limit >= self.proofs[at[0]]:
+                low, high = np.degrees([self.proofs[at[0]], self.needed])
+                between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
+                return f"NOT known to be enough: the least is {between} deg"
             return "NOT enough, whatever the control"
         if self.load is not None and self.load < self.least_load_blind:
             return "enough only for a control that knows when the wind stops"

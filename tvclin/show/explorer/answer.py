@@ -10,7 +10,6 @@ from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.parts import told
 from tvclin.answers.planes import words_of
 from tvclin.answers.requirement import covers
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
@@ -124,13 +123,14 @@ def _durations(choices: Choices) -> FloatArray:
 
 def _notes(choices: Choices, need: CaseNeed) -> list[str]:
     """What a study says of a vehicle, a gust, a direction and the sign of a wind."""
-    plan = choices.plan
+    plan, calm = choices.plan, need.in_calm_air
+    both = [_BOTH.format(plan.plane)] if need.in_both else []
     return [
         *doubts(plan.vehicle),
         *gust_placed(choices.wind, need.blows),
         *along_the_path(need),
-        *([_BOTH.format(plan.plane)] if need.in_both else words_of(need.planes, plan.plane, False)),
-        *([_CALM] if need.counts[0] != FROZEN else ()),
+        *(both or words_of(need.planes, plan.plane, False, calm)),
+        *(() if calm else [_CALM]),
     ]
 
 
