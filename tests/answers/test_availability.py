@@ -291,6 +291,7 @@ def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -
     assert found.why == ("it begins above the height of the largest dynamic pressure",)
     assert np.isnan(found.part().part)
     assert str(found.part()) == "none judged, 1 unknown"
+    assert np.all(np.isnan(found.placard()))
 
 
 def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(

@@ -207,6 +207,17 @@ def test_of_a_limit_that_is_reached_nothing_is_left():
     assert beyond.left < 0.0
 
 
+def test_what_a_lost_flight_needs_is_not_known_to_be_there():
+    needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
+    lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
+    found = {one.name: (one.needed, one.enough, one.left) for one in lost.needs}
+    assert np.isnan(found["limit"][0])
+    assert found["limit"][1] is None
+    assert np.isnan(found["acceleration"][0])
+    assert found["rate limit"][1] is False
+    assert lost.enough is False
+
+
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     card = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
     assert card.verdict.enough is False

@@ -140,6 +140,11 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
 
     A flight is watched for some time after its wind before it is judged.
     """
+    if float(plant.coefficients.mu_alpha) <= 0.0:
+        raise InputError(
+            "a flight with the nonlinear equations is shown beside the linear boundary, which an"
+            " unstable vehicle alone has; --engine linear --law autopilot flies this one"
+        )
     pole = float(plant.coefficients.pole)
     if abs(float(wind.peak)) < _SMALLEST:
         raise InputError(

@@ -198,7 +198,7 @@ class Coefficients:
         if np.any(np.asarray(self.mu_alpha) <= 0.0):
             raise InputError(
                 "beta needs an aerodynamically unstable vehicle, mu_alpha > 0; got mu_alpha ="
-                f" {np.min(self.mu_alpha):.6g} 1/s^2 (use beta_squared)"
+                f" {np.min(self.mu_alpha):.6g} 1/s^2"
             )
         return plain(np.sqrt(self.mu_alpha))
 

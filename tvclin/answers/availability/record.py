@@ -194,12 +194,15 @@ class Availability(Tabled):
     def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
         """Return the least limits [rad] that are enough for so many of those then judged.
 
-        Infinite where no limit is enough. Shape ``(p,)``, or ``(a, p)`` for several azimuths.
+        Infinite where no limit is enough, NaN where of no sounding anything is known. Shape
+        ``(p,)``, or ``(a, p)`` for several azimuths.
         """
         asked = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
 
         def of(least: FloatArray, most: FloatArray) -> FloatArray:
             known = ~np.isnan(most)
+            if not np.any(known):
+                return np.full(asked.shape, np.nan)
             high, low = np.sort(most[known]), np.sort(least[known])
             flown = np.searchsorted(high, high, side="right")
             lost = low.size - np.searchsorted(low, high, side="right")

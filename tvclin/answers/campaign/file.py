@@ -30,7 +30,7 @@ from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
-from tvclin.vehicle.file import build_vehicle, list_vehicles
+from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of, with_gust
 from tvclin.winds.shaped import ShapedWind
@@ -133,7 +133,8 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     """Raise `InputError` for all that is at fault in the tables of a file, a line for each."""
     faults = Faults()
     with faults.kept():
-        known("table", document, [table.name for table in TABLES])
+        vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
+        known("table", document, [*vehicle, *(table.name for table in TABLES)])
     for table in _SINGLE:
         with faults.kept():
             given = table.one(document)

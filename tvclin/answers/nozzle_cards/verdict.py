@@ -99,15 +99,21 @@ class NozzleVerdict(Shown):
         lost: Iterable[str] = (),
         unknown: Iterable[str] = (),
     ) -> Self:
-        """Return the verdict on a nozzle of what is needed [SI], by the fields of `SHEET`."""
-        needs = []
+        """Return the verdict on a nozzle of what is needed [SI], by the fields of `SHEET`.
+
+        Where a flight is lost with what there is, what it needs is not known.
+        """
+        needs, lost = [], tuple(lost)
         for name, (words, unit) in SHEET.items():
             if name in needed:
                 scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
                 there: Any = getattr(nozzle, name)
                 there = None if there is None else scale * there
-                needs.append(Need(words, unit, scale * needed[name], there))
-        return cls(tuple(sorted(needs, key=lambda one: -one.part)), tuple(lost), tuple(unknown))
+                need = scale * needed[name]
+                if lost and need <= (there or 0.0):
+                    need = np.nan
+                needs.append(Need(words, unit, need, there))
+        return cls(tuple(sorted(needs, key=lambda one: -one.part)), lost, tuple(unknown))
 
     @property
     def enough(self) -> bool | None:
