@@ -88,7 +88,7 @@ def test_in_calm_air_they_are_the_same_to_rounding() -> None:
     found = evaluate(plan, 0, 3)
     for case in range(3):
         for K in plan.dead_bands:
-            study = tv.Study.of(of_case(plan, found, case), K, sign="frozen")
+            study = tv.Study.of(replace(of_case(plan, found, case), sign="frozen"), K)
             needs = found[f"required_K{K:g}"][case]
             assert needs == pytest.approx(study.required_deflection, rel=1e-12)
 

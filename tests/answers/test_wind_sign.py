@@ -328,7 +328,7 @@ def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band
         vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
         duration, peak = float(winds.one(i, (2,)).end), float(winds.one(i, (2,)).peak)
         case = tv.Case(vehicle=vehicle, wind=tv.ShapedWind("triangular", peak, duration))
-        alone = case_need(case, dead_band, "head")
+        alone = case_need(replace(case, sign="head"), dead_band)
         assert "minimum over all" in alone.requirement.governs
         assert found[i] == pytest.approx(alone.counts[1], rel=5e-4)
 

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
+SIGNS = {"head": -1.0, "tail": 1.0}
+"""Of the wind angle in the pitch plane."""
+FROZEN = "frozen"
+"""The dynamic pressure of calm air, for either sign."""
 ANY_NOZZLE = Nozzle()
 """Without limits, and with the usual actuator."""
 _RATE = 100.0
@@ -49,6 +53,10 @@ class Case:
         What the nozzle can do; with a stop of both planes both are judged.
     design : AutopilotDesign, optional
         The autopilot; questions that need one take the canonical gains where nothing is said.
+    sign : str, optional
+        Which sign of a wind along the path counts in what is required, with the dynamic pressure
+        that is met in it: head, tail, or frozen, that of calm air; the worst of these without it.
+        A wind with a direction, and measured ones, have their own.
 
     Raises
     ------
@@ -66,6 +74,7 @@ class Case:
     wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None
+    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
 
     def __post_init__(self) -> None:
         if not isinstance(self.vehicle, LinearVehicle):

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.planes import PlanesNeeded, of_heading
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
+from tvclin.answers.sizing.wind_sign import sign_factors, survived_size
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, between, nonnegative, number, one_of, single, within
 from tvclin.boundary.stops import stop_of
@@ -29,17 +29,15 @@ _SIZES = 5
 class CaseNeed:
     """What a wind requires of the nozzle of a case, at one dead band.
 
-    The verdict rests on the model of the case. `sign` is that of the wind along the path that
-    counts: "head", "tail", "frozen" for the dynamic pressure of calm air, None for the worst of
-    these. `blows` is the wind in the plane, with its gust. `requirement` is what a limit must be in
-    the dynamic pressure of calm air, `sign_factors` what is required of a head and of a tail wind
-    over that, empty where the wind blows across the path, or, as `sign_unknown` says, that is not
-    known. `planes` is what a wind with a direction asks of both.
+    The verdict rests on the model of the case. `blows` is the wind in the plane, with its gust.
+    `requirement` is what a limit must be in the dynamic pressure of calm air, `sign_factors` what
+    is required of a head and of a tail wind over that, empty where the wind blows across the path,
+    or, as `sign_unknown` says, that is not known. `planes` is what a wind with a direction asks of
+    both.
     """
 
     case: Case
     dead_band: float
-    sign: str | None
     blows: ShapedWind
     requirement: RequiredDeflection
     planes: PlanesNeeded | None
@@ -60,6 +58,11 @@ class CaseNeed:
     def model(self) -> str:
         """The model on which the verdict rests."""
         return self.case.model
+
+    @property
+    def sign(self) -> str | None:
+        """The sign of the wind along the path that counts, as of the case."""
+        return self.case.sign
 
     @property
     def limit(self) -> float | None:
@@ -175,10 +178,8 @@ class CaseNeed:
         return self.requirement.governs
 
 
-def case_need(case: Case, dead_band: float = 1.0, sign: str | None = None) -> CaseNeed:
+def case_need(case: Case, dead_band: float = 1.0) -> CaseNeed:
     """Return what a wind of one shape requires of the nozzle of a case; it raises as `Study.of`."""
-    if sign is not None:
-        one_of("sign", sign, (*SIGNS, FROZEN))
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
     stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
@@ -195,8 +196,8 @@ def case_need(case: Case, dead_band: float = 1.0, sign: str | None = None) -> Ca
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), blows.history({})
     required = required_deflection(plant, history, K)
-    factors, unknown = _factors(case, history, required, K, sign)
-    return CaseNeed(case, K, sign, blows, required, planes, factors, unknown)
+    factors, unknown = _factors(case, history, required, K)
+    return CaseNeed(case, K, blows, required, planes, factors, unknown)
 
 
 def pulse_of(case: Case) -> ShapedWind:
@@ -210,14 +211,14 @@ def pulse_of(case: Case) -> ShapedWind:
 
 
 def _factors(
-    case: Case, history: History, required: RequiredDeflection, dead_band: float, sign: str | None
+    case: Case, history: History, required: RequiredDeflection, dead_band: float
 ) -> tuple[dict[str, float], str]:
     """What the sign of a wind changes, and why it is not known; what is asked for must be."""
     if not np.isfinite(required.deflection):
         return {}, ""
     try:
-        return sign_factors(case, history, dead_band, sign, calm=required.needs), ""
+        return sign_factors(case, history, dead_band, calm=required.needs), ""
     except InputError as error:
-        if sign is not None:
+        if case.sign is not None:
             raise
         return {}, str(error)

@@ -174,7 +174,7 @@ def _given(case: Case) -> list[str]:
     found = {
         "gust": getattr(wind, "gust", None) is not None,
         "head wind": getattr(wind, "peak", 0.0) < 0.0,
-        "sign that counts": getattr(case, "sign", None) is not None,
+        "sign that counts": case.sign is not None,
         "heading": getattr(wind, "heading", None) is not None,
         "shape of the stop": nozzle.stop is not None,
         "measured wind": sizing and sizing.soundings and not isinstance(wind, History),

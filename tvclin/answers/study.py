@@ -126,7 +126,7 @@ class Study(CaseNeed, Shown):
 
         Parameters
         ----------
-        vehicle, model, plane
+        vehicle, model, plane, sign
             As of `Case`.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
@@ -134,7 +134,7 @@ class Study(CaseNeed, Shown):
             Of the wind [s, rad], as of `ShapedWind`.
         limit, stop
             As of `Nozzle`.
-        dead_band, switch, sign
+        dead_band, switch
             As of `of`.
 
         Raises
@@ -155,8 +155,8 @@ class Study(CaseNeed, Shown):
         one_of("wind", wind, PULSES)
         blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
         nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
-        case = Case(vehicle=vehicle, model=model, plane=plane, wind=blows, nozzle=nozzle)
-        return cls.of(case, dead_band, switch, sign)
+        given: Any = {"model": model, "plane": plane, "wind": blows, "nozzle": nozzle}
+        return cls.of(Case(vehicle=vehicle, sign=sign, **given), dead_band, switch)
 
     @classmethod
     def of(
@@ -164,7 +164,6 @@ class Study(CaseNeed, Shown):
         case: Case,
         dead_band: float = 1.0,
         switch: str = "literal",
-        sign: str | None = None,
     ) -> Self:
         """Return the boundaries of a case, and the verdict on the limit of its nozzle.
 
@@ -179,10 +178,6 @@ class Study(CaseNeed, Shown):
             K of the verdict, in [0, 1].
         switch : {"literal", "report"}
             What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
-        sign : {"head", "tail", "frozen"}, optional
-            Which sign of a wind along the path the verdict counts, with the dynamic pressure that
-            the vehicle meets in it; frozen: that of calm air, as in the report. Without it the
-            worst of these; a wind with a direction has its own.
 
         Raises
         ------
@@ -193,7 +188,7 @@ class Study(CaseNeed, Shown):
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
         one_of("switch", switch, SWITCHES)
-        need = case_need(case, dead_band, sign)
+        need = case_need(case, dead_band)
         model, history = case.model, need.history
         coefficients = coefficients_of(case.vehicle, case.plane)
         plants = {name: Plant(coefficients, name) for name in models_of(case.vehicle)}

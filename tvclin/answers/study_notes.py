@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.answers.case import FROZEN
 from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity

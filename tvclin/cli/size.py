@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
+from tvclin.answers.case import FROZEN
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
@@ -16,7 +17,6 @@ from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_sizing

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.answers.case import FROZEN
 from tvclin.answers.requirement import required_deflection
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.closed_forms import (

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import InputError, between, directions, fraction, instance, nonzero, one_of
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -96,7 +95,7 @@ class AvailabilityAsked:
             gust_speed=self.gust_speed,
             known_to=self.known_to,
             confidence=self.confidence,
-            sign=FROZEN if getattr(case, "sign", None) == FROZEN else None,
+            sign=FROZEN if case.sign == FROZEN else None,
             progress=progress,
         )
 

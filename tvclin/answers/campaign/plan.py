@@ -13,8 +13,8 @@ from tvclin.answers.campaign.dispersions import (
     modes_nominal,
 )
 from tvclin.answers.campaign.draws import METHODS
-from tvclin.answers.case import Case
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, own_sign
+from tvclin.answers.case import FROZEN, Case
+from tvclin.answers.sizing.wind_sign import own_sign
 from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
@@ -92,10 +92,6 @@ class Campaign(Case):
         Confidence with which it does.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
-    sign : str, optional
-        Which sign of a wind along the path "required" counts, with the dynamic pressure met in it:
-        head, tail, or frozen, that of calm air. The worst of these without it; winds of a file have
-        their own.
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -118,7 +114,6 @@ class Campaign(Case):
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
     law: str = word(LAWS, AUTOPILOT)
-    sign: str | None = word((*SIGNS, FROZEN), None)
     until: float | None = quantity("part", None, positive)
 
     def __post_init__(self) -> None:

@@ -18,10 +18,9 @@ from tvclin.answers.campaign.statistics import (
     shares,
     success_probability,
 )
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.planes import alone_needed, planes_needed, rectangle
 from tvclin.answers.requirement import covers, required_deflection
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown, table

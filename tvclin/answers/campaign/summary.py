@@ -10,7 +10,7 @@ import numpy as np
 from tvclin.answers.campaign.batch import in_planes, required_name
 from tvclin.answers.campaign.results import CampaignResults
 from tvclin.answers.campaign.statistics import Quantile, Success, shares
-from tvclin.answers.sizing.wind_sign import FROZEN
+from tvclin.answers.case import FROZEN
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.flexible import law_asked
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.flown import actuator_notes
@@ -27,7 +27,7 @@ from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
 from tvclin.answers.sizing.record import IN_A
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, pressure_ratios
+from tvclin.answers.sizing.wind_sign import pressure_ratios
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
@@ -222,7 +222,7 @@ class _Flying:
         signed: bool,
     ) -> Iterator[tuple[str, Vehicle, History]]:
         """Yield a wind by its sign, and the vehicle in the largest dynamic pressure met in it."""
-        wind, asked = (placed.whole or placed.history).shift(placed.zero), self.sign
+        wind, asked = (placed.whole or placed.history).shift(placed.zero), self.case.sign
         along, angle = planes.get("pitch"), np.zeros(())
         if share is not None:  # a measured wind, which knows its own unless it is frozen
             ratio = 1.0 if placed.pressure is None else _largest(*placed.pressure, share)
@@ -239,11 +239,6 @@ class _Flying:
             for sign in SIGNS if asked is None else (asked,):
                 met = in_air(vehicle, ratio) if sign == "head" else vehicle
                 yield f"{name}{IN_A[sign]}", met, wind * float(SIGNS[sign] * np.sign(angle))
-
-    @property
-    def sign(self) -> str | None:
-        """The sign of pulses that is asked for, of a study."""
-        return getattr(self.case, "sign", None)
 
     def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:
         """A point with its flight."""
@@ -346,7 +341,7 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
             " that nothing counts twice"
             + (
                 ""
-                if flying.sign == FROZEN
+                if flying.case.sign == FROZEN
                 else "; the vehicle meets the largest dynamic pressure there"
             )
         )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
 from tvclin.answers.sizing.measured import gust_at
 from tvclin.answers.sizing.placing import WindOf
@@ -21,7 +21,6 @@ from tvclin.answers.sizing.signed import base_of, by_sign
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import worst_total
 from tvclin.answers.sizing.total_record import DeflectionTotal
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
@@ -244,7 +243,7 @@ class SizingAsked:
             progress=progress,
         )
         if self.soundings and f"K = {found.dead_bands[0]:g}{VARYING}" in found.required:
-            air = "of calm air" if getattr(case, "sign", None) == FROZEN else "that the wind makes"
+            air = "of calm air" if case.sign == FROZEN else "that the wind makes"
             names = ", ".join(self.soundings)
             said = f"each K{VARYING} counts the dynamic pressure {air} in {names}"
             found = replace(found, notes=(*found.notes, said))
@@ -253,14 +252,14 @@ class SizingAsked:
         def at(time: float, k: int) -> Case:
             return self.at(case, time, pulses[k])
 
-        return by_sign(found, len(pulses), at, getattr(case, "sign", None))
+        return by_sign(found, len(pulses), at)
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
         instance("case", case, Case, "of a wind and a nozzle")
         return worst_total(
             found,
-            self.counted(found, getattr(case, "sign", None)),
+            self.counted(found, case.sign),
             dispersion=self.dispersion,
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,

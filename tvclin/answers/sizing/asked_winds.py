@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.sizing.measured import GustOf, fly_through, gust_of_speed
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.base.errors import InputError, bearing, instance, naming
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
@@ -69,7 +68,7 @@ class FlightWinds:
     @property
     def by_name(self) -> dict[str, WindOf]:
         """The winds as `size` takes them; soundings are in flight time. It raises as `winds`."""
-        sign = getattr(self.case, "sign", None)
+        sign = self.case.sign
         if sign in SIGNS and any(one.heading is not None for one in self.pulses):
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
         return {self._name(one): self._met(one) for one in self.pulses} | {
@@ -94,6 +93,7 @@ class FlightWinds:
             wind=self._blows(vehicle, pulse),
             nozzle=case.nozzle,
             design=case.design,
+            sign=case.sign,
         )
 
     def _blows(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
@@ -129,7 +129,7 @@ class FlightWinds:
                 plane=self.case.planes,
                 window=self.window,
                 gust=self.gust,
-                pressure=getattr(self.case, "sign", None) != FROZEN,
+                pressure=self.case.sign != FROZEN,
                 bias=sounding.bias,
             )
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import SIGNS, Case
 from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
-from tvclin.answers.sizing.wind_sign import SIGNS, sign_factors
+from tvclin.answers.sizing.wind_sign import sign_factors
 from tvclin.base.errors import InputError
 
 
@@ -22,22 +22,20 @@ def base_of(found: Sizing) -> str:
     return f"{name}{VARYING}"
 
 
-def by_sign(
-    found: Sizing, pulses: int, case_at: Callable[[float, int], Case], sign: str | None
-) -> Sizing:
+def by_sign(found: Sizing, pulses: int, case_at: Callable[[float, int], Case]) -> Sizing:
     """Return a sizing with what its first winds, so many pulses, need by their sign.
 
     What has no sign, as a wind across the path, or its own, as a sounding, needs the same in both;
     nothing is added where all winds are of that kind. `case_at` is the case of a flight time [s]
-    and a pulse; `sign` the one that counts, if not both.
+    and a pulse, which says the sign that counts, if not both.
     """
     shape = found.times.size, len(found.winds)
-    factors = {one: np.full(shape, np.nan) for one in SIGNS if sign in (None, one)}
+    factors = {one: np.full(shape, np.nan) for one in SIGNS}
     unsigned, why, K = np.zeros(shape, dtype=bool), "", float(found.dead_bands[0])
     for i, j in np.argwhere(found.known[:, :pulses]).tolist():
         try:
             at = case_at(float(found.times[i]), j)
-            along = sign_factors(at, at.history_at(K), K, sign)
+            along = sign_factors(at, at.history_at(K), K)
             for one, factor in along.items():
                 factors[one][i, j] = factor
         except InputError as error:  # no sign at this path, no real pole: as it stands

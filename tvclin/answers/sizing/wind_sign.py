@@ -20,7 +20,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.case import Case
+from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
 from tvclin.answers.sizing.collocation import mesh, refined
 from tvclin.base.arrays import FloatArray
@@ -40,10 +40,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import part_in
 
-SIGNS = {"head": -1.0, "tail": 1.0}
-"""Of the wind angle in the pitch plane."""
-FROZEN = "frozen"
-"""The dynamic pressure of calm air, for either sign."""
 OWN = "own"
 """That of a wind whose angles have their sign already, as measured ones."""
 _PARTS = np.linspace(0.0, 1.0 - 1e-6, 129)
@@ -145,9 +141,11 @@ def sign_factors(
     that of the case in its plane, with its gust, and `size` a factor on it; with a stop of both
     planes the factor is the larger one of the planes. `calm` is what the wind needs in the plane of
     the case in calm air, the `needs` of `required_deflection`, where that is known. `sign` is the
-    one that counts; a wind with a direction has its own, and `InputError` is raised for another,
-    and for a vehicle of which speed and attitude are not known, and as `signed_need`.
+    one that counts, unless given that of the case; a wind with a direction has its own, and
+    `InputError` is raised for another, and for a vehicle of which speed and attitude are not known,
+    and as `signed_need`.
     """
+    sign = case.sign if sign is None else sign
     if sign == FROZEN:
         return {}
     if sign is not None and case.heading is not None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.case_need import pulse_of
 from tvclin.answers.document import Document
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study import Study
 from tvclin.base.declared import count, quantity, word
 from tvclin.base.errors import InputError, between, fraction, instance
@@ -39,9 +38,6 @@ class StudyPlan(Case):
     switch : str
         What is compared with the dead band, in the boundaries shown: trim (literal) or the wind
         (report).
-    sign : str, optional
-        Which sign of a wind along the path counts, with the dynamic pressure met in it: head, tail,
-        or frozen, that of calm air.
     laws : LawsAsked, optional
         Laws to be flown.
     criteria : Criteria, optional
@@ -74,7 +70,6 @@ class StudyPlan(Case):
     wind: ShapedWind | History = DEFAULT_WIND
     dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
     switch: str = word(SWITCHES, "literal")
-    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
     laws: LawsAsked | None = None
     criteria: Criteria | None = None
     dispersions: Dispersions | None = None
@@ -142,9 +137,9 @@ class StudyPlan(Case):
         """Return the plan of a study that has been made."""
         instance("study", study, Study, "see Study.from_vehicle")
         case: Any = {one.name: getattr(study.case, one.name) for one in fields(Case)}
-        asked: Any = {name: getattr(study, name) for name in ("dead_band", "switch", "sign")}
+        asked: Any = {name: getattr(study, name) for name in ("dead_band", "switch")}
         return cls(**case, **asked)
 
     def study(self) -> Study:
         """Return the study; raise `InputError` as `Study.of`."""
-        return Study.of(self, self.dead_band, self.switch, self.sign)
+        return Study.of(self, self.dead_band, self.switch)

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tvclin.answers.case import FROZEN, SIGNS
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
-from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.stops import STOPS
 from tvclin.control.autopilot.rules import LEAST_NOZZLE, OWN_GAINS, AutopilotDesign

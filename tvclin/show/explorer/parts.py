@@ -82,7 +82,7 @@ class Kept:
 @Kept
 def need(plan: StudyPlan) -> CaseNeed:
     """Return what is required, as `tvclin study` says it."""
-    return case_need(plan, plan.dead_band, plan.sign)
+    return case_need(plan, plan.dead_band)
 
 
 @Kept

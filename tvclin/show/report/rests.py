@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from tvclin.answers.case import FROZEN
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing.record import STEADY, VARYING
-from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import outlasts_one_pole
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
