@@ -318,6 +318,30 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
     assert needs == pytest.approx(least, rel=5e-4)
 
 
+@pytest.mark.parametrize("dead_band", usual([0.5, 0.25, 0.4], 0))
+def test_after_trim_the_slow_mode_needs_the_least_of_all_control(configuration_i, dead_band):
+    """As before; the linear program's trim is level in an eighth of a second."""
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 60.0)
+    found = case_need(tv.Case(vehicle=configuration_i, wind=wind), dead_band)
+    calm, head = (
+        least_peak(configuration_i, wind, turn, dead_band=dead_band) for turn in (0.0, -1.0)
+    )
+    assert found.frozen_deflection == pytest.approx(calm, rel=1e-3)
+    assert found.sign_factors["head"] == pytest.approx(head / calm, rel=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "duration"), [("configuration-i", 330.0), ("made-up-launcher", 180.0)]
+)
+def test_batches_follow_winds_that_last(name: str, duration: float) -> None:
+    """In steps that do not let what fades grow."""
+    vehicle, wind = tv.load_vehicle(name), tv.ShapedWind("triangular", np.radians(5.0), duration)
+    case = tv.Case(vehicle=vehicle, wind=wind, model="drift-exact", sign="head")
+    alone = case_need(case, 0.0).counts[1]
+    found = batch_factors(vehicle.rigid, "drift-exact", "pitch", wind.history({}), 0.0, "head")
+    assert found == pytest.approx([alone], rel=1e-3)
+
+
 @pytest.mark.parametrize("dead_band", [0.5, 0.25, 0.0])
 def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band) -> None:
     """In 64 steps; the crossing of trim and demand is on one of them, as above."""
@@ -347,13 +371,31 @@ def test_a_dead_band_left_at_once_needs_what_frozen_parameters_need(configuratio
     assert needed == pytest.approx([limit], rel=1e-8)
 
 
-def least_peak(vehicle, wind, turn, model="drift-exact") -> float:
-    """The least peak [rad] of any control, constant in an eighth of a second."""
+def least_peak(vehicle, wind, turn, model="drift-exact", dead_band=0.0) -> float:
+    """The least peak [rad] of any control from where trim has left the dead band at it.
+
+    Constant in an eighth of a second; so are the parameters.
+    """
     path, count = float(vehicle.attitude), int(8 * wind.duration)
     h, ends = wind.duration / count, np.geomspace(1.0, 3000.0, 300) - 1.0
 
     def matrices(ratio):
         return tv.Plant.from_vehicle(in_air(vehicle, ratio), model).matrices()[:2]
+
+    def stepped(A, B):
+        whole = np.block([[A, B], [np.zeros((B.shape[1], len(A) + B.shape[1]))]])
+        return expm(whole * h)[: len(A)]
+
+    angles = wind.peak * (1.0 - np.abs((2 * np.arange(count) + 1) / count - 1.0))
+    blows = np.sin(turn * angles) / np.sin(path + turn * angles)
+    met = [matrices((np.cos(path) - one) ** 2 + np.sin(path) ** 2) for one in blows]
+    x, states, trims = np.zeros(len(met[0][0])), [], []
+    for (A, B), angle in zip(met, angles, strict=True):
+        trims.append(-(A[1] @ x + B[1, 1] * angle) / B[1, 0])
+        states.append(x)
+        held = B[:, :1] / -B[1, 0]  # by trim: the attitude stays
+        step = stepped(A + held @ A[1:2], B[:, 1:] + held * B[1, 1])
+        x = step[:, :-1] @ x + step[:, -1] * angle
 
     A, B = matrices(1.0)
     poles, rows = np.linalg.eig(A.T)
@@ -362,26 +404,36 @@ def least_peak(vehicle, wind, turn, model="drift-exact") -> float:
     after = rows @ B[:, :1] * -np.diff(np.exp(-poles * ends)) / poles
     turns = poles.imag[:, 0] > 0.0
     rows, after = (np.vstack([one.real, one.imag[turns]]) for one in (rows, after))
-    held, demand = np.zeros((len(rows), count)), np.zeros(len(rows))
+    reach, demand, asked = after, np.zeros(len(rows)), []
     for k in reversed(range(count)):
-        angle = wind.peak * (1.0 - abs((2 * k + 1) / count - 1.0))
-        blows = np.sin(turn * angle) / np.sin(path + turn * angle)
-        A, B = matrices((np.cos(path) - blows) ** 2 + np.sin(path) ** 2)
-        whole = np.block([[A, B], [np.zeros((B.shape[1], len(A) + B.shape[1]))]])
-        step = expm(whole * h)[: len(A)]
-        held[:, k] = rows @ step[:, len(A)]
-        demand += rows @ step[:, len(A) + 1] * angle
-        rows = rows @ step[:, : len(A)]
+        step = stepped(*met[k])
+        m = step.shape[0]
+        reach = np.column_stack([rows @ step[:, m], reach])
+        demand = demand + rows @ step[:, m + 1] * angles[k]
+        rows = rows @ step[:, :m]
         apart = np.linalg.inv(np.linalg.qr(rows.T)[1].T)  # all turn to the fast one
-        rows, held, demand, after = (apart @ one for one in (rows, held, demand, after))
-    all_of_it = np.hstack([held, after])
-    sizes = np.abs(all_of_it).sum(axis=1)
-    n = all_of_it.shape[1]
+        rows, reach, demand = (apart @ one for one in (rows, reach, demand))
+        asked.insert(0, (reach, demand + rows @ states[k]))
+    if dead_band == 0.0:
+        return least_size(*asked[0])
+    low, high = 0, count // 2  # trim grows up to there
+    while high - low > 1:
+        middle = (low + high) // 2
+        inside = abs(trims[middle]) < dead_band * least_size(*asked[middle])
+        low, high = (middle, high) if inside else (low, middle)
+    limits = [least_size(*asked[k]) for k in (low, high)]
+    over = [abs(trims[k]) - dead_band * one for k, one in zip((low, high), limits, strict=True)]
+    return float(np.interp(0.0, over, limits))
+
+
+def least_size(reach, demand) -> float:
+    """The least peak of what is constant in cells, by a linear program."""
+    sizes, n = np.abs(reach).sum(axis=1), reach.shape[1]
     least = linprog(
         np.append(np.zeros(n), 1.0),
         np.block([[np.eye(n), -np.ones((n, 1))], [-np.eye(n), -np.ones((n, 1))]]),
         np.zeros(2 * n),
-        np.column_stack([all_of_it / sizes[:, np.newaxis], 0.0 * sizes]),
+        np.column_stack([reach / sizes[:, np.newaxis], 0.0 * sizes]),
         -demand / sizes,
         [(None, None)] * n + [(0.0, None)],
     )

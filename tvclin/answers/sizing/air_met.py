@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tvclin.answers.sizing.collocation import mesh
 from tvclin.answers.sizing.least_met import ModesMet, least_met, modes_met
-from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
@@ -96,6 +96,16 @@ class AirMet:
         last = every[0][-1:, :, : row.size, 0]
         return cls(every[0], every[1], end, paired, modes_met(last))
 
+    def taken(self, cases: IndexArray) -> AirMet:
+        """Return that of some of its vehicles."""
+
+        def of(one: Any) -> Any:
+            return one if one.shape[-1] == 1 else one[..., cases]
+
+        calm = of(self.calm)
+        modes = modes_met(np.moveaxis(calm[-1], -1, 0)[..., : calm.shape[1]])
+        return AirMet(calm, of(self.more), of(self.end), of(self.paired), modes)
+
     def equations(self, ratio: FloatArray) -> FloatArray:
         """Return the equations where the dynamic pressures are ``(k, n)`` times those of calm."""
         found = np.asarray((ratio - 1.0)[:, np.newaxis, np.newaxis] * self.more)
@@ -128,6 +138,21 @@ def need_ratio(
     there = _need(met, times.T, ratio.T, (wind if blows is None else blows).T, dead_band)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(there / here)
+
+
+def left_between(
+    met: AirMet, times: FloatArray, ratio: FloatArray, wind: FloatArray, dead_band: float
+) -> FloatArray:
+    """Return the ends of the step [s] in which the dead band is left at what is needed, ``(2, n)``.
+
+    As `need_ratio`, in the air met, of all growing modes; the last step where it is never left.
+    """
+    trim, demand, least = _course(met, times.T, ratio.T, wind.T, dead_band)
+    most = np.argmax(np.abs(trim), axis=0)[np.newaxis]
+    side = np.sign(np.take_along_axis(trim, most, axis=0))
+    ends = _left(side * trim, side * demand if least is None else least, dead_band)[:2]
+    places = np.clip(np.concatenate(ends), 0, len(trim) - 1)
+    return np.take_along_axis(times.T[::2], places, axis=0)
 
 
 def flight_ratio(
@@ -187,19 +212,27 @@ def _leaves(driver: FloatArray, demand: FloatArray, K: float) -> FloatArray:
     """
     if K == 0.0:
         return np.asarray(demand[0])
-    highest, place = np.maximum.accumulate(driver), np.arange(len(driver))[:, np.newaxis]
-    new = (driver >= highest * (1.0 - _SLACK)) & (driver > 0.0)
-    short = (new | (place == 0)) & (driver < K * demand)
-    last = np.where(short, place, -1).max(axis=0, keepdims=True)
-    after = np.where(new & (place > last), place, place.size).min(axis=0, keepdims=True)
-    ends = [np.clip(one, 0, place.size - 1) for one in (last, after)]
+    last, after, highest = _left(driver, demand, K)
+    ends = [np.clip(one, 0, len(driver) - 1) for one in (last, after)]
     (d0, d1), (L0, L1) = ([np.take_along_axis(x, k, 0) for k in ends] for x in (driver, demand))
     over, part = d0 - K * L0, np.zeros(d0.shape)
     gap = over - (d1 - K * L1)
     np.divide(over, gap, where=gap != 0.0, out=part)
     found = np.where(last < 0, L1, L0 + part * (L1 - L0))
     never = np.maximum(highest[-1] / K, driver.max(axis=0))
-    return np.asarray(np.where(after == place.size, never, found)[0])
+    return np.asarray(np.where(after == len(driver), never, found)[0])
+
+
+def _left(
+    driver: FloatArray, demand: FloatArray, K: float
+) -> tuple[IndexArray, IndexArray, FloatArray]:
+    """The last new height that is short of the dead band, and the next, ``(1, n)``; all heights."""
+    highest, place = np.maximum.accumulate(driver), np.arange(len(driver))[:, np.newaxis]
+    new = (driver >= highest * (1.0 - _SLACK)) & (driver > 0.0)
+    short = (new | (place == 0)) & (driver < K * demand)
+    last = np.where(short, place, -1).max(axis=0, keepdims=True)
+    after = np.where(new & (place > last), place, place.size).min(axis=0, keepdims=True)
+    return last, after, highest
 
 
 def _course(

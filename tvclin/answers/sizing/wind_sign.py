@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.case import FROZEN, SIGNS, Case
-from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, need_ratio
+from tvclin.answers.sizing.air_met import AirMet, denser_air, in_air, left_between, need_ratio
 from tvclin.answers.sizing.collocation import mesh, refined
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
@@ -42,14 +42,17 @@ from tvclin.winds.shaped import part_in
 
 OWN = "own"
 """That of a wind whose angles have their sign already, as measured ones."""
-_PARTS = np.linspace(0.0, 1.0 - 1e-6, 129)
-"""Ends and middles of the steps through the winds of a batch, over their durations."""
+_STEPS, _REACH, _LONGEST, _BEFORE = 64, 1.5, 500.0, 1.0 - 1e-6
+"""Steps through the winds of a batch, at least; how long each is at most, and how long winds are
+followed, over the time of the fastest rate; and the end of the last, over the duration."""
 _CLOSE = 1e-5
 """Of the logarithm of a factor on the wind."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
 _NEAR = 0.8
 """Of the boundary: what slower modes ask for below that in calm air stays below it in any wind."""
+_FINER = 17
+"""Ends of steps in the one in which the dead band is left."""
 _LEAST_RATE = 16.0
 """Of a `mesh` through the same, over their duration: 64 steps at least."""
 _JUMP = 1e-6
@@ -106,23 +109,34 @@ def batch_factors(
     along = winds if plane == "pitch" else along
     if along is None or sign == FROZEN:
         return np.ones(())
-    begin, end = np.ravel(winds.onset), np.ravel(winds.end)
-    times = begin[:, np.newaxis] + (end - begin)[:, np.newaxis] * _PARTS
-    angle, turned = (
-        np.real(pieces.value(one.pieces, times if one.batch else times[0])).reshape(-1, _PARTS.size)
-        for one in (winds, along)
-    )
-    path = np.ravel(vehicle.attitude)[:, np.newaxis]
-    met = AirMet.held(
-        *(Plant.from_vehicle(v, model, plane) for v in (vehicle, denser_air(vehicle)))
-    )
+    plants = [Plant.from_vehicle(v, model, plane) for v in (vehicle, denser_air(vehicle))]
+    met, path = AirMet.held(*plants), np.ravel(vehicle.attitude)[:, np.newaxis]
     given = np.sign(np.ravel(along.peak))[:, np.newaxis]
     turn = (
         1.0
         if sign == OWN
         else given * (SIGNS[sign] if sign in SIGNS else np.where(np.cos(path) < 0.0, 1.0, -1.0))
     )
-    found = need_ratio(met, times, pressure_ratios(path, turn * turned), angle, dead_band)[0]
+    begin, length = np.ravel(winds.onset), np.ravel(winds.end) - np.ravel(winds.onset)
+    fastest = np.ravel(np.abs(np.linalg.eigvals(plants[0].matrices()[0])).max(axis=-1))
+    lasts = fastest * length  # in times of the fastest rate
+    found = np.ones(np.broadcast_shapes(lasts.shape, given.shape[:1], path.shape[:1]))
+    steps = _STEPS * 2.0 ** np.ceil(np.log2(np.fmax(lasts / (_STEPS * _REACH), 1.0)))
+    steps = np.broadcast_to(np.where(lasts > _LONGEST, 0.0, steps), found.shape)
+    for count in np.unique(steps[steps > 0.0]).tolist():
+        parts = np.linspace(0.0, _BEFORE, 2 * int(count) + 1)
+        times = begin[:, np.newaxis] + length[:, np.newaxis] * parts
+        angle, turned = (
+            np.real(pieces.value(one.pieces, times if one.batch else times[0]))
+            for one in (winds, along)
+        )
+        ratio = pressure_ratios(path, turn * turned.reshape(-1, parts.size))
+        some = np.flatnonzero(steps == count)
+        rows = [
+            one if len(one) == 1 else one[some]
+            for one in (times, ratio, angle.reshape(-1, parts.size))
+        ]
+        found[some] = need_ratio(met.taken(some), rows[0], rows[1], rows[2], dead_band)[0]
     found = np.where(np.isnan(found), 1.0, found)
     return np.maximum(found, 1.0) if sign is None else found
 
@@ -221,10 +235,11 @@ class _Signed:
             return 0.0
         of = self.vehicle, self.wind * size, self.model, self.dead_band
         need = signed_need(*of, plane=self.plane, along=self.along * size)
-        if not np.isfinite(need):
+        counts = self.slow >= _NEAR * self.fast
+        if not (np.isfinite(need) or counts):
             raise InputError("with this dead band no limit is enough")
-        fast = need / (max(self.fast, self.slow) * abs(size))
-        return fast if self.slow < _NEAR * self.fast else max(fast, self._over_all_modes(size))
+        fast = need / (max(self.fast, self.slow) * abs(size)) if np.isfinite(need) else 0.0
+        return max(fast, self._over_all_modes(size)) if counts else fast
 
     def _over_all_modes(self, size: float) -> float:
         """The factor by `need_ratio`, to some 1e-4."""
@@ -235,11 +250,16 @@ class _Signed:
         bends = np.concatenate([_bends(self.wind), _bends(self.along)])
         bends = np.unique(np.clip(bends, self.wind.onset, self.wind.end))
         ends = mesh(bends, max(float(leading_pole(plants[0])[0]), _LEAST_RATE / np.ptp(bends)))
-        times = refined(ends, np.full(ends.size - 1, 2.0))
-        ratio = pressure_ratio(self.vehicle, self.along(times) * size)
-        times, ratio, angle = (one[np.newaxis] for one in (times, ratio, self.wind(times)))
-        met = AirMet.held(*plants)
-        return float(need_ratio(met, times, ratio, angle, self.dead_band)[0, 0])
+        met, found = AirMet.held(*plants), np.nan
+        for _ in range(2 if self.dead_band else 1):  # finer where the dead band is left
+            times = refined(ends, np.full(ends.size - 1, 2.0))
+            ratio = pressure_ratio(self.vehicle, self.along(times) * size)
+            times, ratio, angle = (one[np.newaxis] for one in (times, ratio, self.wind(times)))
+            found = float(need_ratio(met, times, ratio, angle, self.dead_band)[0, 0])
+            for one in (np.ones(times.shape), ratio):
+                low, high = left_between(met, times, one, angle, self.dead_band)[:, 0].tolist()
+                ends = np.unique(np.append(ends, np.linspace(low, high, _FINER)))
+        return found
 
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:

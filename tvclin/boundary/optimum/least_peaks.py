@@ -145,7 +145,8 @@ def _proved(
             # and the rest is counted from T.
             c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
             done = c[:, np.newaxis] * (1.0 - turned) / others
-            rest = (demands[:, 1:] - done) / turned
+            with np.errstate(invalid="ignore", over="ignore"):  # what is no number is not proved
+                rest = (demands[:, 1:] - done) / turned
             z = rate * np.real(rest)
             later = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
             later[paired] = of_pairs(others[paired, 0], rest[paired, 0])
