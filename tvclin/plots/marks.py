@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """How far from its mark a number may stand, in points; the nearest clear place is taken."""
 _DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
-_OUTSIDE, _LABEL, _MARK, _CURVE = 100.0, 40.0, 20.0, 6.0
+_OUTSIDE, _LABEL, _MARK, _LEADER, _CURVE = 100.0, 40.0, 20.0, 10.0, 6.0
 _MARK_SIZE = 7.0
 
 
@@ -144,7 +144,10 @@ def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
             corner = point + offset * scale + size * (direction - 1) / 2.0
             place = Bbox.from_bounds(*(corner - 2.0), *(size + 4.0))
             found.append(
-                (_cost(place, around) + 0.02 * distance, len(found), offset, direction, place)
+                (
+                    _cost(place, point, around) + 0.02 * distance,
+                    *(len(found), offset, direction, place),
+                )
             )
         if min(one[0] for one in found) <= 0.02 * distance:  # hides nothing: none is better
             break
@@ -155,8 +158,11 @@ def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
     return place
 
 
-def _cost(place: "Bbox", around: _Around) -> float:
+def _cost(place: "Bbox", point: FloatArray, around: _Around) -> float:
+    from matplotlib.path import Path
+
     frame = around.frame
+    leader = Path([0.5 * np.add(place.min, place.max), point])
     out = place.x0 < frame.x0 or place.x1 > frame.x1 or place.y0 < frame.y0 or place.y1 > frame.y1
     room, points = place.padded(_MARK_SIZE / 2.0), around.points
     covered = np.all((points >= room.min) & (points <= room.max), axis=-1)
@@ -164,6 +170,7 @@ def _cost(place: "Bbox", around: _Around) -> float:
         _OUTSIDE * out
         + _LABEL * sum(bool(place.overlaps(other)) for other in around.taken)
         + _MARK * int(np.sum(covered))
+        + _LEADER * sum(leader.intersects_bbox(other, filled=True) for other in around.taken)
         + sum(cost for path, cost in around.curves if path.intersects_bbox(place, filled=False))
     )
 
