@@ -142,6 +142,7 @@ def test_idle_is_what_changes_nothing(others: dict[str, Any]) -> None:
 MOVED: dict[str, dict[str, Any]] = {
     "gust": {"gust_peak": 1.0},
     "head wind": {"peak": -5.0},
+    "sign that counts": {"sign": "frozen"},
     "heading": {"direction": "from a direction"},
     "shape of the stop": {"plane": BOTH, "stop": "square"},
     "actuator": {"actuator": 9.0},

@@ -779,7 +779,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.answers.StudyPlan) -> 
     found = find(long)
     told = words(basis.assumptions(found))
 
-    assert len(found.study.notes) == 3
+    assert len(found.study.notes) == 2
     assert all(as_sentence(note) in told for note in found.study.notes)
     beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside

@@ -7,8 +7,9 @@ who answers it. Nothing is ignored.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import USUAL_ACTUATOR
@@ -152,7 +153,7 @@ def told(case: Case, *questions: str) -> Iterator[str]:
     left = {
         part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
     }
-    named = [part for part in _given(case) if part in left] if left else []
+    named = _given(case, left)
     for who, some in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
         if some:
             of = listed([part for part in named if part in some])
@@ -164,31 +165,28 @@ def wholly_rigid(question: str) -> bool:
     return _OF_THE_RIGID.get(question) == _HERE
 
 
-def _given(case: Case) -> list[str]:
-    """The parts that a case has, but structure and damping."""
-    from tvclin.control.autopilot.rules import AutopilotDesign  # late: of control
-
-    asked, nozzle = case.asked, case.nozzle
-    wind, sizing = case.wind, getattr(case, "sizing", None)
-    dispersions = getattr(case, "dispersions", None)
-    found = {
-        "gust": getattr(wind, "gust", None) is not None,
-        "head wind": getattr(wind, "peak", 0.0) < 0.0,
-        "sign that counts": case.sign is not None,
-        "heading": getattr(wind, "heading", None) is not None,
-        "shape of the stop": nozzle.stop is not None,
-        "measured wind": sizing and sizing.soundings and not isinstance(wind, History),
-        "actuator": nozzle.actuator != USUAL_ACTUATOR,
-        "rate limit": nozzle.rate_limit is not None,
-        "delay": asked.delay > 0.0,
-        "sample rate": asked.sample_rate is not None,
-        "filters": any(asked.chains.values()),
-        "gains": replace(asked.bare, sample_rate=None) != AutopilotDesign(),
-        "dispersion": dispersions is not None and dispersions.each,
-        "limit": nozzle.limit is not None,
-        _WORK: any(vars(nozzle)[one] is not None for one in _LIMITS_OF_WORK),
+def _given(case: Case, left: set[str]) -> list[str]:
+    """The parts of those left out that a case has; structure and damping are not among them."""
+    nozzle, wind = case.nozzle, case.wind
+    sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
+    there: dict[str, Callable[[], Any]] = {
+        "gust": lambda: getattr(wind, "gust", None) is not None,
+        "head wind": lambda: getattr(wind, "peak", 0.0) < 0.0,
+        "sign that counts": lambda: case.sign is not None,
+        "heading": lambda: case.heading is not None,
+        "shape of the stop": lambda: nozzle.stop is not None,
+        "measured wind": lambda: sizing and sizing.soundings and not isinstance(wind, History),
+        "actuator": lambda: nozzle.actuator != USUAL_ACTUATOR,
+        "rate limit": lambda: nozzle.rate_limit is not None,
+        "delay": lambda: case.asked.delay > 0.0,
+        "sample rate": lambda: case.asked.sample_rate is not None,
+        "filters": lambda: any(case.asked.chains.values()),
+        "gains": lambda: replace(case.asked.bare, sample_rate=None) != type(case.asked)(),
+        "dispersion": lambda: dispersions is not None and dispersions.each,
+        "limit": lambda: nozzle.limit is not None,
+        _WORK: lambda: any(vars(nozzle)[one] is not None for one in _LIMITS_OF_WORK),
     }
-    return [part for part, there in found.items() if there]
+    return [part for part, given in there.items() if part in left and given()]
 
 
 def table() -> str:
