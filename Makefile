@@ -19,6 +19,8 @@ test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint
 # A worker that dies fails the run at once; begun anew, it leaves the others waiting for ever.
 SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart 0 -q
 
+# A worker for each core: with more threads of BLAS than one they wait for each other.
+suite thorough: export OPENBLAS_NUM_THREADS = 1
 suite:
 	$(SUITE) -m "not thorough"
 

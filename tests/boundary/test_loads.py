@@ -166,13 +166,13 @@ def test_loads_far_below_the_peak_have_a_limit_too(plant):
 
     On a fixed path not less than turning in time takes, (a + s^2/a)/2 for s = 2/(tau beta).
     """
-    loads = np.array([0.04, 0.05, 0.06, 0.08, 0.1, 0.2])
+    loads = np.array([0.04, 0.06, 0.1])
     wind, unit = triangle(plant, 4.0), plant.coefficients.B * PEAK
     limits, proofs = relative(plant, wind, loads)
     assert np.all(np.isfinite(limits))
     assert np.all(np.diff(limits) < 0.0)
     assert np.all(proofs <= limits)
-    assert limits[:-1] == pytest.approx(proofs[:-1], rel=0.2)
+    assert limits == pytest.approx(proofs, rel=0.2)
     if plant is FIXED:
         assert np.all(limits >= (loads + 0.25 / loads) / 2.0)
     between = 0.5 * (limits[0] + proofs[0]) * unit
