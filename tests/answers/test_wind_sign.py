@@ -130,7 +130,9 @@ def test_the_verdict_counts_the_worst_of_head_tail_and_calm_air() -> None:
 def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
     for limit in np.radians([0.02, 0.1, 0.4, 0.7]):
         peak = np.degrees(of_peak(5.0, limit=limit, sign=sign).survivable_peak)
-        assert of_peak(peak, sign=sign).required_deflection == pytest.approx(limit, rel=1e-4)
+        asked = of_peak(peak, limit=limit, sign=sign)
+        assert asked.required_deflection == pytest.approx(limit, rel=1e-7)
+        assert asked.sufficient
 
 
 def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
@@ -149,6 +151,40 @@ def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
     both = blown(30.0, stop="round")
     assert 1.0 < both.sign_factors["head"] < of_peak(5.0).sign_factors["head"]
     assert both.required_deflection == both.planes.deflection * both.sign_factors["head"]
+
+
+def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> None:
+    """What trim is at its largest, by a flight under ideal trim in that air."""
+    slow = configuration_i.replace(velocity=30.0)
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 20.0)
+    found = tv.Study.of(tv.Case(vehicle=slow, wind=wind))
+    assert any("are a pair" in note for note in found.notes)
+    path = float(slow.attitude)
+
+    def trimmed(turn: float) -> float:
+        def terms(t):
+            angle = float(wind.history({})(t))
+            blows = np.sin(turn * angle) / np.sin(path + turn * angle)
+            met = in_air(slow, (np.cos(path) - blows) ** 2 + np.sin(path) ** 2)
+            A, B = tv.Plant.from_vehicle(met, "drift-exact").matrices()[:2]
+            return A, B, angle
+
+        def trim(t, x):
+            A, B, angle = terms(t)
+            return -(A[1, 2:] @ x + B[1, 1] * angle) / B[1, 0]
+
+        def rates(t, x):
+            A, B, angle = terms(t)
+            return A[2:, 2:] @ x + B[2:, 0] * trim(t, x) + B[2:, 1] * angle
+
+        times = np.linspace(0.0, 20.0, 401)
+        flown = solve_ivp(rates, (0.0, 20.0), [0.0], t_eval=times, rtol=1e-9, atol=1e-13).y.T
+        return max(abs(trim(t, x)) for t, x in zip(times, flown, strict=True))
+
+    assert found.frozen_deflection == pytest.approx(trimmed(0.0), rel=1e-4)
+    for name, turn in (("head", -1.0), ("tail", 1.0)):
+        assert found.sign_needs[name] == pytest.approx(trimmed(turn), rel=1e-3)
+    assert found.required_deflection == found.sign_needs["head"]
 
 
 def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:

@@ -239,12 +239,13 @@ class Study(CaseNeed, Shown):
 
     @property
     def peak_of(self) -> str:
-        """Of what the peak is that the limit survives, where the wind has a direction."""
+        """Of what the peak is that the limit survives, where the wind has a direction or a gust."""
+        gust = "" if self.blows.gust is None else " with its gust"
         if self.slanting is None:
-            return ""
+            return gust and f"of the wind{gust}"
         if self.in_both:
-            return "of the wind's vector in both planes"
-        return f"of the wind's part in the {self.plane} plane"
+            return f"of the wind's vector in both planes{gust}"
+        return f"of the wind's part in the {self.plane} plane{gust}"
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:

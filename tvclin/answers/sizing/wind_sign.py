@@ -42,10 +42,12 @@ from tvclin.winds.shaped import part_in
 
 OWN = "own"
 """That of a wind whose angles have their sign already, as measured ones."""
-_STEPS, _REACH, _LONGEST, _BEFORE = 64, 1.5, 500.0, 1.0 - 1e-6
-"""Steps through the winds of a batch, at least; how long each is at most, and how long winds are
-followed, over the time of the fastest rate; and the end of the last, over the duration."""
-_CLOSE = 1e-5
+_STEPS, _LONGEST, _BEFORE = 64, 500.0, 1.0 - 1e-6
+"""Steps through the winds of a batch, at least; how long winds are followed, over the time of the
+fastest rate; and the end of the last step, over the duration."""
+_REACH, _FLOWN_REACH = 0.75, 0.25
+"""How long each is at most, over the same; with K = 1 one line of a step has what is required."""
+_CLOSE = 1e-9
 """Of the logarithm of a factor on the wind."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
@@ -121,7 +123,8 @@ def batch_factors(
     fastest = np.ravel(np.abs(np.linalg.eigvals(plants[0].matrices()[0])).max(axis=-1))
     lasts = fastest * length  # in times of the fastest rate
     found = np.ones(np.broadcast_shapes(lasts.shape, given.shape[:1], path.shape[:1]))
-    steps = _STEPS * 2.0 ** np.ceil(np.log2(np.fmax(lasts / (_STEPS * _REACH), 1.0)))
+    reach = _STEPS * (_FLOWN_REACH if dead_band == 1.0 else _REACH)
+    steps = _STEPS * 2.0 ** np.ceil(np.log2(np.fmax(lasts / reach, 1.0)))
     steps = np.broadcast_to(np.where(lasts > _LONGEST, 0.0, steps), found.shape)
     for count in np.unique(steps[steps > 0.0]).tolist():
         parts = np.linspace(0.0, _BEFORE, 2 * int(count) + 1)
@@ -197,7 +200,8 @@ def _met(
 class _Signed:
     """A wind in one plane, that along the path, and what it needs in calm air [rad].
 
-    `fast` is the boundary, and `slow` what all growing modes need, for dead bands below 1.
+    `fast` is the boundary, and `slow` what all growing modes need, for dead bands below 1. Where
+    two modes are a pair, `paired`, trim must never be limited.
     """
 
     vehicle: Vehicle
@@ -208,6 +212,7 @@ class _Signed:
     along: History
     fast: float
     slow: float
+    paired: bool
 
     @classmethod
     def of(
@@ -227,12 +232,15 @@ class _Signed:
             needs = calm or open_loop_needs(plant, wind, np.asarray(dead_band), boundary)
             slow = max(float(needs[MINIMUM]), float(needs[AFTER_TRIM]))
         fast = abs(float(boundary.deflection))
-        return cls(vehicle, case.model, plane, dead_band, wind, along, fast, slow)
+        paired = bool(leading_pole(plant)[1])
+        return cls(vehicle, case.model, plane, dead_band, wind, along, fast, slow, paired)
 
     def factor(self, size: float) -> float:
         """Return the factor in so many times these winds; zero where none counts."""
         if self.fast == 0.0 or not np.isfinite(self.fast):
             return 0.0
+        if self.paired:
+            return self._over_all_modes(size)
         of = self.vehicle, self.wind * size, self.model, self.dead_band
         need = signed_need(*of, plane=self.plane, along=self.along * size)
         counts = self.slow >= _NEAR * self.fast
@@ -251,7 +259,8 @@ class _Signed:
         bends = np.unique(np.clip(bends, self.wind.onset, self.wind.end))
         ends = mesh(bends, max(float(leading_pole(plants[0])[0]), _LEAST_RATE / np.ptp(bends)))
         met, found = AirMet.held(*plants), np.nan
-        for _ in range(2 if self.dead_band else 1):  # finer where the dead band is left
+        finer = 0.0 < self.dead_band < 1.0 and not self.paired
+        for _ in range(1 + finer):  # where the dead band is left
             times = refined(ends, np.full(ends.size - 1, 2.0))
             ratio = pressure_ratio(self.vehicle, self.along(times) * size)
             times, ratio, angle = (one[np.newaxis] for one in (times, ratio, self.wind(times)))
@@ -279,7 +288,7 @@ def survived_size(limit: float, need: Callable[[float], float]) -> float:
         end *= 2.0
     if over(end) < 0.0 < first:
         return float(np.exp(end))
-    return float(np.exp(brentq(over, 0.0, end, xtol=_CLOSE)))
+    return float(np.exp(brentq(over, 0.0, end, xtol=_CLOSE) - _CLOSE))  # survived, not nearly so
 
 
 def signed_need(

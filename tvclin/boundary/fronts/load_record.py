@@ -147,5 +147,7 @@ class LoadFront(Shown):
             half = np.degrees(self.least_load_blind)
             yield f"a law that does not know when the wind stops bears {half:.4g} deg at least"
         if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
-            most = np.max(1.0 - self.proofs / np.maximum(self.limits, 1e-300))
-            yield f"the limits are proved to {100.0 * most:.2g} percent"
+            apart = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
+            worst, at = np.max(apart), np.degrees(self.loads[np.argmax(apart)])
+            percent = f"{100.0 * worst:.2g} percent"
+            yield f"the limits are proved to {percent}, that at {at:.4g} deg least"

@@ -108,10 +108,12 @@ def rate_front(
     if there is not None:
         usual = np.unique(np.append(usual, there))
     at = usual if given is None else given
+    limits = np.array([case.known(float(rate)) for rate in at])
+    bounds = None if blind is None else np.maximum(ramped_deflection(blind, case.pole, at), limits)
     return RateFront(
         rates=at,
-        limits=np.array([case.known(float(rate)) for rate in at]),
-        bounds=None if blind is None else ramped_deflection(blind, case.pole, at),
+        limits=limits,
+        bounds=bounds,
         least_deflection=case.least,
         least_rate=least_rate,
         least_rate_blind=np.nan if blind is None else case.pole * blind,

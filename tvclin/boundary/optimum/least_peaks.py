@@ -144,8 +144,8 @@ def _proved(
             # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p; for the others c (1 - e^(-s T))/s is done,
             # and the rest is counted from T.
             c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
-            done = c[:, np.newaxis] * (1.0 - turned) / others
-            with np.errstate(invalid="ignore", over="ignore"):  # what is no number is not proved
+            with np.errstate(all="ignore"):  # what is no number is not proved
+                done = c[:, np.newaxis] * (1.0 - turned) / others
                 rest = (demands[:, 1:] - done) / turned
             z = rate * np.real(rest)
             later = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
