@@ -385,6 +385,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "wind": slanting,
                 "nozzle": tv.Nozzle(limit=0.01),
                 "design": tv.AutopilotDesign(),
+                "sign": "frozen",
             },
         ),
         "Case.wind_at": Door(tv.Case(vehicle=booster, wind=slanting).wind_at, {"dead_band": 0.5}),
@@ -805,10 +806,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "stop": ellipse,
             },
         ),
-        "Study.of": Door(
-            tv.Study.of,
-            {"case": study.case, "dead_band": 0.5, "switch": "report", "sign": "frozen"},
-        ),
+        "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
         "Study.factors_at": Door(study.factors_at, {"sizes": [0.9, 1.1]}),
         "StudyPlan": Door(
             tv.answers.StudyPlan,
