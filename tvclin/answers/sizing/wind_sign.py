@@ -258,17 +258,19 @@ class _Signed:
         bends = np.concatenate([_bends(self.wind), _bends(self.along)])
         bends = np.unique(np.clip(bends, self.wind.onset, self.wind.end))
         ends = mesh(bends, max(float(leading_pole(plants[0])[0]), _LEAST_RATE / np.ptp(bends)))
-        met, found = AirMet.held(*plants), np.nan
-        finer = 0.0 < self.dead_band < 1.0 and not self.paired
-        for _ in range(1 + finer):  # where the dead band is left
+        met = AirMet.held(*plants)
+
+        def on(ends: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
             times = refined(ends, np.full(ends.size - 1, 2.0))
             ratio = pressure_ratio(self.vehicle, self.along(times) * size)
-            times, ratio, angle = (one[np.newaxis] for one in (times, ratio, self.wind(times)))
-            found = float(need_ratio(met, times, ratio, angle, self.dead_band)[0, 0])
-            for one in (np.ones(times.shape), ratio):
-                low, high = left_between(met, times, one, angle, self.dead_band)[:, 0].tolist()
+            return times[np.newaxis], ratio[np.newaxis], self.wind(times)[np.newaxis]
+
+        if 0.0 < self.dead_band < 1.0 and not self.paired:  # finer where the dead band is left
+            times, ratio, angle = on(ends)
+            for air in (np.ones(times.shape), ratio):
+                low, high = left_between(met, times, air, angle, self.dead_band)[:, 0].tolist()
                 ends = np.unique(np.append(ends, np.linspace(low, high, _FINER)))
-        return found
+        return float(need_ratio(met, *on(ends), self.dead_band)[0, 0])
 
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
