@@ -156,6 +156,7 @@ def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, pl
         tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
 
+@pytest.mark.thorough
 def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     """A law that lets go meets the limit more than once: what it needs is known to some percent."""
     height = np.arange(0.0, 34e3, 1000.0)
@@ -190,7 +191,7 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     assert np.array_equal(fixed.least, fixed.most)  # there nothing needs to be flown
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     """As a flight by other steps says; with half of the bound that is lost."""
     booster = tv.load_schedule("configuration-ii")
@@ -588,6 +589,7 @@ def test_no_flight_lost_and_none_flown_still_have_an_interval() -> None:
         assert part.upper - part.lower == pytest.approx(1.0 - end, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_csv_and_a_dataset_hold_every_number(flight, archive, tmp_path) -> None:
     pytest.importorskip("xarray")
     found = tv.availability(

@@ -52,7 +52,7 @@ def of_case(plan, found, case, **more):
             ("drift-exact", "round", 250, False),
             ("drift-exact", "square", 60, True),
         ],
-        *(0, 4),
+        0,
     ),
 )
 def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None:

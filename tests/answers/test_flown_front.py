@@ -27,6 +27,7 @@ def found():
     return cases, fronts, told
 
 
+@pytest.mark.thorough
 def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
     cases, fronts, told = found
     assert told == [(k, 12) for k in range(1, 13)]

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.small_launcher import sounding, write
+from tests.turns import usual
 from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.study_file.parse import parse_study
@@ -92,6 +93,7 @@ def archive(*strengths):
 PITCH = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
 
 
+@pytest.mark.thorough
 def test_each_sounding_is_judged_from_where_its_wind_is_not_too_steep(flight) -> None:
     found = tv.availability(flight, archive(1.0, 0.6, 1.3), **PITCH)
     assert found.part().flown == 3
@@ -111,7 +113,7 @@ ARMS = {
 }
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", usual(ARMS, 2))
 def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None:
     """With a little more than is needed the trim law survives the whole of it."""
     arm = np.interp(flight.times, *ARMS[name])
@@ -138,6 +140,7 @@ def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:
     assert "nothing grows" in found.notes[0]
 
 
+@pytest.mark.thorough
 def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
     """As with a hundredth of a millimetre in its place."""
     needs = []

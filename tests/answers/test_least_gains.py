@@ -80,6 +80,7 @@ def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_be
     assert tv.CRITERIA["classic"].are_met(a.margins(plant(model)))
 
 
+@pytest.mark.thorough
 def test_a_differential_evolution_with_single_loops_finds_the_same(two):
     """It asks `answer` and `margins` one by one, in a box around, and finds nothing less."""
     from scipy.optimize import differential_evolution
@@ -162,6 +163,7 @@ def test_the_share_of_alpha_is_affine_on_a_fixed_path():
     np.testing.assert_allclose(shown[1], 0.5 * (shown[0] + shown[2]), atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     wind = triangles(4)[0]
     found = tv.least_deflection_gains(
@@ -211,6 +213,7 @@ def test_what_is_overfitted_or_given_up_is_said():
         assert words in said
 
 
+@pytest.mark.thorough
 def test_more_disk_margin_costs_what_another_search_says():
     """Found before the package."""
     found = tv.least_deflection_gains(

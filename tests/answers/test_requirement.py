@@ -233,6 +233,7 @@ def test_where_trim_itself_grows_without_end_flights_decide():
             assert "lost" not in flown.status.tolist()
 
 
+@pytest.mark.thorough
 def test_with_varying_parameters_a_pair_needs_trim_too(configuration_i):
     speeds = slow(configuration_i, np.array([70.0, 80.0, 90.0]))
     schedule = tv.FlightSchedule(speeds.replace(time=[10.0, 25.0, 40.0]))

@@ -114,6 +114,7 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 
 
+@pytest.mark.thorough
 def test_the_same_file_drives_the_study_and_its_gust_has_a_time_only_where_that_is_given(
     tmp_path: Path,
 ) -> None:

@@ -126,7 +126,7 @@ def test_the_verdict_counts_the_worst_of_head_tail_and_calm_air() -> None:
     assert asked["frozen"].governs == "the boundary of the control"
 
 
-@pytest.mark.parametrize("sign", ["head", "tail", "frozen", None])
+@pytest.mark.parametrize("sign", usual(["head", "tail", "frozen", None], 0, 2))
 def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
     for limit in np.radians([0.02, 0.1, 0.4, 0.7]):
         peak = np.degrees(of_peak(5.0, limit=limit, sign=sign).survivable_peak)
@@ -153,6 +153,7 @@ def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
     assert both.required_deflection == both.planes.deflection * both.sign_factors["head"]
 
 
+@pytest.mark.thorough
 def test_a_pair_is_never_limited_in_the_air_that_it_meets(configuration_i) -> None:
     """What trim is at its largest, by a flight under ideal trim in that air."""
     slow = configuration_i.replace(velocity=30.0)
@@ -215,6 +216,7 @@ def test_dispersed_cases_have_the_factor_of_their_wind() -> None:
     np.testing.assert_allclose(nominal.factors_at(sizes), alone, rtol=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_flight_has_what_both_signs_need_at_each_time_and_its_total_the_larger() -> None:
     plan = tv.answers.load_sizing("configuration-i")
     asked = plan.sizing
@@ -289,6 +291,7 @@ def test_a_sounding_needs_what_a_flight_in_its_air_needs(east: float) -> None:
         assert (found[name] > bare[name]) == (east < 0.0)
 
 
+@pytest.mark.thorough
 def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
     """Trim and demand meet on one of 64 straight lines: (beta T/64)^2/8, and T is 12 s at most."""
     vehicle = tv.load_vehicle("configuration-i")

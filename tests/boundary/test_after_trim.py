@@ -196,6 +196,7 @@ def drawn(rng):
     return plant, wind, (0.1, 0.5, 0.75, 0.9)[rng.integers(4)]
 
 
+@pytest.mark.thorough
 @settings(max_examples=10, deadline=None, derandomize=True, phases=[Phase.generate])
 @given(st.integers(0, 2**32 - 1))
 def test_no_limit_above_what_is_required_is_lost_after_trim(seed):

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 import tvclin as tv
+from tests.turns import by_turns
 from tvclin import Coefficients, InputError, Plant, SampledWind, TriangularWind
 from tvclin.boundary.closed_forms import rectangular_limit
 from tvclin.boundary.forecast_free import BOUND, EXACT
@@ -200,8 +201,7 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
         assert least <= most * (1.0 + 1e-12)
 
 
-@pytest.mark.parametrize("reversal", [0.05, 0.15, 0.3, 1.0])
-@pytest.mark.parametrize("seed", [0, 3, 5, 7, 8])
+@by_turns("reversal,seed", [0.05, 0.15, 0.3, 1.0], [0, 3, 5, 7, 8], each=3)
 def test_a_reversal_is_reserved_for(seed, reversal):
     """With z above y - R a reversal instead of a stop would be lost, and z begins at zero."""
     wind = random_wind(seed)

@@ -47,6 +47,7 @@ def test_a_double_pole_asks_what_both_its_moments_do():
     assert abs(left(p + 1e-4) - left(p - 1e-4)) / 2e-4 < 1e-6 * size / p
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(
     st.floats(0.02, 0.6),

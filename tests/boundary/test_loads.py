@@ -6,6 +6,7 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.boundary import load_front
 
 PEAK, B, BETA = 0.1, 0.1, 0.5
@@ -102,13 +103,16 @@ def program(tau_beta, load, h, mu=0.0, rho=np.inf):
 
 @pytest.mark.parametrize(
     ("options", "load", "tolerance"),
-    [
-        ({}, 0.4, 1e-4),
-        ({}, 0.25, 3e-4),
-        ({"rho": 1.0}, 0.7, 1.5e-4),
-        ({"mu": 0.3}, 0.6, 6e-4),
-        ({"mu": 0.6}, 0.6, 6e-4),
-    ],
+    usual(
+        [
+            ({}, 0.4, 1e-4),
+            ({}, 0.25, 3e-4),
+            ({"rho": 1.0}, 0.7, 1.5e-4),
+            ({"mu": 0.3}, 0.6, 6e-4),
+            ({"mu": 0.6}, 0.6, 6e-4),
+        ],
+        *(0, 3),
+    ),
 )
 def test_states_at_even_nodes_need_the_same(options, load, tolerance):
     """Theirs falls to the least with the step squared; what is proved is below it."""
@@ -133,6 +137,7 @@ def test_the_turning_floor_is_its_closed_form_where_nothing_else_binds():
         assert floor * (1.0 - 1e-4) <= limits[0] <= floor + 0.003
 
 
+@pytest.mark.thorough
 def test_the_front_ends_at_the_minimum_of_appendix_c_and_its_load():
     for plant in (FIXED, exact()):
         for tau_beta, load in ((4.0, 0.781), (8.0, 0.487)):
@@ -160,7 +165,7 @@ def test_the_least_load_is_the_jump_of_the_wind():
         load_front(FIXED, half, load=0.45 * PEAK)
 
 
-@pytest.mark.parametrize("plant", [FIXED, exact()])
+@pytest.mark.parametrize("plant", usual([FIXED, exact()], 0))
 def test_loads_far_below_the_peak_have_a_limit_too(plant):
     """It falls over the load, and what is not settled is said to be not known.
 
@@ -193,6 +198,7 @@ def test_without_a_forecast_half_of_the_peak_is_left():
     assert "does not know" in " ".join(front.notes)
 
 
+@pytest.mark.thorough
 def test_the_nozzle_s_point_is_judged_in_both_directions():
     plant, wind = exact(), triangle(exact(), 4.0)
     unit = plant.coefficients.B * PEAK

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 import tvclin
 from tests.optima import NAMES, plant_of, solved, triangle
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum import minimum_peak
 from tvclin.boundary.optimum.constraints import Constraints
@@ -300,7 +300,7 @@ def test_ratios_of_the_approximations_are_checked(call):
         call(0.5, 1.0)
 
 
-@pytest.mark.parametrize("start", [0.0, -5.0, -10.0])
+@pytest.mark.parametrize("start", usual([0.0, -5.0, -10.0], 2))
 def test_what_is_not_reached_is_said_and_never_below_the_proved_bound(start):
     """A fast pair beside a pole with an e-folding time of an hour: the hardest of thousands."""
     c = tvclin.Coefficients.from_beta(

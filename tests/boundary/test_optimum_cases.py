@@ -62,6 +62,7 @@ def test_random_cases_against_a_linear_program(count):
         assert proof.primal == pytest.approx(scaled_grid_peak(constraints), rel=2e-3)
 
 
+@pytest.mark.thorough
 def test_three_real_poles_far_apart_need_no_special_care():
     """A steep flight: the pair of the fourth-order model splits into two slow real poles."""
     best, proof = solved([0.5, 0.011, 0.002], [0.8, 30.0, 90.0])
@@ -76,13 +77,16 @@ def test_three_real_poles_far_apart_need_no_special_care():
 
 @pytest.mark.parametrize(
     "poles",
-    [
-        [0.344447710, 0.0296960686, 4.33586171e-05],
-        [0.410531129, 0.00983137471, 1.47505636e-05],
-        [0.484142834, 0.0173333111, 2.28430164e-05],
-        [3.0, 0.02, 1e-6],
-        [3.0, 0.9 + 0.3j, 6e-5],
-    ],
+    usual(
+        [
+            [0.344447710, 0.0296960686, 4.33586171e-05],
+            [0.410531129, 0.00983137471, 1.47505636e-05],
+            [0.484142834, 0.0173333111, 2.28430164e-05],
+            [3.0, 0.02, 1e-6],
+            [3.0, 0.9 + 0.3j, 6e-5],
+        ],
+        *(0, 2),
+    ),
 )
 def test_a_pole_that_counts_only_after_the_others_is_proved_by_the_others(poles):
     """It is met by a switch so late that the others ask for the same peak without it."""
@@ -128,6 +132,7 @@ def test_a_result_that_did_not_converge_says_so(monkeypatch):
 # ---- properties ----------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @settings(max_examples=30, deadline=None)
 @given(factor=st.floats(0.1, 10.0), tau_beta=st.floats(0.5, 40.0), model=st.sampled_from(MODELS))
 def test_it_is_linear_in_the_wind_and_odd(factor, tau_beta, model):

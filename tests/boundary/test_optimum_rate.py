@@ -53,7 +53,7 @@ def test_one_pole_is_a_ramp_and_a_hold(rate):
     ["fixed-path", "drift", "drift-exact", "drift-and-speed"],
     [4.0, 20.0],
     [None, 120.0],
-    each=2,
+    each=4,
 )
 def test_what_it_returns_keeps_every_promise(model, tau_beta, horizon):
     plant = configuration(model)
@@ -153,6 +153,7 @@ def test_a_faster_actuator_needs_no_more(rate, more, model):
     assert fast >= without_limit(plant, wind).peak * (1.0 - 1e-9)
 
 
+@pytest.mark.thorough
 @settings(max_examples=12, deadline=None)
 @given(factor=st.floats(0.1, 10.0), dt=st.floats(-5.0, 5.0))
 def test_scaling_sign_and_shift(factor, dt):

@@ -69,6 +69,7 @@ def test_two_poles_agree_with_sixty_digits():
             assert found == pytest.approx(float(switch), rel=1e-10)
 
 
+@pytest.mark.thorough
 def test_the_dual_finds_the_same_for_two_poles():
     for poles, demands in pairs(30):
         best, proof = solved(poles, demands)

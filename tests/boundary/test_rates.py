@@ -108,6 +108,7 @@ def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     assert ramped_deflection(0.3, 0.5, np.inf, np.inf) == 0.3
 
 
+@pytest.mark.thorough
 def test_two_poles_are_never_told_too_little():
     """Where the flight path decides the limit is that of the program, above the fast pole's."""
     plant = exact()

@@ -277,6 +277,7 @@ def test_bad_input_is_one_sentence(arguments, message):
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.thorough
 def test_flown_margins_stand_beside_the_linear_ones():
     asked = ("margins", "--natural-frequency", "1", "--model", "fixed-path", "--delay-ms", "5")
     flown = (*asked, "--flown", "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")

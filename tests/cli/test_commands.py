@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import by_turns
 from tvclin.base.files import write_text
 from tvclin.boundary.stops import STOPS
 from tvclin.cli.app import NAMES, app
@@ -211,8 +212,7 @@ def test_a_file_from_init_can_be_studied_and_is_not_overwritten(tmp_path: Path) 
     assert before == file.read_text()
 
 
-@pytest.mark.parametrize("command", ["study", "poles", "boundary"])
-@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+@by_turns("command,kind", ["study", "poles", "boundary"], ["png", "svg", "pdf"], each=3)
 def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
     file = tmp_path / f"figure.{kind}"
 

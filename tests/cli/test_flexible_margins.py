@@ -114,6 +114,7 @@ def test_a_model_without_modes_gives_way_to_the_exact_one_and_is_told() -> None:
     assert told.stdout == exact.stdout
 
 
+@pytest.mark.thorough
 def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
     document = json.loads(margins(*asked, "--json").stdout)["detuned"]

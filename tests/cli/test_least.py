@@ -60,6 +60,7 @@ def test_the_worst_margins_of_a_box_are_judged():
     assert document["bounds"]["disk_margin"] == pytest.approx(1.73, abs=0.01)
 
 
+@pytest.mark.thorough
 def test_the_keys_of_a_box_carry_their_units():
     """The same box in other units, or in percent of the nominal thrust, is the same."""
     thrust = tv.load_vehicle("configuration-i").thrust

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.answers.findings import find
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.read import load_study
@@ -48,19 +49,22 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("options", "code", "words"),
-    [
-        (("--limit-deg", "0.3", "--load-deg", "3"), 0, "enough by theory"),
-        (("--limit-deg", "0.3", "--load-deg", "2"), 0, "only for a control that knows"),
-        (("--limit-deg", "0.21", "--load-deg", "3"), 1, "NOT enough"),
-        ((), 0, "give a limit"),
-        (("--limit-deg", "0.5", "--load-deg", "3", "--law", "trim"), 1, "NOT within"),
-        (("--limit-deg", "0.5", "--load-deg", "4", "--law", "half-relief"), 0, "within 4.000"),
-        (("--limit-deg", "0.1", "--law", "trim"), 1, "trim is lost"),
-        (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
-        (("--law", "trim"), 2, "--limit-deg"),
-        (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
-        (("--alpha-gain", "1"), 2, "--law"),
-    ],
+    usual(
+        [
+            (("--limit-deg", "0.3", "--load-deg", "3"), 0, "enough by theory"),
+            (("--limit-deg", "0.3", "--load-deg", "2"), 0, "only for a control that knows"),
+            (("--limit-deg", "0.21", "--load-deg", "3"), 1, "NOT enough"),
+            ((), 0, "give a limit"),
+            (("--limit-deg", "0.5", "--load-deg", "3", "--law", "trim"), 1, "NOT within"),
+            (("--limit-deg", "0.5", "--load-deg", "4", "--law", "half-relief"), 0, "within 4.000"),
+            (("--limit-deg", "0.1", "--law", "trim"), 1, "trim is lost"),
+            (("--wind", "rectangular", "--load-deg", "4"), 2, "5 deg"),
+            (("--law", "trim"), 2, "--limit-deg"),
+            (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
+            (("--alpha-gain", "1"), 2, "--law"),
+        ],
+        *(0, 3, 5, 6, 7, 8, 9, 10),
+    ),
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:
     result = run(*options)
@@ -68,6 +72,7 @@ def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, word
     assert words in " ".join(result.output.split())
 
 
+@pytest.mark.thorough
 def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
     plain = ("--limit-deg", "2", "--law", "autopilot", "--attitude-gain", "0.4", "--rate-gain", "1")
     loads = [
@@ -80,11 +85,14 @@ def test_a_gain_on_the_angle_of_attack_relieves_the_load() -> None:
 
 @pytest.mark.parametrize(
     "table",
-    [
-        "load_deg = 3.0",
-        "q_alpha_kPa_deg = 75\ndynamic_pressure_kPa = 25",
-        "moment_kN_m = 600\nalpha_moment_N_m_per_deg = 2e5",
-    ],
+    usual(
+        [
+            "load_deg = 3.0",
+            "q_alpha_kPa_deg = 75\ndynamic_pressure_kPa = 25",
+            "moment_kN_m = 600\nalpha_moment_N_m_per_deg = 2e5",
+        ],
+        1,
+    ),
 )
 def test_a_study_file_asks_the_same_in_each_unit(table: str, tmp_path: Path) -> None:
     file = tmp_path / "a.toml"

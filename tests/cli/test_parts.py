@@ -130,8 +130,8 @@ BY_FILE = ("study", "report", "campaign", "explore")
 
 
 def tried(questions):
-    """Return the questions; those that search in flights are left to the thorough tests."""
-    slow = {"margins", "nozzle", "loads", "card", "size"}
+    """Return the questions; those that search or fly much are left to the thorough tests."""
+    slow = {"margins", "nozzle", "loads", "card", "size", "laws", "autopilot", "availability"}
     mark = pytest.mark.thorough
     return [pytest.param(one, marks=mark) if one in slow else one for one in questions]
 

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.report_responses import triangular_attitude
+from tests.turns import by_turns, usual
 from tvclin.cli.app import app
 from tvclin.linear.loads import wind_loads
 
@@ -73,8 +74,7 @@ def test_json_equals_the_library(model, factor):
         assert found["attitude"][name] == {"deg": expected, "time_s": time}
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
-@pytest.mark.parametrize("factor", [0.5, 1.0, 1.1, 1.5, 3.0])
+@by_turns("model,factor", ["fixed-path", "drift", "drift-exact"], [0.5, 1.0, 1.1, 1.5, 3.0], each=3)
 def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
     model, factor, tmp_path
 ):
@@ -205,7 +205,7 @@ def test_a_vehicle_that_trim_holds_at_rest_is_at_zero_in_the_csv(tmp_path):
     assert "-0.0," not in file.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("kind", ["png", "svg"])
+@pytest.mark.parametrize("kind", usual(["png", "svg"], 0))
 def test_the_figure_is_written_and_closed(tmp_path, kind):
     import matplotlib.pyplot as plt
 

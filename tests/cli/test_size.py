@@ -173,6 +173,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
 
 
+@pytest.mark.thorough
 def test_flight_times_include_both_ends_of_the_flight() -> None:
     """A pulse of 7.5 s fits whole into 41 to 116 s from 44.75 to 112.25 s."""
     document = json.loads(run("size", "configuration-i", "--every", "20", "--json").stdout)

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.answers.findings import find
 from tvclin.answers.parts import told
 from tvclin.cli.app import app
@@ -139,6 +140,7 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     assert flight["peaks_over_the_wind_deg"]["attitude"]["flown"] == pytest.approx(peak, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     calm = tmp_path / "calm.toml"
     calm.write_text(
@@ -152,7 +154,9 @@ def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     }
 
 
-@pytest.mark.parametrize("command", ["respond", "optimum", "autopilot", "margins", "fly"])
+@pytest.mark.parametrize(
+    "command", usual(["respond", "optimum", "autopilot", "margins", "fly"], 0, 1, 2, 4)
+)
 def test_a_study_file_and_options_give_the_same_answer(command, file):
     own = {
         "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
@@ -196,6 +200,7 @@ def test_an_option_counts_more_than_the_file(file):
     assert capable["limit_deg"] == pytest.approx(1.5 * capable["required_deg"], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_gains_for_the_least_nozzle_in_a_file_are_those_of_the_study(tmp_path):
     path = tmp_path / "least.toml"
     path.write_text(
@@ -222,6 +227,7 @@ delay_ms = 20
     assert other["attitude_gain"] != sought.attitude_gain
 
 
+@pytest.mark.thorough
 def test_a_sounding_meets_the_flight_of_the_study_file(tmp_path):
     sounding = ("--winds", "tests/soundings/wyoming.txt", "--azimuth-deg", "90")
     path = tmp_path / "my.toml"

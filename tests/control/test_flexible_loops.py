@@ -8,6 +8,7 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
+from tests.turns import usual
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.wind_gain import wind_gain
 
@@ -393,7 +394,7 @@ def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
     assert highest == pytest.approx(found, rel=1e-6)  # the grid's step, squared
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 3.5])
+@pytest.mark.parametrize("factor", usual([0.5, 1.0, 3.5], 1))
 def test_the_distance_of_a_mode_is_the_least_of_a_much_finer_look(factor):
     """Polished between frequencies; with a high gain some modes come close to -1."""
     plant = booster()

@@ -173,6 +173,7 @@ def test_the_published_course_booster():
     assert (m.aero_frequency, m.gain_increase) == (0.0, np.inf)
 
 
+@pytest.mark.thorough
 def test_a_thousand_random_loops_have_the_margins_of_brute_force():
     loop = random_loops(1000)
     found, expected = loop_margins(loop), brute_force(loop)

@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import cont2discrete
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import (
     Coefficients,
     InputError,
@@ -109,7 +110,7 @@ def test_a_noisy_estimator_costs_a_little_more():
 
 
 @EACH_MODEL
-@pytest.mark.parametrize("tau_beta", [4.0, 8.0])
+@pytest.mark.parametrize("tau_beta", usual([4.0, 8.0], 0))
 def test_sudden_stops_cost_nothing_in_a_triangle(model, tau_beta):
     plant = plant_of(model)
     law = lean(plant, reach=0.9)
@@ -155,7 +156,7 @@ def test_no_law_needs_less_than_the_two_minima():
 
 
 @pytest.mark.parametrize(
-    ("tau_beta", "B", "peak"), [(8.0, 0.8, 1.0), (8.0, 1.0, 0.8), (20.0, 0.9, 1.0)]
+    ("tau_beta", "B", "peak"), usual([(8.0, 0.8, 1.0), (8.0, 1.0, 0.8), (20.0, 0.9, 1.0)], 2)
 )
 def test_a_nozzle_or_a_wind_taken_for_better_than_it_is_costs_little(tau_beta, B, peak):
     """B believed too low is a limit believed too high; without reserve nearly trim is needed."""
@@ -367,6 +368,7 @@ class Halfway(tv.control.Law):
         return c.B * (seen.angle_of_attack + 10.0 * (z - lean))
 
 
+@pytest.mark.thorough
 def test_what_is_neither_lost_nor_saved_is_called_undecided():
     plant = plant_of()
     edge = closed_loop_boundary(plant, Halfway(), triangle(plant, 4.0), sample_rate=10.0)

@@ -7,6 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.damped import damped
+from tests.turns import usual
 from tvclin.boundary.closed_forms import triangular_limit
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.equations import PlanarMotion
@@ -35,7 +36,7 @@ def triangle(vehicle, tau_pole):
 @EACH_ENGINE
 @EACH_PLANE
 @pytest.mark.parametrize(
-    ("damping", "tau_pole", "K"), [(0.03, 4.0, 1.0), (0.25, 6.0, 0.5), (0.6, 3.0, 0.3)]
+    ("damping", "tau_pole", "K"), usual([(0.03, 4.0, 1.0), (0.25, 6.0, 0.5), (0.6, 3.0, 0.3)], 1)
 )
 def test_the_flown_boundary_is_eq_12_with_the_pole(engine, plane, damping, tau_pole, K):
     vehicle = damped(NAME, damping)

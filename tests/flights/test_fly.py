@@ -503,6 +503,7 @@ def test_a_flight_long_after_the_beginning_of_time_is_that_at_zero(late):
     np.testing.assert_allclose(found, early, rtol=0.0, atol=lost + CORNERS * np.abs(early).max())
 
 
+@pytest.mark.thorough
 def test_a_boundary_flown_long_after_the_beginning_of_time_is_that_at_zero():
     booster = tv.load_vehicle("configuration-i")
     law = tv.TrimLaw(Plant.from_vehicle(booster, "fixed-path"), gain=10.0)

@@ -7,6 +7,7 @@ from scipy.optimize import linprog
 from scipy.special import lambertw
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.control import design_law
 from tvclin.kernels.control_laws import leant, turned_back
 
@@ -78,13 +79,16 @@ def program(tau_beta, rho, count=300, tangents=40):
 
 @pytest.mark.parametrize(
     ("tau_beta", "rho", "expected"),
-    [
-        (4.0, 1.0, 0.514),
-        (8.0, 1.0, 0.636),
-        pytest.param(2.0, 1.2, 0.486, marks=pytest.mark.thorough),
-        pytest.param(4.0, 0.6, 0.734, marks=pytest.mark.thorough),
-        pytest.param(4.0, 2.0, 0.416, marks=pytest.mark.thorough),
-    ],
+    usual(
+        [
+            (4.0, 1.0, 0.514),
+            (8.0, 1.0, 0.636),
+            (2.0, 1.2, 0.486),
+            (4.0, 0.6, 0.734),
+            (4.0, 2.0, 0.416),
+        ],
+        0,
+    ),
 )
 def test_the_law_is_near_a_convex_program_of_all_laws_that_a_stop_may_meet(tau_beta, rho, expected):
     """The program is good for 2e-3. A part of the set is the set of a part of limit and rate."""
@@ -124,6 +128,7 @@ def test_without_a_rate_limit_the_law_is_what_it_was_to_the_last_digit(plant):
     assert design_law("recoverable-attitude", plant, PEAK) == law
 
 
+@pytest.mark.thorough
 def test_with_drift_an_actuator_a_delay_and_sudden_stops():
     """At twice the rate of the wind: .51 is the least, and the law that knows no rate is lost."""
     rate, wind = turning(EXACT, 1.0), triangle(EXACT, 4.0)
@@ -167,6 +172,7 @@ def test_trim_with_the_gain_that_suits_needs_the_known_minimum_of_a_nozzle_as_sl
     assert usual.limit > 1.05 * least
 
 
+@pytest.mark.thorough
 def test_in_both_planes_a_wind_in_any_direction_needs_no_more():
     """The rate is that of each plane, so one in between turns faster still."""
     rate, wind = turning(FIXED, 1.0), triangle(FIXED, 4.0)

@@ -219,6 +219,7 @@ def test_varying_parameters_are_those_of_another_integration():
     assert np.ptp(flown.outputs["attitude"]) > np.radians(0.5)
 
 
+@pytest.mark.thorough
 def test_with_varying_parameters_sign_size_and_plane_of_the_wind_matter():
     name = NAMES[0]
     condition = load_flight_condition(name)

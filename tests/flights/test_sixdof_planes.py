@@ -43,6 +43,7 @@ def test_a_turning_wind_asks_for_what_the_linear_flight_says() -> None:
     assert tv.plane_limit(FIXED, wind).limit < 0.95 * edge
 
 
+@pytest.mark.thorough
 def test_along_one_plane_it_is_the_flight_of_that_plane() -> None:
     options = {"law": tv.TrimLaw(FIXED), "engine": "sixdof", "step": 0.02, "tolerance": 0.01}
     for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):

@@ -193,6 +193,7 @@ def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(argu
     assert told in check_refused(run(*arguments))
 
 
+@pytest.mark.thorough
 def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
     command = ["laws", "--wind", "triangle", "--cuts", "2", "--json"]
     quiet = CliRunner().invoke(app, command)

@@ -146,6 +146,7 @@ def test_little_work_does_not_load_the_compiler():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.thorough
 def test_where_no_cache_can_be_written_kernels_work_all_the_same(tmp_path):
     pytest.importorskip("numba")
     code = (

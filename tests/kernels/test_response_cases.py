@@ -11,7 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.sixty_digits import carried
-from tests.turns import by_turns
+from tests.turns import by_turns, usual
 from tvclin.kernels.choice import pinned
 from tvclin.kernels.threads import VARIABLE
 from tvclin.numerics.pieces import Pieces
@@ -170,7 +170,7 @@ def carried_one_by_one(model: str) -> tuple[Any, ...]:
     return plants, inputs, times, np.array(outputs)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", usual(MODELS, 0, 2))
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants, inputs, times, expected = carried_one_by_one(model)
     found = tv.attitude_responses(plants, *inputs, times).outputs

@@ -60,7 +60,7 @@ def largest_root(plant, wind, dead_band, switch):
     return brentq(lambda y: float(residue(y)), tried[last], tried[last + 1], xtol=1e-16, rtol=1e-15)
 
 
-@by_turns("model,kind,dead_band", MODELS, ["sampled", "gust", "two"], [0.15, 0.6, 0.95], each=3)
+@by_turns("model,kind,dead_band", MODELS, ["sampled", "gust", "two"], [0.15, 0.6, 0.95], each=4)
 def test_the_limit_is_the_largest_root_of_the_residue_of_the_whole_control(model, kind, dead_band):
     rng = np.random.default_rng(int(100 * dead_band))
     plant, wind = plants(rng, model, 0), wind_of(kind, rng)
@@ -151,6 +151,7 @@ def test_the_future_of_a_piece_is_the_integral(degree, pole):
         assert found.real == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
     """Filters that swing on after a short wind, looked at closely."""
     c = tv.Coefficients.from_beta(beta=0.05, B=0.1, b1=0.02, b2=[2.0, -1.5], q=0.9)
@@ -162,6 +163,7 @@ def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
     np.testing.assert_allclose(np.abs(found.deflection), np.abs(trim).max(axis=-1), rtol=1e-7)
 
 
+@pytest.mark.thorough
 def test_what_is_proved_to_be_enough_for_three_poles_is_no_less_than_the_least_peak():
     rng = np.random.default_rng(2)
     plant, wind = plants(rng, "drift-and-speed", 12), winds_of(rng, "triangle", 12)

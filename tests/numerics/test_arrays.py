@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.numerics import polynomials
 from tvclin.numerics.moments import moments
 from tvclin.numerics.pieces import Pieces
@@ -260,7 +261,7 @@ def test_transforms_agree_with_quadrature(s):
     assert np.iscomplexobj(h.laplace(s)) == isinstance(s, complex)
 
 
-@pytest.mark.parametrize("s", [0.2, 1.5, 0.0, 0.7 - 1j])
+@pytest.mark.parametrize("s", usual([0.2, 1.5, 0.0, 0.7 - 1j], 0, 2))
 def test_the_discounted_future_agrees_with_quadrature(s):
     h, times = mixed(), np.array([-3.0, -1.0, 0.2, 0.5, 1.7, 2.0, 5.0, 7.0, 30.0])
     expected = np.array([quadrature(h, s, t) for t in times])

@@ -253,6 +253,7 @@ def test_polynomials_of_different_degree_have_the_roots_they_were_made_of():
             assert np.abs(roots - one).min() <= 1e-6 * one
 
 
+@pytest.mark.thorough
 def test_the_closed_loop_has_as_many_unstable_poles_as_it_was_made_of():
     rng = np.random.default_rng(1)
     for degree in np.repeat(np.arange(1, 9), 50):

@@ -45,6 +45,7 @@ def run_poorly(folder: Path, *what: str) -> None:
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
 
 
+@pytest.mark.thorough
 def test_pages_run_without_threads_processes_compiler_and_extras(tmp_path: Path) -> None:
     run_poorly(tmp_path, *(str(ROOT / name) for name in ("README.md", "docs/start.md")))
 

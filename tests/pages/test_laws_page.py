@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "laws.md").read_text().split())
 PLANT, EXACT = (
@@ -87,13 +88,16 @@ def test_a_measured_number_is_what_its_setting_gives(words: str) -> None:
 
 @pytest.mark.parametrize(
     ("label", "believed"),
-    [
-        ("all right", (1.0, 1.0)),
-        ("$B$ 20 percent too low", (0.8, 1.0)),
-        ("$B$ 10 percent too low", (0.9, 1.0)),
-        ("design peak 20 percent too low", (1.0, 0.8)),
-        ("$B$ and design peak 10 percent too low", (0.9, 0.9)),
-    ],
+    usual(
+        [
+            ("all right", (1.0, 1.0)),
+            ("$B$ 20 percent too low", (0.8, 1.0)),
+            ("$B$ 10 percent too low", (0.9, 1.0)),
+            ("design peak 20 percent too low", (1.0, 0.8)),
+            ("$B$ and design peak 10 percent too low", (0.9, 0.9)),
+        ],
+        *(0, 4),
+    ),
 )
 def test_what_the_trust_gains_and_costs(label: str, believed: tuple[float, float]) -> None:
     (cells,) = re.findall(rf"\| {re.escape(label)} \| (.*?) \|(?: \||$| In)", PAGE)

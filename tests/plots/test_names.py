@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 import tvclin as tv
+from tests.turns import by_turns
 from tvclin import plots
 from tvclin.control.margins.criteria import CRITERIA
 
@@ -65,8 +66,7 @@ def written(plot, tmp_path):
     return [" ".join("".join(one.itertext()).split()) for one in texts]
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("draw", FIGURES)
+@by_turns("name,draw", NAMES, FIGURES, each=2)
 def test_a_dollar_sign_in_a_name_is_a_dollar_sign(tmp_path, draw, name):
     words = written(FIGURES[draw](name), tmp_path)
     assert any(name in one for one in words), words

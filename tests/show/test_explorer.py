@@ -195,6 +195,7 @@ def answers() -> list[Answer]:
     return [answer(moved(**one), 5) for one in (*every, {"duration": 17.0})]
 
 
+@pytest.mark.thorough
 def test_a_picture_that_is_moved_is_the_picture_drawn_anew() -> None:
     moved = new_picture()
     seen = []
@@ -232,6 +233,7 @@ def panel(few: None, the_panel: Any) -> Any:
     return the_panel
 
 
+@pytest.mark.thorough
 def test_a_moved_widget_changes_what_is_asked_and_shown(panel: Any) -> None:
     def shown() -> list[Any]:
         return [panel.image.value, panel.verdict.value, panel.margins.value]

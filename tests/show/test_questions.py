@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.answers.asked_table import asked_table
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import all_yes, questions, sufficient
@@ -73,6 +74,7 @@ def test_too_few_cases_are_no_yes() -> None:
     assert headline(found).startswith("Not shown to be enough: too few cases")
 
 
+@pytest.mark.thorough
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
     """A linear peak above the limit is no loss where the flight survives, and is told."""
     found = found_for(0.5, design=DESIGN, criteria=LOOSE)
@@ -98,6 +100,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said.text
 
 
+@pytest.mark.thorough
 def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights() -> None:
     plain = found_for(0.5, design=DESIGN, criteria=LOOSE)
     design = replace(DESIGN, sample_rate=20.0)
@@ -116,6 +119,7 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
     assert abs(boundary.deflection) > 1.05 * abs(plain.stop.deflection)
 
 
+@pytest.mark.thorough
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     strict = tv.control.Criteria.own("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):
@@ -134,7 +138,7 @@ def test_what_has_no_answer_is_no_yes() -> None:
 
 
 @pytest.mark.usefixtures("few_durations")
-@pytest.mark.parametrize(("limit", "code"), [(0.3, 1), (0.4, 1), (0.6, 0)])
+@pytest.mark.parametrize(("limit", "code"), usual([(0.3, 1), (0.4, 1), (0.6, 0)], 1, 2))
 def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
     file = tmp_path / "s.toml"
     file.write_text(

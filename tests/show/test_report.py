@@ -431,6 +431,7 @@ def test_every_text_is_its_number_rounded(page: Page) -> None:
         assert abs(float(text) - value) <= 0.5 * step * (1 + 1e-9), (name, value, text)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_the_head_of_the_page_is_that_of_the_study_file(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
@@ -583,6 +584,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert turned.seal == again.seal != found.seal
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> None:
     """The wind is known to 12 km, and the limit is enough up to there."""
@@ -654,6 +656,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     assert any("left after the reserve" in one for one in words(flight.over_flight(enough)))
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "my.toml"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
@@ -800,6 +803,7 @@ def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
     assert any("the dynamic pressure in a head wind" in one for one in page.texts)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives() -> None:
     case = {
@@ -825,6 +829,7 @@ def test_a_notebook_shows_a_short_table() -> None:
     assert {f"{np.degrees(study.required_deflection):.3f}", "no"} <= set(page.texts)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_a_stable_vehicle_has_a_page_too(plan: tv.answers.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
@@ -875,6 +880,7 @@ def test_a_folder_that_is_not_there_is_told() -> None:
     assert "/nowhere/at/all/x.html cannot be written" in result.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.answers.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)

@@ -89,6 +89,7 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     assert "<svg" in section[: section.index("By month")]
 
 
+@pytest.mark.thorough
 def test_without_an_archive_there_is_no_section_and_the_seal_is_what_it_was(folder) -> None:
     bare = {key: value for key, value in document().items() if key != "availability"}
     assert availability(find(parse_study(bare))) is None
@@ -100,6 +101,7 @@ def test_without_an_archive_there_is_no_section_and_the_seal_is_what_it_was(fold
     assert len({*seals}) == 3
 
 
+@pytest.mark.thorough
 def test_a_part_is_asked_for_only_where_it_is_given(folder) -> None:
     def answer(**changes: object) -> list[tuple[str, bool | None]]:
         found = find(parse_study(document(**changes), folder))
@@ -142,6 +144,7 @@ archive = ["s-data.txt"]\nazimuth_deg = 90\nplane = "pitch"\npersistence_deg = 0
     return str(file)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     few, many = (written(folder, f"{x}.toml", f"least_part = {x}") for x in (0.3, 0.99))

@@ -173,6 +173,7 @@ def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
     assert found.flexible.autopilot is found.comparison.autopilot
 
 
+@pytest.mark.thorough
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
     found = find(replace(plan, design=replace(plan.design, filters=())))
     answers = {one.name: one for one in questions(found)}

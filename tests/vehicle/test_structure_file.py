@@ -133,6 +133,7 @@ VALUES = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore:.*has no damping:UserWarning")
 def test_whatever_a_file_says_its_plant_has_numbers_or_is_refused(tmp_path):
     whole = (Path(tv.__file__).parent / "vehicle/shipped/made-up-launcher.toml").read_text()
