@@ -29,7 +29,7 @@ thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of 
 	$(SUITE) -m thorough --share=$$(($(DAY) % $(SHARES)))/$(SHARES) \
 	  $$(grep -rlE "thorough|tests.turns" --include="test_*.py" tests)
 
-# With SHARES=3 a third of them, by turns, a day each.
+# With SHARES=2 half of them, by turns, a day each.
 SHARES := 1
 
 test-all: test thorough  ## pass the tests, the thorough ones, and half the numbers as on an older processor
