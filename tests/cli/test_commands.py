@@ -309,7 +309,7 @@ HEAVY = ("control", "matplotlib", "scipy.signal", "scipy.stats", "jinja2", "pyar
 
 
 def loaded_by(commands: list[str], folder: Path) -> set[str]:
-    """Return which heavy modules a process has after these commands."""
+    """Return which heavy modules a process has after these commands; it says so at the end."""
     code = (
         "import sys\n"
         "from tvclin.cli.app import main\n"
@@ -320,11 +320,8 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
         f"print(*[m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
     )
     command = [sys.executable, "-c", code, "", *commands]
-    return set(
-        subprocess.run(
-            command, capture_output=True, text=True, check=True, cwd=folder
-        ).stderr.split()
-    )
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder)
+    return set(run.stderr.splitlines()[-1].split())
 
 
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:

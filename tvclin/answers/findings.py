@@ -244,14 +244,13 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
-    from tvclin.answers.flexible import FlexibleAnswer
+    from tvclin.answers.flexible import FlexibleAnswer, stop_boundary
     from tvclin.control.laws.attitude import SaturatedLaw
-    from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
-    law = SaturatedLaw.of(loop.autopilot)
-    return closed_loop_boundary(loop.plant, law, study.history, **plan.hardware)
+    law, part = SaturatedLaw.of(loop.autopilot), (plan.nozzle.limit or 0.0) / study.of_both
+    return stop_boundary(loop.plant, law, study.history, part, plan.hardware)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:

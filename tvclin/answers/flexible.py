@@ -67,7 +67,7 @@ def flexible_answer(
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
     bends, rigid = (
-        closed_loop_boundary(one, law, wind, **hardware) for one in (plant, plant.rigid)
+        stop_boundary(one, law, wind, limit or 0.0, hardware) for one in (plant, plant.rigid)
     )
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
@@ -82,6 +82,21 @@ def flexible_answer(
         if limit is None
         else fly_sampled(plant, law, wind, times, deflection_limit=limit, **hardware),
     )
+
+
+def stop_boundary(
+    plant: AnyPlant, law: Law, wind: History, limit: float, hardware: dict[str, Any]
+) -> ClosedLoopBoundary:
+    """Return the least limit of a law in a wind; up to the one in question [rad], if none below.
+
+    Hardware is as of `Case.hardware`; `InputError` as `closed_loop_boundary`.
+    """
+    found = closed_loop_boundary(plant, law, wind, **hardware)
+    tried = float(found.scan[-1])
+    asked = limit / abs(float(plant.coefficients.B) * float(wind.peak))
+    if np.isfinite(found.limit) or asked <= tried:
+        return found
+    return closed_loop_boundary(plant, law, wind, lowest=tried, highest=asked, **hardware)
 
 
 def law_asked(case: Case, name: str, rate_limit: float, **own: Any) -> Law:

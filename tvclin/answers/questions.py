@@ -8,10 +8,14 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_notes import in_calm_air
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Line, degrees, significant, text
+from tvclin.base.lines import Line, degrees, listed, significant, text
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.record import DIGITS, factor_to
+
+_CALM = ("autopilot", "nozzle rate", "load", "flexible flight")
+"""Questions that are answered in the dynamic pressure of calm air alone."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,14 @@ def sufficient(found: Findings) -> bool | None:
 def all_yes(found: Findings) -> bool:
     """Return whether no question has another answer than yes."""
     return all(one.yes is True for one in questions(found))
+
+
+def calm_air_notes(found: Findings) -> Iterator[str]:
+    """Say which answers leave out the head wind that counts in what the wind needs."""
+    calm = [one.name for one in questions(found) if one.name in _CALM and one.yes]
+    if calm and found.study.counts[1] > 1.0:
+        for met in in_calm_air(found.plan):
+            yield f"{listed(calm)}: {met}"
 
 
 def _asked(found: Findings) -> Iterator[Question]:
@@ -241,13 +253,16 @@ def _autopilot(found: Findings, limit: float) -> Question:
     if found.study.in_both:
         free += (" in both planes",)
     whose = "this autopilot needs"
+    rate, most = c.peak_deflection_rate, found.plan.nozzle.rate_limit or np.inf
+    if rate > most:
+        free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
     if found.stop is None:  # it cannot be flown: enough is what the linear loop never exceeds
-        yes = True if covers(limit, peak) else None
+        yes = True if covers(limit, peak) and rate <= most else None
         return Question(name, yes, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
     least = abs(float(found.stop.deflection)) * found.study.of_both
     if np.isinf(least):
         line: Line = ("flown with a stop it survives at no limit that was tried; ", *free)
-        return Question(name, bool(covers(limit, peak)), line, peak, whose)
+        return Question(name, False, line, least, whose)
     line = ("flown with its stop; ", *free)
     return Question(name, bool(covers(limit, least)), line, least, whose)
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case import FROZEN
+from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
+from tvclin.answers.sizing.wind_sign import pressure_ratios
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -19,6 +20,7 @@ from tvclin.linear.modes import Modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 
 _STRONG = radians(1.5)
@@ -54,6 +56,19 @@ def along_the_path(need: CaseNeed) -> Iterator[str]:
         yield f"{changes}, as asked: a head wind needs more"
     elif need.sign_unknown:
         yield f"{changes}; what a head wind needs more is not known: {need.sign_unknown}"
+
+
+def in_calm_air(case: Case) -> Iterator[str]:
+    """Say what a head wind meets, where a question knows the dynamic pressure of calm air alone."""
+    peak = abs(float(getattr(case.wind, "peak", 0.0)))
+    if case.plane != "pitch" or peak <= _STRONG or not isinstance(case.vehicle, Vehicle):
+        return
+    ratio = float(pressure_ratios(case.vehicle.attitude, np.asarray(-peak)))
+    if ratio > 1.0:
+        yield (
+            "in the dynamic pressure of calm air; a head wind of this size meets up to"
+            f" {ratio:.3g} times as much and asks for more"
+        )
 
 
 def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from tvclin.answers import study_tables as tables
 from tvclin.answers.findings import Findings, find
-from tvclin.answers.questions import all_yes, questioned, questions, sufficient
+from tvclin.answers.questions import all_yes, calm_air_notes, questioned, questions, sufficient
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
@@ -98,7 +98,8 @@ def study(
 def _document(found: Findings) -> dict[str, Any]:
     """What was found, for JSON."""
     extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
-    answers = {"questions": questions(found), "sufficient": sufficient(found)}
+    said = [*found.study.notes, *calm_air_notes(found)]
+    answers = {"questions": questions(found), "sufficient": sufficient(found), "notes": said}
     return found.study.as_dict() | extra | answers
 
 
@@ -132,4 +133,5 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         None: "no limit was given" if s.limit is None else f"NOT KNOWN: {others}",
     }
     say(f"Verdict: {said[sufficient(found)]}")
-    say_notes(() if found.availability is None else found.availability.notes)
+    days = () if found.availability is None else found.availability.notes
+    say_notes((*calm_air_notes(found), *days))

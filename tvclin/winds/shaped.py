@@ -91,9 +91,10 @@ class ShapedWind:
             return self
         peak = self.peaks(attitude)[one_of("plane", plane, PLANES)]
         if peak == 0.0:
+            other = next(one for one in PLANES if one != plane)
             raise InputError(
-                f"this wind has no part in {plane}, it blows in the other plane alone; take that"
-                " plane, or both"
+                f"this wind has no part in {plane}: it blows in {other} alone; take that plane, as"
+                f" by --plane {other}"
             )
         gust = None if self.gust is None else self.gust * (peak / self.peak)
         return replace(self, peak=peak, heading=None, gust=gust)

@@ -27,10 +27,14 @@ _ROUNDING = 1e-12
 
 
 def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
-    """Return what motions take of a nozzle [SI], by the fields of `SHEET`; all but its travel."""
+    """Return what motions take of a nozzle [SI], by the fields of `SHEET`; all but its travel.
+
+    Flights keep to the rate limit, which an actuator of second order may pass by a thousandth.
+    """
+    rate = max((abs(one.rate.value) for one in cards), default=0.0)
     needed = {
         "limit": max((abs(one.angle.value) for one in cards), default=0.0),
-        "rate_limit": max((abs(one.rate.value) for one in cards), default=0.0),
+        "rate_limit": min(rate, nozzle.rate_limit or np.inf),
         "acceleration_limit": max((abs(one.acceleration.value) for one in cards), default=0.0),
         "travel_limit": travel,
     }
