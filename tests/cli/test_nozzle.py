@@ -17,8 +17,8 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["nozzle", *arguments])
 
 
-def front(**nozzle: float) -> tv.boundary.RateFront:
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+def front(vehicle: tv.Vehicle | None = None, **nozzle: float) -> tv.boundary.RateFront:
+    plant = tv.Plant.from_vehicle(vehicle or tv.load_vehicle("configuration-i"), "drift-exact")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
     return tv.boundary.rate_front(plant, wind, **{key: np.radians(x) for key, x in nozzle.items()})
 
@@ -145,8 +145,11 @@ def test_a_hinge_without_what_turns_about_it_is_refused(tmp_path) -> None:
     assert "arm_m" in words
 
 
-@pytest.mark.parametrize(("limit", "rate", "yes"), [(0.6, 10.0, True), (0.25, 0.2, False)])
+@pytest.mark.parametrize(
+    ("limit", "rate", "yes"), [(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)]
+)
 def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit, rate, yes):
+    """In calm air and, if that is enough, with the dynamic pressure at a head wind's peak."""
     file = Path(study_file(tmp_path, ""))
     text = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
     file.write_text(text)
@@ -154,7 +157,20 @@ def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit
     (asked,) = (
         one for one in json.loads(result.stdout)["questions"] if one["name"] == "nozzle rate"
     )
-    needed = np.degrees(front(limit=limit, rate_limit=rate).needed_rate)
+    vehicle, angle = tv.load_vehicle("configuration-i"), np.radians(-5.0)
+    path = float(vehicle.attitude)
+    against = np.sin(angle) / np.sin(path + angle)
+    more = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
+    denser = vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * more,
+        axial_force=vehicle.axial_force * more,
+    )
+    calm, needed = (
+        np.degrees(front(one, limit=limit, rate_limit=rate).needed_rate)
+        for one in (vehicle, denser)
+    )
+    assert f"in that of calm air {calm:.3f} deg/s" in asked["why"]
+    assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
     assert asked["yes"] is yes
     assert asked["measure"] == {
         "needed": pytest.approx(needed),

@@ -148,9 +148,11 @@ def _figure(found: Findings, wind: float, limit: float) -> None:
 
 def _sections(shown: dict[str, float], found: Findings) -> None:
     """What the table says of each question is what its own section says."""
+    calm = "asked.calm_deg"  # of the autopilot, where a head wind asks for more
+    autopilot = calm if calm in shown else "asked.autopilot.needed_deg"
     pairs = {
         "asked.whole_flight.needed_deg": "total.required_deg",
-        "asked.autopilot.needed_deg": "wind.stop_deg",
+        autopilot: "wind.stop_deg",
         "asked.probability.needed_deg": "dispersed.upper_deg",
         "asked.availability.there_percent": "availability.part_percent",
         "asked.margins.needed_dB": "criteria.aero_margin_dB",
@@ -162,10 +164,10 @@ def _sections(shown: dict[str, float], found: Findings) -> None:
     assert seen
     over = found.study.of_both
     for name in seen:
-        part = over if name == "asked.autopilot.needed_deg" else 1.0
+        part = over if name == autopilot else 1.0
         assert close(shown[name], part * shown[pairs[name]]), name
     if found.flexible is not None:
-        assert close(shown["asked.autopilot.needed_deg"], over * shown["flown.0.0_deg"])
-        assert close(shown["asked.flexible_flight.needed_deg"], shown["asked.autopilot.needed_deg"])
+        assert close(shown[autopilot], over * shown["flown.0.0_deg"])
+        assert close(shown["asked.flexible_flight.needed_deg"], shown[autopilot])
     turns = over * shown["wind.deflection_deg"]
     assert close(shown["asked.autopilot_deg"], turns)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 import tvclin as tv
@@ -98,6 +99,78 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     (said,) = (one for one in questions(wide) if one.name == "autopilot")
     assert said.measure.needed == pytest.approx(needs, rel=1e-12)
     assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said.text
+
+
+def test_an_autopilot_that_its_rate_limit_loses_is_not_enough() -> None:
+    """With every limit that is tried, and its peak without stop and rate limit below the limit."""
+    design = tv.AutopilotDesign(design="half-relief")
+    slow = tv.Nozzle(limit=np.radians(0.42), rate_limit=np.radians(0.2))
+    found = found_for(None, nozzle=slow, design=design)
+    loop, limit = found.comparison, slow.limit
+    assert loop.peak_deflection < limit
+    assert loop.peak_deflection_rate > slow.rate_limit
+    (said,) = (one for one in questions(found) if one.name == "autopilot")
+    assert said.yes is False
+    assert np.isinf(said.measure.needed)
+    rate = np.degrees(loop.peak_deflection_rate)
+    assert said.text.endswith(f"at {rate:.3f} deg/s")
+    assert found.autopilot_survives == 0.0
+    law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
+    nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "rate_limit": slow.rate_limit}
+    flown = tv.fly_many(loop.plant, law, found.study.wind, deflection_limit=limit, **nozzle)
+    assert str(flown.status) == "lost"
+    wide = found_for(None, nozzle=replace(slow, limit=np.radians(20.0)), design=design)
+    assert answers(wide)["autopilot"] is False  # nor is a limit beyond those tried at first
+
+
+def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> float:
+    """Return the attitude [rad] long after a wind, flown in the dynamic pressure that is met."""
+    vehicle, wind, loop = found.plan.vehicle, found.study.wind * size, found.comparison
+    path, sign = float(vehicle.attitude), np.sign(float(wind.peak))
+
+    def plant(ratio: float) -> tv.Plant:
+        more = {
+            "normal_force_slope": vehicle.normal_force_slope * ratio,
+            "axial_force": vehicle.axial_force * ratio,
+        }
+        return tv.Plant.from_vehicle(vehicle.replace(**more), found.plan.model)
+
+    ends = [[np.asarray(one) for one in plant(ratio).matrices()[:2]] for ratio in (1.0, 2.0)]
+
+    def rates(t: float, x: np.ndarray) -> np.ndarray:
+        angle = float(wind(t)) if t < float(wind.end) else 0.0
+        against = np.sin(-sign * angle) / np.sin(path - sign * angle)
+        ratio = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
+        A, inputs = (one + (ratio - 1.0) * (two - one) for one, two in zip(*ends, strict=True))
+        asked = loop.autopilot.attitude_gain * x[0] + loop.autopilot.rate_gain * x[1]
+        return A @ x + inputs @ np.array([np.clip(asked, -limit, limit), angle])
+
+    span = (0.0, float(wind.end) + 25.0)
+    gone = solve_ivp(rates, span, np.zeros(3), rtol=1e-8, atol=1e-10, max_step=0.02)
+    return abs(float(gone.y[0, -1]))
+
+
+def test_an_autopilot_is_judged_in_the_air_that_a_head_wind_meets() -> None:
+    """What is enough in calm air alone is lost there; what is said to be enough survives."""
+    design = tv.AutopilotDesign(design="poles", natural_frequency=1.1, damping=0.7)
+    found = found_for(0.5, sign=None, design=design, criteria=LOOSE)
+    calm, head = (abs(float(one.deflection)) for one in (found.stop, found.head.stop))
+    assert 1.15 * calm < head < 1.35 * calm
+    assert flown_in_a_head_wind(found, 1.05 * calm) > 1.0
+    assert flown_in_a_head_wind(found, head) < 1e-2
+    for limit, yes in ((0.98 * calm, False), (1.02 * calm, None), (0.98 * head, None)):
+        asked = found_for(np.degrees(limit), sign=None, design=design, criteria=LOOSE)
+        assert answers(asked)["autopilot"] is yes
+        assert sufficient(asked) is not True
+        assert 0.7 < asked.autopilot_survives < 1.0
+    enough = found_for(np.degrees(1.1 * head), sign=None, design=design, criteria=LOOSE)
+    assert answers(enough)["autopilot"] is True
+    size = enough.autopilot_survives
+    assert 1.02 < size < 1.1
+    assert flown_in_a_head_wind(enough, 1.1 * head, size) < 1e-2
+    tail = found_for(np.degrees(1.02 * calm), sign="tail", design=design, criteria=LOOSE)
+    assert tail.head is None
+    assert answers(tail)["autopilot"] is True
 
 
 @pytest.mark.thorough

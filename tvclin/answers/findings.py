@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from tvclin.answers.sizing.air_met import in_air
+from tvclin.answers.sizing.wind_sign import largest_ratio, survived_size
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.base.warned import COMPILED, warned
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -55,6 +59,19 @@ MOST_CASES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
+class HeadWind:
+    """The same answers in the dynamic pressure at the peak of a head wind, held throughout.
+
+    It is `ratio` times that of calm air; `stop` and `rates` are as of `Findings`, None where there
+    is no answer.
+    """
+
+    ratio: float
+    stop: ClosedLoopBoundary | None
+    rates: RateFront | None
+
+
+@dataclass(frozen=True, eq=False)
 class Findings:
     """A plan and all that was found for it; None, or empty, where that is not asked for.
 
@@ -64,7 +81,8 @@ class Findings:
     margins there. `flight` is the whole flight, and the worst of all that its nozzle has to do;
     `card` what a law asks of the nozzle there. `availability` says on how many days of an archive
     it flies, `rates` what limit and rate limit leave in the wind, `loads` the limit over what the
-    structure bears. Of what has no answer `reasons` has the reason, by the name of its field;
+    structure bears. `head` has `stop` and `rates` in a head wind, where that counts in what the
+    wind needs. Of what has no answer `reasons` has the reason, by the name of its field;
     `warnings` is what was said on the way.
     """
 
@@ -81,6 +99,7 @@ class Findings:
     availability: Availability | None
     rates: RateFront | None
     loads: LoadFront | None
+    head: HeadWind | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -95,6 +114,32 @@ class Findings:
         if self.flexible is not None:
             return self.flexible.bands
         return None if self.comparison is None else self.comparison.margins
+
+    @property
+    def autopilot_survives(self) -> float:
+        """How many times the wind the autopilot survives, flown with the limit as its stop.
+
+        In calm air a flight scales with its wind; a larger head wind meets more dynamic pressure
+        as well. NaN where it is not flown.
+        """
+        limit, stop, s = self.study.limit, self.stop, self.study
+        if stop is None or limit is None:
+            return np.nan
+        part, head = limit / s.of_both, None if self.head is None else self.head.stop
+        if head is None or not np.isfinite(head.deflection):
+            least = abs((head or stop).deflection)
+            return part / least if least else np.inf
+        loop = self.flexible or self.comparison
+        assert loop is not None
+
+        def need(size: float) -> float:
+            with suppress(InputError):
+                met = _met(self.plan, s, size)[1]
+                flown = _flown_stop(met, s, met.plant, loop.autopilot)
+                return size * abs(float(flown.deflection))
+            return np.inf
+
+        return survived_size(part, need)
 
     @property
     def seal(self) -> str:
@@ -167,6 +212,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             availability=part("availability", lambda asked, told: asked.availability(plan, told)),
             rates=part("rates", lambda limit, _: _rates(plan, study, limit)),
             loads=part("loads", lambda asked, _: asked.front(plan, 1.0 / study.of_both)),
+            head=part("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
             warnings=tuple(one for one in said if not one.startswith(COMPILED)),
         )
@@ -187,6 +233,7 @@ def _asked(plan: StudyPlan) -> dict[str, Any]:
         "availability": plan.availability,
         "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
+        "head": plan.nozzle.limit if loop or plan.nozzle.rate_limit else None,
     }
     return {name: one for name, one in wanted.items() if one is not None}
 
@@ -244,13 +291,43 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
-    from tvclin.answers.flexible import FlexibleAnswer, stop_boundary
-    from tvclin.control.laws.attitude import SaturatedLaw
+    from tvclin.answers.flexible import FlexibleAnswer
 
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
-    law, part = SaturatedLaw.of(loop.autopilot), (plan.nozzle.limit or 0.0) / study.of_both
-    return stop_boundary(loop.plant, law, study.history, part, plan.hardware)
+    return _flown_stop(plan, study, loop.plant, loop.autopilot)
+
+
+def _flown_stop(
+    plan: StudyPlan, study: Study, plant: AnyPlant, autopilot: Autopilot
+) -> ClosedLoopBoundary:
+    from tvclin.answers.flexible import stop_boundary
+    from tvclin.control.laws.attitude import SaturatedLaw
+
+    law, part = SaturatedLaw.of(autopilot), (plan.nozzle.limit or 0.0) / study.of_both
+    return stop_boundary(plant, law, study.history, part, plan.hardware)
+
+
+def _in_a_head_wind(
+    plan: StudyPlan, study: Study, loop: Flying | None, limit: float
+) -> HeadWind | None:
+    """What is asked of a limit, in the air of a head wind where that counts."""
+    if study.counts[1] <= 1.0:
+        return None
+    ratio, met = _met(plan, study, 1.0)
+    stop, rates = None, None
+    with suppress(InputError):
+        stop = _flown_stop(met, study, met.plant, loop.autopilot) if loop else None
+    with suppress(InputError):
+        rates = _rates(met, study, limit) if plan.nozzle.rate_limit else None
+    return HeadWind(ratio, stop, rates)
+
+
+def _met(plan: StudyPlan, study: Study, size: float) -> tuple[float, StudyPlan]:
+    """The dynamic pressure at the peak of so many times a head wind, and a plan in that air."""
+    ratio = largest_ratio(plan, study.history * size, study.dead_band)
+    vehicle = in_air(whole_vehicle(plan.vehicle, "a head wind"), ratio)
+    return ratio, replace(plan, vehicle=vehicle)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:

@@ -14,8 +14,7 @@ from tvclin.base.lines import Line, degrees, listed, significant, text
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.record import DIGITS, factor_to
 
-_CALM = ("autopilot", "nozzle rate", "load", "flexible flight")
-"""Questions that are answered in the dynamic pressure of calm air alone."""
+_HEAD = ", with the dynamic pressure at the peak of a head wind throughout"
 
 
 @dataclass(frozen=True)
@@ -111,10 +110,12 @@ def all_yes(found: Findings) -> bool:
 
 def calm_air_notes(found: Findings) -> Iterator[str]:
     """Say which answers leave out the head wind that counts in what the wind needs."""
-    calm = [one.name for one in questions(found) if one.name in _CALM and one.yes]
+    flown = found.head is not None and found.head.stop is not None
+    left = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    calm = [one.name for one in questions(found) if one.yes and one.name in left]
     if calm and found.study.counts[1] > 1.0:
-        for met in in_calm_air(found.plan):
-            yield f"{listed(calm)}: {met}"
+        for words in in_calm_air(found.plan):
+            yield f"{listed(calm)}: {words}"
 
 
 def _asked(found: Findings) -> Iterator[Question]:
@@ -160,9 +161,14 @@ def _rate(found: Findings) -> Question:
     line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.needed_rate):
         line = ("with this limit no rate is enough",)
+    yes = front.enough
+    if found.head is not None and found.head.rates is not None:
+        calm = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
+        line, front = (*line, _HEAD, ", in that of calm air ", *calm), found.head.rates
+        yes = _also(yes, front.enough)
     need = front.needed * found.study.of_both
     measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
-    return Question(name, front.enough, line, need, "at this rate any control needs", measure)
+    return Question(name, yes, line, need, "at this rate any control needs", measure)
 
 
 def _load(found: Findings) -> Question:
@@ -257,14 +263,25 @@ def _autopilot(found: Findings, limit: float) -> Question:
     if rate > most:
         free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
     if found.stop is None:  # it cannot be flown: enough is what the linear loop never exceeds
-        yes = True if covers(limit, peak) and rate <= most else None
-        return Question(name, yes, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
+        known = True if covers(limit, peak) and rate <= most else None
+        return Question(name, known, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
     least = abs(float(found.stop.deflection)) * found.study.of_both
     if np.isinf(least):
         line: Line = ("flown with a stop it survives at no limit that was tried; ", *free)
         return Question(name, False, line, least, whose)
+    yes: bool | None = bool(covers(limit, least))
     line = ("flown with its stop; ", *free)
-    return Question(name, bool(covers(limit, least)), line, least, whose)
+    if found.head is not None and found.head.stop is not None:
+        calm, least = least, abs(float(found.head.stop.deflection)) * found.study.of_both
+        yes = _also(yes, bool(covers(limit, least)))
+        needs = degrees("asked.calm", calm, unit="deg")
+        line = ("flown with its stop", _HEAD, ", in that of calm air ", *needs, "; ", *free)
+    return Question(name, yes, line, least, whose)
+
+
+def _also(calm: bool | None, head: bool | None) -> bool | None:
+    """Return an answer that is known of calm air, and of more than a head wind meets."""
+    return True if calm and head else None if calm else calm
 
 
 def without_stop(found: Findings) -> float:

@@ -16,6 +16,9 @@ from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
 from tvclin.show.report.figures import figure_of
 
+_CALM = ", in the dynamic pressure of calm air"
+"""Of a section, where the verdict is on that which a head wind meets as well."""
+
 
 def laws(found: Findings) -> Section | None:
     """Return what each law needs in each wind, beside trim and the minimum."""
@@ -111,7 +114,7 @@ def _flown(found: Findings) -> list[Block]:
         " times the least with which this autopilot survives.",
     )
     return [
-        flown_table(f, "Margins that the limit leaves in this wind"),
+        flown_table(f, "Margins that the limit leaves in this wind" + _CALM * bool(found.head)),
         Paragraph(words),
         *checks(f.notes),
     ]
@@ -150,6 +153,7 @@ def _in_the_wind(found: Findings, c: TrimComparison) -> list[Block]:
     title = "The autopilot in this wind, without a stop"
     title += "" if found.flexible is None else ", flexible vehicle"
     title += f", {found.study.plane} plane alone" if found.study.in_both else ""
+    title += _CALM if found.head is not None else ""
     stop = None if found.stop is None else abs(float(found.stop.deflection))
     tables = [c.deflections(title, stop), quantities("Largest motions", c.motions())]
     return [*tables, *_of_both(found, stop)]

@@ -155,13 +155,11 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     if asked(found) is None:  # else it is one of its rows
         need = least(degrees("facts.required", s.required_deflection, unit="deg"))
         rows.append(("this wind needs", need))
-    stop = 0.0 if found.stop is None else abs(float(found.stop.deflection)) * s.of_both
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.limit is not None and s.survivable_peak is not None:
         survived = abs(s.survivable_peak)
-        if stop:  # a flight scales with its wind
-            survived = min(survived, abs(s.judged_peak) * s.limit / stop)
+        survived = np.fmin(survived, abs(s.judged_peak) * found.autopilot_survives)
         rows.append((SURVIVES, degrees("facts.survivable_peak", survived, unit="deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
