@@ -288,3 +288,15 @@ def test_a_limit_that_is_enough_and_turns_the_vehicle_over_is_explained():
     assert words in enough
     assert "exceeds 90 deg" in short
     assert words not in short
+
+
+def test_a_verdict_in_calm_air_says_what_a_head_wind_meets(tmp_path) -> None:
+    """For the usual wind at 44.83 deg of attitude; none of a weak wind, in yaw or of one sign."""
+    wind = np.sin(np.radians(5.0)) / np.sin(np.radians(39.83))
+    path = np.radians(44.83)
+    ratio = (np.cos(path) + wind) ** 2 + np.sin(path) ** 2
+    for words in (["respond"], ["autopilot"], ["nozzle"]):
+        said = CliRunner().invoke(app, [*words, "configuration-i", "--limit-deg", "0.45"])
+        assert f"a head wind of this size meets up to {ratio:.3g} times as much" in said.stderr
+    for more in (["--peak-deg", "1.4"], ["--plane", "yaw"]):
+        assert CliRunner().invoke(app, ["respond", "configuration-i", *more]).stderr == ""

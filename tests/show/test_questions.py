@@ -145,8 +145,8 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
         asked = loop.autopilot.attitude_gain * x[0] + loop.autopilot.rate_gain * x[1]
         return A @ x + inputs @ np.array([np.clip(asked, -limit, limit), angle])
 
-    span = (0.0, float(wind.end) + 25.0)
-    gone = solve_ivp(rates, span, np.zeros(3), rtol=1e-8, atol=1e-10, max_step=0.02)
+    span = (0.0, float(wind.end) + 20.0)
+    gone = solve_ivp(rates, span, np.zeros(3), rtol=1e-6, atol=1e-8, max_step=0.1)
     return abs(float(gone.y[0, -1]))
 
 
@@ -158,11 +158,10 @@ def test_an_autopilot_is_judged_in_the_air_that_a_head_wind_meets() -> None:
     assert 1.15 * calm < head < 1.35 * calm
     assert flown_in_a_head_wind(found, 1.05 * calm) > 1.0
     assert flown_in_a_head_wind(found, head) < 1e-2
-    for limit, yes in ((0.98 * calm, False), (1.02 * calm, None), (0.98 * head, None)):
-        asked = found_for(np.degrees(limit), sign=None, design=design, criteria=LOOSE)
-        assert answers(asked)["autopilot"] is yes
-        assert sufficient(asked) is not True
-        assert 0.7 < asked.autopilot_survives < 1.0
+    asked = found_for(np.degrees(0.98 * head), sign=None, design=design, criteria=LOOSE)
+    assert answers(asked)["autopilot"] is None
+    assert sufficient(asked) is None
+    assert 0.9 < asked.autopilot_survives < 1.0
     enough = found_for(np.degrees(1.1 * head), sign=None, design=design, criteria=LOOSE)
     assert answers(enough)["autopilot"] is True
     size = enough.autopilot_survives

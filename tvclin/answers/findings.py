@@ -325,7 +325,7 @@ def _in_a_head_wind(
 
 def _met(plan: StudyPlan, study: Study, size: float) -> tuple[float, StudyPlan]:
     """The dynamic pressure at the peak of so many times a head wind, and a plan in that air."""
-    ratio = largest_ratio(plan, study.history * size, study.dead_band)
+    ratio = largest_ratio(plan, study.history, study.dead_band, size)
     vehicle = in_air(whole_vehicle(plan.vehicle, "a head wind"), ratio)
     return ratio, replace(plan, vehicle=vehicle)
 

@@ -97,8 +97,6 @@ _OF_THE_RIGID: dict[str, str] = {
     "fly --engine planar": _HERE,
 }
 """What of an answer is of the rigid vehicle, as the residue condition is."""
-_CALM_AIR = ("respond", "autopilot", "nozzle", "loads")
-"""Questions with a verdict that leave out the dynamic pressure that is met."""
 QUESTIONS = tuple(_REFUSED)
 
 
@@ -155,11 +153,6 @@ def told(case: Case, *questions: str) -> Iterator[str]:
     left = {
         part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
     }
-    if case.sign is None and any(one in _CALM_AIR for one in questions):
-        from tvclin.answers.study_notes import in_calm_air  # late: with all of a study
-
-        for met in in_calm_air(case):
-            yield f"the answer is {met} (tvclin study counts it)"
     named = _given(case, left)
     for who, some in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
         if some:

@@ -15,7 +15,7 @@ from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import case_of
+from tvclin.cli.inputs import case_of, note_calm_air
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
@@ -65,6 +65,7 @@ def autopilot(
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)
+    note_calm_air(case)
     answer(shown.as_json, found.document, lambda: found.print(blows.title(case, "")), found.met)
 
 

@@ -83,6 +83,14 @@ def note_left_out(case: Case, *questions: str) -> None:
         say(f"Note: {sentence}.", err=True)
 
 
+def note_calm_air(case: Case) -> None:
+    """Say on stderr of a verdict that it leaves out what a head wind meets, once it is found."""
+    from tvclin.answers.study_notes import in_calm_air  # late: with all of a study
+
+    for words in in_calm_air(case) if case.sign is None else ():
+        say(f"Note: the answer is {words} (tvclin study counts it).", err=True)
+
+
 def note_source(source: str, question: str) -> None:
     """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
     if source.lower().endswith(".csv"):

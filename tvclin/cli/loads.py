@@ -10,7 +10,7 @@ from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_left_out
+from tvclin.cli.inputs import case_of, note_calm_air, note_left_out
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -65,6 +65,7 @@ def loads(
         lambda: plots.load_curves(front, flown),
         lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
     )
+    note_calm_air(case)
     answer(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown},

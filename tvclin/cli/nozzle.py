@@ -9,7 +9,7 @@ from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_left_out
+from tvclin.cli.inputs import case_of, note_calm_air, note_left_out
 from tvclin.cli.options import (
     GROUP,
     MOTION,
@@ -78,6 +78,7 @@ def nozzle(
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
     lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
+    note_calm_air(case)
     answer(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown} | more,

@@ -9,7 +9,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import within
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import case_of, chosen
+from tvclin.cli.inputs import case_of, chosen, note_calm_air
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -67,6 +67,7 @@ def respond(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
         lambda curves: plots.response_chart(curves, _title(case)),
     )
+    note_calm_air(asked)
     answer(files.as_json, lambda: _document(case, found, shown), lambda: _print(case, found, shown))
 
 

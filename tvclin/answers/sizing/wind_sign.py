@@ -182,16 +182,17 @@ def sign_factors(
     return {} if 0.0 in found.values() else found
 
 
-def largest_ratio(case: Case, wind: History, dead_band: float) -> float:
+def largest_ratio(case: Case, wind: History, dead_band: float, size: float = 1.0) -> float:
     """Return the dynamic pressure at the peak of a head wind, over that in calm air.
 
-    `wind` is as of `sign_factors`; one for a wind across the path, and `InputError` as that.
+    `wind` and `size` are as of `sign_factors`; one for a wind across the path, and `InputError` as
+    that.
     """
     along = _met(case, wind, dead_band)[0]
     if along is None:
         return 1.0
     vehicle = whole_vehicle(case.vehicle, "the sign of a wind").rigid
-    return float(pressure_ratio(vehicle, np.asarray(-abs(along.peak))))
+    return float(pressure_ratio(vehicle, np.asarray(-size * abs(along.peak))))
 
 
 def _met(
