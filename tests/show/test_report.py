@@ -806,16 +806,31 @@ def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
 @pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives() -> None:
-    case = {
-        "vehicle": tv.load_vehicle("configuration-i"),
-        "nozzle": tv.Nozzle(limit=np.radians(0.2)),
-        "design": tv.AutopilotDesign(design="canonical"),
-    }
-    survived = Page(tv.report_html(tv.answers.StudyPlan(**case))).numbers[
-        "facts.survivable_peak_deg"
-    ][0]
-    stop = find(tv.answers.StudyPlan(**case)).stop
-    assert survived == pytest.approx(5.0 * 0.2 / abs(np.degrees(stop.deflection)), rel=1e-12)
+    """In calm air it scales with its wind; in a head wind the dynamic pressure grows with it."""
+    vehicle, limit = tv.load_vehicle("configuration-i"), np.radians(0.2)
+    nozzle, design = tv.Nozzle(limit=limit), tv.AutopilotDesign(design="canonical")
+    calm = tv.answers.StudyPlan(vehicle=vehicle, nozzle=nozzle, design=design, sign="frozen")
+    told = {}
+    for plan in (calm, replace(calm, sign=None)):
+        (peak, *_) = Page(tv.report_html(plan)).numbers["facts.survivable_peak_deg"]
+        told[plan.sign] = float(peak)
+    found = find(calm)
+    expected = 5.0 * limit / abs(found.stop.deflection)
+    assert told["frozen"] == pytest.approx(expected, rel=1e-12)
+
+    angle, path = -np.radians(told[None]), float(vehicle.attitude)
+    against = np.sin(angle) / np.sin(path + angle)
+    more = (np.cos(path) - against) ** 2 + np.sin(path) ** 2
+    denser = vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * more,
+        axial_force=vehicle.axial_force * more,
+    )
+    wind = tv.TriangularWind(peak=-angle, duration=calm.wind.duration)
+    law = tv.SaturatedLaw(replace(found.comparison.autopilot, actuator=None, delay=0.0))
+    plant = tv.Plant.from_vehicle(denser, calm.model)
+    least = tv.closed_loop_boundary(plant, law, wind, **calm.hardware).deflection
+    assert abs(least) == pytest.approx(limit, rel=1e-4)
+    assert told[None] < 0.95 * told["frozen"]
 
 
 def test_a_notebook_shows_a_short_table() -> None:
