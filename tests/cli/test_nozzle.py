@@ -169,6 +169,8 @@ def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit
         np.degrees(front(one, limit=limit, rate_limit=rate).needed_rate)
         for one in (vehicle, denser)
     )
+    if limit == 0.3:  # as in docs/limits.md
+        assert (round(calm, 3), round(needed, 3)) == (0.173, 0.314)
     assert f"in that of calm air {calm:.3f} deg/s" in asked["why"]
     assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
     assert asked["yes"] is yes

@@ -62,11 +62,9 @@ MOST_CASES = 20_000
 class HeadWind:
     """The same answers in the dynamic pressure at the peak of a head wind, held throughout.
 
-    It is `ratio` times that of calm air; `stop` and `rates` are as of `Findings`, None where there
-    is no answer.
+    `stop` and `rates` are as of `Findings`, None where there is no answer.
     """
 
-    ratio: float
     stop: ClosedLoopBoundary | None
     rates: RateFront | None
 
@@ -134,7 +132,7 @@ class Findings:
 
         def need(size: float) -> float:
             with suppress(InputError):
-                met = _met(self.plan, s, size)[1]
+                met = _met(self.plan, s, size)
                 flown = _flown_stop(met, s, met.plant, loop.autopilot)
                 return size * abs(float(flown.deflection))
             return np.inf
@@ -314,20 +312,19 @@ def _in_a_head_wind(
     """What is asked of a limit, in the air of a head wind where that counts."""
     if study.counts[1] <= 1.0:
         return None
-    ratio, met = _met(plan, study, 1.0)
+    met = _met(plan, study)
     stop, rates = None, None
     with suppress(InputError):
         stop = _flown_stop(met, study, met.plant, loop.autopilot) if loop else None
     with suppress(InputError):
         rates = _rates(met, study, limit) if plan.nozzle.rate_limit else None
-    return HeadWind(ratio, stop, rates)
+    return HeadWind(stop, rates)
 
 
-def _met(plan: StudyPlan, study: Study, size: float) -> tuple[float, StudyPlan]:
-    """The dynamic pressure at the peak of so many times a head wind, and a plan in that air."""
+def _met(plan: StudyPlan, study: Study, size: float = 1.0) -> StudyPlan:
+    """A plan in the dynamic pressure at the peak of so many times its head wind."""
     ratio = largest_ratio(plan, study.history, study.dead_band, size)
-    vehicle = in_air(whole_vehicle(plan.vehicle, "a head wind"), ratio)
-    return ratio, replace(plan, vehicle=vehicle)
+    return replace(plan, vehicle=in_air(whole_vehicle(plan.vehicle, "a head wind"), ratio))
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
