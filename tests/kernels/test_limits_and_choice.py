@@ -1,5 +1,6 @@
 """The closed forms to fifty digits, and kernels with a compiler, a cache or threads or without."""
 
+import os
 import subprocess
 import sys
 import warnings
@@ -119,6 +120,42 @@ def test_without_a_compiler_plain_python_runs(monkeypatch):
         assert choice.swiftest(small_roots, 1.0) is small_roots
     with pytest.warns(UserWarning, match=r"takes about 80 s without numba.*pip install.*fast"):
         assert choice.swiftest(small_roots, 80.0) is small_roots
+
+
+@pytest.mark.parametrize(("value", "disabled"), [("1", True), ("0", False), ("", False)])
+def test_numba_told_to_compile_nothing_is_as_if_it_were_not_installed(monkeypatch, value, disabled):
+    """Numba hands functions back then, to which arrays of records are no objects."""
+    pytest.importorskip("numba")
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", value)
+    assert choice.available() is not disabled
+    if disabled:
+        with choice.pinned(True):
+            assert choice.swiftest(small_roots, 1e9) is small_roots
+        with pytest.warns(UserWarning, match=r"without numba.*as with it: unset NUMBA_DISABLE_JIT"):
+            assert choice.swiftest(small_roots, 80.0) is small_roots
+
+
+def test_a_law_flies_where_numba_compiles_nothing():
+    """A flight in the least wind that kills it and one that does not, judged by (4b)."""
+    code = (
+        "import numpy as np, tvclin as tv\n"
+        "from tvclin.kernels.choice import pinned\n"
+        "plant = tv.Plant.from_vehicle(tv.load_vehicle('configuration-i'), 'fixed-path')\n"
+        "wind = tv.TriangularWind(peak=0.09, duration=7.5)\n"
+        "limit = tv.boundary_limit(plant, wind).deflection * np.array([-0.97, -1.03])\n"
+        "law = tv.TrimLaw(plant)\n"
+        "with pinned(True):\n"
+        "    flown = tv.fly_many(plant, law, wind, deflection_limit=limit, sample_rate=100)\n"
+        "print(*flown.status)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
+    assert done.stdout.split() == ["lost", "survived"]
 
 
 def test_what_runs_does_not_depend_on_what_was_called_before(monkeypatch):

@@ -27,6 +27,9 @@ _LOADING, _COMPILING, _LONG = 0.02, 2.0, 10.0
 """Seconds of plain Python in one call for which machine code is loaded, and compiled where it is
 not kept; and of which somebody without numba is told."""
 
+DISABLING = "NUMBA_DISABLE_JIT"
+"""Environment variable that tells numba to compile nothing."""
+
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 _waits: ContextVar[bool] = ContextVar("_waits", default=True)
 """Whether somebody waits until a kernel is compiled."""
@@ -44,7 +47,7 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
     if not available() and seconds > _LONG and wanted is None:
         warn(
             f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"
-            f" it: {install('fast')}",
+            f" it: {remedy()}",
             stacklevel=2,
         )
     if wanted is None:
@@ -111,10 +114,27 @@ def _writable(folder: Path) -> bool:
     return there.is_dir() and os.access(there, os.W_OK)
 
 
-@cache
 def available() -> bool:
-    """Whether there is a compiler."""
+    """Whether numba is installed, and may compile."""
+    return _installed() and not compiling_disabled()
+
+
+@cache
+def _installed() -> bool:
     return find_spec("numba") is not None
+
+
+def compiling_disabled() -> bool:
+    """Whether ``NUMBA_DISABLE_JIT`` is set, with which numba returns functions as they are."""
+    try:
+        return bool(int(os.environ.get(DISABLING, "0")))
+    except ValueError:  # which numba ignores
+        return False
+
+
+def remedy() -> str:
+    """Return what makes numba available: a variable to unset, or the command that installs it."""
+    return f"unset {DISABLING}" if compiling_disabled() else install("fast")
 
 
 def pinned(compiled: bool) -> AbstractContextManager[None]:

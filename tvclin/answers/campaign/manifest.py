@@ -21,7 +21,7 @@ from tvclin.base.errors import InputError, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.rules import AutopilotDesign
-from tvclin.kernels.choice import available
+from tvclin.kernels.choice import available, remedy
 from tvclin.numerics.pieces import Pieces
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
@@ -110,8 +110,9 @@ def check_versions(manifest: Manifest) -> None:
     """Raise `InputError` unless this process computes with what the manifest names."""
     if manifest.compiled and not available():
         begun_with = manifest.versions["numba"]
-        raise missing(
-            f"the campaign uses compiled kernels (numba {begun_with}) and needs numba", "fast"
+        raise InputError(
+            f"the campaign uses compiled kernels (numba {begun_with}), and numba is not available"
+            f" here: {remedy()}"
         )
     here = _versions(manifest.compiled)
     for name, wanted in manifest.versions.items():
