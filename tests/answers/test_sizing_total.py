@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.small_launcher import rows, sounding, write
 from tvclin import InputError
 from tvclin.answers.sizing.total_record import DeflectionTotal, Line
 from tvclin.base.lines import text
@@ -154,3 +155,34 @@ def test_the_controllability_ratio_is_that_of_its_parts():
     )
     assert "above the limit of 1" in found.words
     assert asked.ratio(tv.Case(vehicle=booster), asked.sizing(case)) is None
+
+
+@pytest.mark.parametrize("window", [None, 20.0])
+def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehicle_of_its_time(
+    tmp_path, window
+):
+    """B(t) and alpha_w(t) of (B1e) from the rows of the schedule alone, every hundredth second."""
+    flight = tv.load_schedule(write(tmp_path / "pad.csv"))
+    asked = tv.answers.SizingAsked(
+        schedule=flight,
+        pulse=False,
+        soundings={"jet": tv.answers.SoundingAsked(sounding(), np.radians(90.0))},
+        window=window,
+        varying=False,
+        every=10.0,
+    )
+    limit = np.radians(5.0)
+    case = tv.Case(vehicle=flight.at(60.0), nozzle=tv.Nozzle(limit=limit))
+    found = asked.ratio(case, asked.sizing(case))
+
+    given = rows()
+    t = np.arange(10.0, 121.0, 0.01)
+    _, slope, thrust, arm, lever, _, speed, path, height = (
+        np.interp(t, given[:, 0], column) for column in given.T[[2, *range(3, 11)]]
+    )
+    wind = np.interp(height, sounding().height, sounding().in_plane(np.radians(90.0)))
+    trim = slope * arm / (thrust * lever) * np.arcsin(wind * np.sin(np.radians(path)) / speed)
+    most = int(np.argmax(np.abs(trim)))
+    assert found.ratio == pytest.approx(limit / abs(trim[most]), rel=2e-3)
+    assert found.takes.time == pytest.approx(t[most], abs=0.3)
+    assert "where the winds are known" in found.words

@@ -16,6 +16,7 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import TriangularWind
 
 PLACINGS = ("peak", "flight")
+PEAK = PLACINGS[0]
 
 WindOf = History | PlaneWind | MeasuredPlanes | Callable[[Vehicle], History | PlaneWind]
 """A wind, or what gives the wind that a vehicle meets: of a wind speed, an angle."""
@@ -72,7 +73,7 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
     for name, value in placing.items():
         one_of("placing's winds", name, winds)
         one_of(f"placing of {name}", value, PLACINGS)
-    return {name: placing.get(name, PLACINGS[0]) for name in winds}
+    return {name: placing.get(name, PEAK) for name in winds}
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
@@ -91,7 +92,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         two_sided = values.min() < 0.0 < values.max()
         met = None if wind.pressure is None else (wind.wind.time, wind.pressure)
         return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None, pressure=met)
-    history = _given(wind, vehicle)
+    history = given(wind, vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError(
             "each wind must be one history, such as TriangularWind, or give one; a PlaneWind needs"
@@ -100,7 +101,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
             else "each wind must be one history, such as TriangularWind, or give one"
         )
     _ends(history)
-    if placing == "peak":
+    if placing == PEAK:
         return PlacedWind(history, time - _middle_of_the_top(history, history.probe_times()))
     half = 0.5 * number("window", window, positive, "s")
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
@@ -142,7 +143,7 @@ def _in_both(
             else place(one, vehicle, time, placing, window)
             for plane, one in measured.items()
         }
-    vector = _given(wind, vehicle)
+    vector = given(wind, vehicle)
     if not isinstance(vector, PlaneWind) or vector.batch:
         raise InputError(
             "for both planes each wind must have a direction: give one PlaneWind (see"
@@ -150,7 +151,7 @@ def _in_both(
         )
     _ends(vector)
     parts = {plane: getattr(vector, plane) for plane in PLANES}
-    if placing == "peak":
+    if placing == PEAK:
         shown = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
         zero = time - _middle_of_the_top(vector, shown)
         return {plane: PlacedWind(one, zero) for plane, one in parts.items()}
@@ -162,8 +163,8 @@ def _in_both(
     }
 
 
-def _given(wind: Any, vehicle: Vehicle) -> Any:
-    """A wind, or the one that a function of the vehicle gives."""
+def given(wind: Any, vehicle: Vehicle) -> Any:
+    """Return a wind, or the one that a function of the vehicle gives."""
     made = callable(wind) and not isinstance(wind, History | PlaneWind)
     return wind(vehicle) if made else wind
 

@@ -6,7 +6,7 @@ It is kept above 2 where that can be had, and above 1 at the least.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from tvclin.answers.sizing.record import TRIM, Sizing
 from tvclin.answers.sizing.total import total_deflection
 from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, rows_of
 from tvclin.answers.sizing.total_record import Line as Part
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
@@ -51,10 +52,11 @@ class ControllabilityRatio(Shown):
     @property
     def words(self) -> str:
         """Where the ratio stands."""
+        known = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:
-            return f"above the goal of {GOAL:g}"
+            return f"above the goal of {GOAL:g}{known}"
         if self.ratio > LEAST:
-            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}"
+            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}{known}"
         return f"below the limit of {LEAST:g}"
 
     @property
@@ -64,7 +66,9 @@ class ControllabilityRatio(Shown):
         whole = degrees("ratio.takes", self.takes.total)
         rows.append((("trim and all that adds up",), (SUMS,), whole))
         rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
-        at = "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:g} s"
+        at = (
+            "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:.5g} s"
+        )
         return Table(f"Controllability ratio{at}", HEAD, tuple(rows))
 
     @property
@@ -125,18 +129,19 @@ def controllability_ratio(
     """
     instance("sizing", sizing, Sizing, "see size")
     most = number("limit", limit, small_angle("a deflection", positive), "rad")
-    trims = sizing.at_times(TRIM)
     gusts = np.abs(small_angle("a wind angle")("gust", gust, "rad"))
-    if gusts.shape not in ((), trims.shape):
-        raise InputError(f"gust must be one number or {trims.size}, as times; got {gusts.shape}")
-    if np.all(np.isnan(trims)):
+    if gusts.shape not in ((), sizing.times.shape):
+        raise InputError(
+            f"gust must be one number or {sizing.times.size}, as times; got {gusts.shape}"
+        )
+    if np.all(np.isnan(sizing.required[TRIM])):
         raise InputError("trim is not known at any flight time, and the ratio needs it")
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     found = []
-    peaks = np.broadcast_to(gusts, trims.shape).tolist()
-    for time, trim, peak in zip(sizing.times.tolist(), trims.tolist(), peaks, strict=True):
-        if np.isnan(trim):
-            continue
+    peaks = np.broadcast_to(
+        gusts[..., np.newaxis] if gusts.ndim else gusts, sizing.required[TRIM].shape
+    )
+    for time, trim, peak in _trims(sizing, peaks):
         vehicle = sizing.schedule.at(time)
         each = (abs(float(Coefficients.from_vehicle(vehicle, one).B)) for one in planes)
         blown = min(max(each) * peak, trim)
@@ -149,4 +154,20 @@ def controllability_ratio(
             others=(Part("gust", blown, "random"),),
         )
         found.append(ControllabilityRatio(total, most))
-    return min(found, key=lambda one: one.ratio)
+    worst = min(found, key=lambda one: one.ratio)
+    return replace(worst, takes=replace(worst.takes, not_sized=sizing.not_sized(TRIM)))
+
+
+def _trims(sizing: Sizing, gusts: FloatArray) -> Iterator[tuple[float, float, float]]:
+    """Yield flight times [s], the trim [rad] of each wind then, and the gust's peak angle [rad].
+
+    A wind that is fixed in flight time has the largest trim near each flight time, at its own time.
+    """
+    trim = sizing.required[TRIM]
+    time, gust = (np.broadcast_to(x[:, np.newaxis], trim.shape) for x in (sizing.times, gusts))
+    if sizing.concurrent is not None:
+        fixed = np.isfinite(sizing.concurrent.deflection)
+        trim = np.where(fixed, sizing.concurrent.deflection, trim)
+        time = np.where(fixed, sizing.concurrent.time, time)
+    known = np.isfinite(trim)
+    yield from zip(time[known].tolist(), trim[known].tolist(), gust[known].tolist(), strict=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
 from tvclin.vehicle.coefficients import IN_WORDS
+
+if TYPE_CHECKING:
+    from tvclin.answers.sizing.concurrent import ConcurrentTrim
 
 STEADY = 0.1
 """Frozen parameters are doubted where beta or B changes by more than this part of itself."""
@@ -96,6 +99,8 @@ class Sizing(Tabled):
         known there, ``(n, m)``; None where no sign was asked about.
     stop : Stop or None
         For both planes, what the nozzle can do; deflections are in its measure.
+    concurrent : ConcurrentTrim or None
+        Trim of winds that are fixed in flight time, each angle with the vehicle of its own time.
     """
 
     schedule: FlightSchedule
@@ -119,6 +124,7 @@ class Sizing(Tabled):
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
     unsigned: BoolArray | None = None
+    concurrent: ConcurrentTrim | None = None
 
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 

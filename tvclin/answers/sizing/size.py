@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.both import in_both_planes
+from tvclin.answers.sizing.concurrent import concurrent_trim
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.notes import flight_times, notes_of, unknown_rows
@@ -149,7 +150,9 @@ def size(
     found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
     steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
     whys = [[wind[planes[0]].why for wind in row] for row in placed]
-    return replace(found, notes=(*steep, *unknown_rows(found, whys), *notes_of(found)))
+    own = concurrent_trim(schedule, chosen, named, where, planes, shape)
+    notes = (*steep, *unknown_rows(found, whys), *notes_of(found))
+    return replace(found, concurrent=own, notes=notes)
 
 
 @dataclass(frozen=True, eq=False)
