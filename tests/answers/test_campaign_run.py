@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -13,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign import chunks as chunks_room
+from tests.turns import usual
 from tvclin.answers.campaign.cases import evaluate, nominal
 from tvclin.answers.campaign.chunks import chunk_file, flaw, write_chunk
 from tvclin.answers.campaign.engine import damaged
@@ -28,6 +30,7 @@ from tvclin.answers.campaign.manifest import (
 )
 from tvclin.answers.campaign.outputs import REGISTRY, columns
 from tvclin.answers.campaign.plan import checkpoints
+from tvclin.cli.app import app
 from tvclin.kernels.choice import available, pinned
 
 pytest.importorskip("pyarrow")
@@ -221,25 +224,74 @@ tv.run_campaign(plan, {str(folder)!r})
     assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
 
 
-def test_any_flipped_bit_is_found_or_changes_nothing(plan, whole, tmp_path):
-    manifest = new_manifest(plan)
-    good = chunk_file(whole.folder, 1).read_bytes()
-    before = {name: whole.column(name)[128:256] for name in (*whole.outputs, "status")}
-    file = chunk_file(tmp_path, 1)
-    file.parent.mkdir()
-    rng = np.random.default_rng(5)
-    found = 0
-    for at in rng.integers(0, 8 * len(good), 300):
+@pytest.mark.parametrize("each", usual([101, 1], 0))
+def test_any_flipped_bit_of_a_chunk_is_named_or_changes_nothing(plan, tmp_path, each):
+    """Of values, footer and metadata alike, whichever columns are read."""
+    whole = tv.run_campaign(replace(plan, cases=12, chunk=12), tmp_path)
+    file, names = chunk_file(tmp_path, 0), (*SPREAD.parameters, *whole.outputs, "case", "status")
+    good, before = file.read_bytes(), {name: whole.column(name) for name in names}
+    named = 0
+    for at in range(0, 8 * len(good), each):
         bad = bytearray(good)
         bad[at // 8] ^= 1 << (at % 8)
         file.write_bytes(bad)
-        if flaw(tmp_path, manifest, 1) is None:
-            for name, values in before.items():
-                read = chunks_room.read_columns(tmp_path, manifest, 1, [name])[name]
-                np.testing.assert_array_equal(read, values)
-        else:
-            found += 1
-    assert found > 200
+        said, name = flaw(tmp_path, whole.manifest, 0), names[at % len(names)]
+        if said is None:
+            read = whole.column(name)
+            assert read.dtype == before[name].dtype
+            np.testing.assert_array_equal(read, before[name])
+            continue
+        named += 1
+        assert str(file) in said
+        with pytest.raises(tv.InputError, match=re.escape(said)):
+            whole.column(name)
+    assert named > 0.7 * 8 * len(good) / each
+
+
+def swapped(table):
+    """Two columns under each other's names: as good as any to whoever looks at names alone."""
+    names = table.column_names
+    i, j = names.index("thrust"), names.index("required_K1")
+    names[i], names[j] = names[j], names[i]
+    return table.rename_columns(names).replace_schema_metadata(table.schema.metadata)
+
+
+def of_bytes(table):
+    """The status as bytes."""
+    import pyarrow
+
+    at = table.column_names.index("status")
+    return table.set_column(at, "status", table["status"].cast(pyarrow.binary()))
+
+
+def without_hash(table):
+    """The metadata without the hash of the columns."""
+    kept = {k: v for k, v in table.schema.metadata.items() if k != b"tvclin_content"}
+    return table.replace_schema_metadata(kept)
+
+
+def without_a_column(table):
+    """All but one column."""
+    return table.drop_columns(["required_K1"])
+
+
+def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tmp_path):
+    import pyarrow.parquet
+
+    shutil.copytree(whole.folder, folder := tmp_path / "results")
+    damages = (swapped, of_bytes, without_hash, without_a_column)
+    for chunk, damage in enumerate(damages):
+        file = chunk_file(folder, chunk)
+        pyarrow.parquet.write_table(damage(pyarrow.parquet.read_table(file)), file)
+        found = replace(tv.answers.open_campaign(folder), chunks=(chunk,))
+        for ask in (found.quantile, found.statuses, found.drivers, found.worst, found.success):
+            with pytest.raises(tv.InputError, match=rf"{chunk}\.parquet is damaged.*it anew with"):
+                ask()
+    again = CliRunner().invoke(app, ["campaign", "resume", str(folder)])
+    assert again.exit_code == 0, again.output
+    for chunk in range(len(damages)):
+        assert f"{chunk}.parquet is damaged" in again.output
+    same(whole, tv.answers.open_campaign(folder))
 
 
 def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp_path):

@@ -1,11 +1,10 @@
 """Chunks: so many cases computed and written as one Parquet file, whole or not at all.
 
 A file says in its metadata to which campaign it belongs, which chunk it is, and the hash of its
-columns. So a file that was cut short, whose bits have flipped, or that came from elsewhere is
-found: whatever changes in it either changes what is read, and so the hash, or changes nothing.
+columns. It is read as a whole, and the hash is that of the very arrays that are returned: whatever
+changes in a file, its footer included, either changes these, and so the hash, or changes nothing.
 """
 
-from collections.abc import Sequence
 from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
@@ -63,7 +62,7 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
     kept = {
         _SEAL: manifest.seal.encode(),
         _CHUNK: str(chunk).encode(),
-        _CONTENT: _content(table).encode(),
+        _CONTENT: _content(_columns(table)).encode(),
     }
     table = table.replace_schema_metadata(kept)
     if not exists(folder / NAME):
@@ -89,56 +88,62 @@ def sweep(folder: Path) -> None:
 
 def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
     """Return in words what is wrong with the whole file of a chunk; None if nothing is."""
-    file = chunk_file(folder, chunk)
-    if not file.exists():
+    if not chunk_file(folder, chunk).exists():
         return "missing"
     try:
-        table = _read(folder, manifest, chunk, None)
+        read_columns(folder, manifest, chunk)
     except InputError as error:
         return str(error)
-    if _content(table).encode() != table.schema.metadata[_CONTENT]:
-        return f"{file} is damaged: its columns do not have the hash that it says"
     return None
 
 
-def read_columns(
-    folder: Path, manifest: Manifest, chunk: int, names: Sequence[str]
-) -> dict[str, AnyArray]:
-    """Return some columns of a chunk."""
-    table = _read(folder, manifest, chunk, list(names))
-    return {name: np.asarray(table[name].to_numpy()) for name in names}
+def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyArray]:
+    """Return the columns of a chunk by name, ``(n,)`` each.
 
+    They are the very arrays whose hash is that of the file, so that no damage to it, of values,
+    types, names or order, changes a number without a word.
 
-def _read(folder: Path, manifest: Manifest, chunk: int, names: list[str] | None) -> "pyarrow.Table":
+    Raises
+    ------
+    InputError
+        For a file that is missing, damaged, or of another campaign or chunk.
+    """
     file = chunk_file(folder, chunk)
+    resume = f"tvclin campaign resume {folder}"
     try:
-        if exists(file) and not file.is_file():
-            raise OSError  # a folder, or a pipe that would be waited for
-        with _parquet().ParquetFile(file, page_checksum_verification=True) as source:
-            kept = source.schema_arrow.metadata or {}
-            if kept.get(_SEAL) != manifest.seal.encode() or kept.get(_CHUNK) != b"%d" % chunk:
-                raise InputError(f"{file} is not chunk {chunk} of this campaign")
-            table = source.read(names)
+        columns, content, kept = _read(file)
     except FileNotFoundError:
+        raise InputError(f"{file} is missing; go on with: {resume}") from None
+    except Exception:  # pyarrow raises whatever a damaged file leads to
+        raise InputError(f"{file} is damaged; compute it anew with: {resume}") from None
+    if kept.get(_SEAL) != manifest.seal.encode() or kept.get(_CHUNK) != b"%d" % chunk:
+        raise InputError(f"{file} is not chunk {chunk} of this campaign")
+    if kept.get(_CONTENT) != content.encode():
         raise InputError(
-            f"{file} is missing; go on with: tvclin campaign resume {folder}"
-        ) from None
-    except (OSError, ValueError, KeyError, MemoryError, arrow().ArrowException) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{file} is damaged; compute it anew with: tvclin campaign resume {folder}"
-        ) from None
-    if table.num_rows != manifest.campaign.span(chunk)[1]:
-        raise InputError(f"{file} is damaged: it has {table.num_rows} cases")
-    return table
+            f"{file} is damaged: its columns do not have the hash that it says; compute it anew"
+            f" with: {resume}"
+        )
+    return columns
 
 
-def _content(table: "pyarrow.Table") -> str:
-    """The hash of names and values, whatever the encoding."""
+def _read(file: Path) -> tuple[dict[str, AnyArray], str, dict[bytes, bytes]]:
+    """Return the columns of a file as arrays, their hash, and the metadata."""
+    if exists(file) and not file.is_file():
+        raise OSError  # a folder, or a pipe that would be waited for
+    with _parquet().ParquetFile(file, page_checksum_verification=True) as source:
+        table = source.read()
+    columns = _columns(table)
+    return columns, _content(columns), table.schema.metadata or {}
+
+
+def _columns(table: "pyarrow.Table") -> dict[str, AnyArray]:
+    return {name: np.asarray(table[name].to_numpy()) for name in table.column_names}
+
+
+def _content(columns: dict[str, AnyArray]) -> str:
+    """The hash of names, types and values, whatever the encoding."""
     found = sha256()
-    for name in table.column_names:
-        values = table[name].to_numpy()
+    for name, values in columns.items():
         raw = "\0".join(values).encode() if values.dtype == object else values.tobytes()
         found.update(f"{name}:{values.dtype}:{len(raw)}:".encode())
         found.update(raw)

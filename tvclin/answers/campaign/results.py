@@ -1,5 +1,6 @@
 """What a campaign has found: columns read chunk by chunk, and what they prove."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +24,7 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
@@ -120,15 +121,22 @@ class CampaignResults(Tabled):
         InputError
             For an unknown name, and for a chunk that is damaged or of another campaign.
         """
-        one_of("column", name, self._names)
-        parts = [read_columns(self.folder, self.manifest, k, [name])[name] for k in self.chunks]
-        return np.concatenate(parts) if parts else np.zeros(0)
+        return self._read([one_of("column", name, self._names)])[name]
+
+    def _read(self, names: Sequence[str]) -> dict[str, AnyArray]:
+        """Return columns by name, of all finished cases, in one pass over the chunks."""
+        parts: dict[str, list[AnyArray]] = {name: [] for name in names}
+        for k in self.chunks:
+            columns = read_columns(self.folder, self.manifest, k)
+            for name in names:
+                parts[name].append(columns[name])
+        return {k: np.concatenate(some) if some else np.zeros(0) for k, some in parts.items()}
 
     def statuses(self) -> dict[str, int]:
         """Return how many cases have each status, the most frequent first."""
         found: dict[str, int] = {}
         for k in self.chunks:
-            column = read_columns(self.folder, self.manifest, k, ["status"])["status"]
+            column = read_columns(self.folder, self.manifest, k)["status"]
             for said, count in zip(*np.unique(column, return_counts=True), strict=True):
                 found[str(said)] = found.get(str(said), 0) + int(count)
         return dict(sorted(found.items(), key=lambda item: -item[1]))
@@ -231,21 +239,23 @@ class CampaignResults(Tabled):
         """
         if "flight" not in self.campaign.outputs:
             return {}
-        survived = self.column("flight_survived")
-        return loss_drivers(self._inputs(~np.isnan(survived)), survived[~np.isnan(survived)] == 0.0)
+        drawn, survived = self._drawn_and("flight_survived")
+        return loss_drivers(drawn, survived == 0.0)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:
         """Return the rank correlation of what was dispersed with an output, the strongest first.
 
         A flight that is lost counts, as worse than any number.
         """
-        values = self.column(self._output(output))
-        good = ~np.isnan(values)
-        return sensitivities(self._inputs(good), values[good]) if np.any(good) else {}
+        drawn, values = self._drawn_and(self._output(output))
+        return sensitivities(drawn, values) if values.size else {}
 
-    def _inputs(self, which: BoolArray) -> dict[str, FloatArray]:
-        """What was dispersed, of some cases."""
-        return {name: self.column(name)[which] for name in self.campaign.dispersions.parameters}
+    def _drawn_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
+        """What was dispersed, and an output, of the cases in which that is a number."""
+        found = self._read([*self.campaign.dispersions.parameters, output])
+        good = ~np.isnan(found[output])
+        some = {name: values[good] for name, values in found.items()}
+        return some, some.pop(output)
 
     def convergence(self, output: str | None = None) -> tuple[Quantile, ...]:
         """Return the quantile of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all."""
@@ -256,9 +266,10 @@ class CampaignResults(Tabled):
     def worst(self, count: int = 5, output: str | None = None) -> IntArray:
         """Return the numbers of the cases that need the most, the worst first."""
         most = whole_number("count", count)
-        values = self.column(self._output(output))
+        found = self._read(["case", name := self._output(output)])
+        values = found[name]
         order = np.argsort(-np.nan_to_num(values, nan=-np.inf), kind="stable")[:most]
-        return np.asarray(self.column("case")[order[~np.isnan(values[order])]])
+        return np.asarray(found["case"][order[~np.isnan(values[order])]])
 
     def replay(self, case: int) -> Replay:
         """Return one case in full; see `Replay`."""
@@ -266,10 +277,11 @@ class CampaignResults(Tabled):
 
     def _columns(self) -> Columns:
         units, plan = UNITS_OF | columns(self.campaign), self.campaign
-        of = {name: units.get(name, "") for name in self._names if name != "case"}
+        case, *others = self._names
+        found = self._read(self._names)
         return Columns(
-            (Column("case", self.column("case"), ""),),
-            tuple(Column(name, self.column(name), unit) for name, unit in of.items()),
+            (Column(case, found[case], ""),),
+            tuple(Column(name, found[name], units.get(name, "")) for name in others),
             {
                 **picked(plan, "vehicle=vehicle.name model plane seed"),
                 "sha256": self.manifest.seal,
