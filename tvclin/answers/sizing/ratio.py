@@ -138,10 +138,7 @@ def controllability_ratio(
         raise InputError("trim is not known at any flight time, and the ratio needs it")
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     found = []
-    peaks = np.broadcast_to(
-        gusts[..., np.newaxis] if gusts.ndim else gusts, sizing.required[TRIM].shape
-    )
-    for time, trim, peak in _trims(sizing, peaks):
+    for time, trim, peak in _trims(sizing, np.broadcast_to(gusts, sizing.times.shape)):
         vehicle = sizing.schedule.at(time)
         each = (abs(float(Coefficients.from_vehicle(vehicle, one).B)) for one in planes)
         blown = min(max(each) * peak, trim)
