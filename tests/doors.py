@@ -1151,7 +1151,7 @@ def doors(folder: Path) -> dict[str, Door]:
             {"source": "configuration-i", "start": 60.0, "stop": 70.0, "step": 5.0},
         ),
         "load_sizing": Door(tv.answers.load_sizing, {"source": sizing_file, "soundings": None}),
-        "load_study": Door(tv.load_study, {"source": study_file}),
+        "load_study": Door(tv.load_study, {"source": "configuration-i", "time": 60.0}),
         "load_any_vehicle": Door(tv.vehicle.load_any_vehicle, {"source": "configuration-i"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
         "loop_margins": Door(tv.control.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),

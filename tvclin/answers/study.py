@@ -44,7 +44,7 @@ from tvclin.winds.shaped import PULSES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = FileTable(
-    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "sign")
+    "[study]", {"time": "time"}, ("vehicle", "model", "plane", "dead_band", "switch", "sign")
 )
 
 

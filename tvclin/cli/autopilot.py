@@ -18,7 +18,7 @@ from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_calm_air
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
-from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, Given, Rigid, Shown, Source
+from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, At, Given, Rigid, Shown, Source
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -33,6 +33,7 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 
 def autopilot(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     limit: Given = LIMIT,
     gains: Given = GAINS,
@@ -55,7 +56,7 @@ def autopilot(
     Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
     """
     changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid)
+    case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
         wind = case.history

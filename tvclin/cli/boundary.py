@@ -7,8 +7,8 @@ import typer
 
 from tvclin.base.errors import one_of, positive, within
 from tvclin.boundary.limit import OK, boundary_limit
-from tvclin.cli.inputs import case_of, chosen
-from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, Given, Plot, asked
+from tvclin.cli.inputs import case_of, chosen, only_with
+from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, At, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -26,6 +26,7 @@ def boundary(
             help=f"{SOURCE_HELP} Without one the flight path is held fixed.",
         ),
     ] = None,
+    time: At = None,
     wind: str | None = SHAPE,
     tau_beta: list[float] | None = asked(
         "Duration of the wind times beta (with damping, times the pole); may be given"
@@ -41,7 +42,7 @@ def boundary(
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, plant, plane, own = _subject(vehicle, motion)
+    name, plant, plane, own = _subject(vehicle, time, motion)
     wind = chosen(wind, own)
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
     # one unit of peak is enough: the boundary limit does not depend on it
@@ -61,13 +62,14 @@ def boundary(
     say_notes(_notes(axis, x, K, limits.status))
 
 
-def _subject(vehicle: str | None, motion: Given) -> tuple[str, Plant, str, str]:
+def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[str, Plant, str, str]:
     """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
     if vehicle is None:
         motion.only_with("a vehicle")
+        only_with("a vehicle", at=time)
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, motion.over, told=("boundary",))
+    case = case_of(vehicle, motion.over, time=time, told=("boundary",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 

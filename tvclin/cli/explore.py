@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import VEHICLE_HELP, asked, switch
+from tvclin.cli.options import VEHICLE_HELP, At, asked, switch
 from tvclin.cli.output import say
 
 
@@ -19,6 +19,7 @@ def explore(
         ),
     ] = None,
     vehicle: str | None = asked(f"The same as SOURCE: {VEHICLE_HELP}"),
+    time: At = None,
     no_browser: bool = switch("--no-browser", "Start JupyterLab and print its address only."),
 ) -> None:
     """Write explore-SOURCE.ipynb, unless it is there, and open and run it in JupyterLab.
@@ -44,7 +45,7 @@ def explore(
     if source is not None and vehicle is not None:
         raise InputError("give SOURCE or --vehicle, not both")
     source = source or vehicle or "configuration-i"
-    pulse_of(load_study(source))
+    pulse_of(load_study(source, time))
     for needed in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(needed) is None:
             raise missing(f"tvclin explore needs {needed}", "notebook")
@@ -52,7 +53,7 @@ def explore(
     if exists(path):
         say(f"Opening {path} as it is.")
     else:
-        write_text(path, notebook_text(source))
+        write_text(path, notebook_text(source, time))
         say(f"Wrote {path}.")
     try:
         open_notebook(path, [*["--no-browser"] * no_browser, *words])

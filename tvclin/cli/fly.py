@@ -19,6 +19,7 @@ from tvclin.cli.options import (
     LIMIT,
     PLANE,
     RATE_LIMIT,
+    At,
     Given,
     Points,
     Rigid,
@@ -74,6 +75,7 @@ class WhatFlies:
 
 def fly(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     what: WhatFlies = GROUP,
     limit: Given = replace(LIMIT, shown={"limit": "1.1 times the linear boundary"}),
@@ -99,7 +101,7 @@ def fly(
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     changes = [one.over for one in (limit, rate_limit, plane, flies)]
-    case = case_of(vehicle, *changes, rigid=rigid)
+    case = case_of(vehicle, *changes, rigid=rigid, time=time)
     engine, *law = what.on(case, along_trajectory, flies.gains)
     name = blows.name(case)
     case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)

@@ -9,11 +9,10 @@ from tvclin.answers.parts import told, wholly_rigid
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import InputError
-from tvclin.base.files import tables_of
 from tvclin.base.lines import listed
 from tvclin.cli.output import say
 from tvclin.vehicle.doubts import doubts
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.file import source_tables
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -41,17 +40,18 @@ def only_with(needed: str, **options: Any) -> None:
 def case_of(
     source: str,
     *changes: "Callable[[StudyPlan], StudyPlan]",
+    time: float | None = None,
     blows: Callable[[StudyPlan, str], StudyPlan] | None = None,
     told: tuple[str, ...] = (),
     rigid: bool = False,
 ) -> StudyPlan:
-    """Return the case that a study file or a vehicle asks for, with options in its place.
+    """Return the case that a study file, a vehicle, or a flight at a time [s] asks for.
 
-    Groups of options are changes, as `GainOptions.over`; `PulseOptions.over` has the wind. What
-    questions leave out of the case is told on stderr, and so is what is odd in the vehicle; a
-    question that is wholly of the rigid vehicle is given that.
+    Options count more than the file. Groups of options are changes, as `GainOptions.over`;
+    `PulseOptions.over` has the wind. What questions leave out of the case is told on stderr, and so
+    is what is odd in the vehicle; a question that is wholly of the rigid vehicle is given that.
     """
-    plan = load_study(source)
+    plan = load_study(source, time)
     if "study" not in told:  # which has them among its own notes
         note_doubts(plan.vehicle)
     if rigid:
@@ -93,9 +93,7 @@ def note_calm_air(case: Case) -> None:
 
 def note_source(source: str, question: str) -> None:
     """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
-    if source.lower().endswith(".csv"):
-        return
-    if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
+    if {"vehicle", "study", "campaign"} & source_tables(source).keys():
         case_of(source, told=(question,))
 
 

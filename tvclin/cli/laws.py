@@ -16,7 +16,7 @@ from tvclin.base.lines import listed
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import parts_line
-from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, Rigid, Shown, Source, asked
+from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, Rigid, Shown, Source, asked
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
@@ -34,6 +34,7 @@ def _quoted(name: str) -> str:
 
 def laws(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: BlowingOptions = GROUP,
     wind: list[str] | None = asked(
         f"Only this wind; may be given several times: {listed(map(_quoted, WINDS), 'or')}.",
@@ -63,7 +64,7 @@ def laws(
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     within("--cuts", cuts, 0, 1000)
     changes = rate_limit.over, motion.over, _beside_boundaries, partial(_with_gains, flies)
-    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid)
+    case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid, time=time)
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and not flies.samples.values:
         hardware["sample_rate"] = case.laws.sample_rate

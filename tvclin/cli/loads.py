@@ -15,6 +15,7 @@ from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
     MOTION,
+    At,
     Given,
     Rigid,
     ShownCurves,
@@ -29,6 +30,7 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
 def loads(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
     bound: Given = Given("answers.load.LoadBound", "load", "load"),
@@ -56,7 +58,7 @@ def loads(
     elif AUTOPILOT not in names:
         flies.gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (limits, bound, motion, flies)]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid)
+    case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid, time=time)
     flown = _flown(case, names)
     with waiting("angle over load"):
         front = _front(case)

@@ -18,6 +18,7 @@ from tvclin.cli.options import (
     GROUP,
     MOTION,
     SAMPLE_RATE,
+    At,
     Given,
     Rigid,
     Shown,
@@ -42,6 +43,7 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 def margins(
     vehicle: Source = "configuration-i",
+    time: At = None,
     gains: Given = GAINS,
     loop: LoopOptions = GROUP,
     criteria: CriteriaOptions = GROUP,
@@ -81,7 +83,7 @@ def margins(
     if not flown:
         limits.only_with("--flown")
     changes = [one.over for one in (limits, samples, motion, criteria, gains, loop)]
-    case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid)
+    case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid, time=time)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
     if not (flown or box or case.asked.design == LEAST_NOZZLE):

@@ -14,6 +14,7 @@ from tvclin.cli.options import (
     GROUP,
     MOTION,
     NOZZLE,
+    At,
     Given,
     Rigid,
     ShownCurves,
@@ -32,6 +33,7 @@ _OF_FLIGHTS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limi
 
 def nozzle(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     limits: Given = Given(NOZZLE, at="nozzle"),
     law: str | None = asked(
@@ -65,7 +67,7 @@ def nozzle(
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
         flies.gains.only_with(f"--law {AUTOPILOT}")
     changes = [one.over for one in (limits, motion, flies)]
-    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid)
+    case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid, time=time)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")
     flown = _flown(case, law)

@@ -8,7 +8,7 @@ import typer
 from tvclin.answers.optimum import KnownWind
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, Given, ShownCurves, Source, asked
+from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, ShownCurves, Source, asked
 from tvclin.cli.output import print_json, print_tables, say
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 def optimum(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     start: float | None = asked(
         "Start of the control, in s; negative: before the wind.", shown="the onset of the wind"
@@ -36,7 +37,8 @@ def optimum(
     """
     from tvclin import plots
 
-    case = case_of(vehicle, rate_limit.over, motion.over, blows=blows.over, told=("optimum",))
+    changes = rate_limit.over, motion.over
+    case = case_of(vehicle, *changes, blows=blows.over, told=("optimum",), time=time)
     plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
     start = float(wind.onset) if start is None else start
     found = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)

@@ -44,11 +44,16 @@ def _to_draw(file: Path | None) -> Path | None:
 
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 SOURCE_HELP = (
-    f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone, or a study file (see:"
-    " tvclin init --study), over which options count."
+    f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone, or a flight schedule with"
+    " --at, or a study file (see: tvclin init --study), over which options count."
 )
 
 Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
+AT_HELP = (
+    "Time of flight of the vehicle, in s, where the file is a flight schedule, or a vehicle with a"
+    " table flight."
+)
+At = Annotated[float | None, typer.Option("--at", help=AT_HELP)]
 STOPS_HELP = f"{listed(STOPS, 'or')}."
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]

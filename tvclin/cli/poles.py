@@ -4,7 +4,7 @@ from typing import Any
 
 from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
-from tvclin.cli.options import PLANE, AsJson, Given, Plot, Source, asked
+from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, asked
 from tvclin.cli.output import answer, draw, print_tables
 from tvclin.linear.models import MODELS, models_of
 from tvclin.linear.modes import Modes, all_modes, mode_table
@@ -13,6 +13,7 @@ from tvclin.linear.plant import Plant
 
 def poles(
     vehicle: Source = "configuration-i",
+    time: At = None,
     model: str = asked("fixed-path, drift, drift-exact, drift-and-speed, or all.", "all"),
     within: Given = PLANE,
     as_json: AsJson = False,
@@ -22,7 +23,7 @@ def poles(
     from tvclin import plots
 
     one_of("model", model, [*MODELS, "all"])
-    case = case_of(vehicle, within.over, told=("poles",))
+    case = case_of(vehicle, within.over, told=("poles",), time=time)
     loaded, plane = case.vehicle, case.plane
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}

@@ -9,7 +9,8 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.questions import all_yes, sufficient
 from tvclin.answers.study_file.read import example_plan, load_study
 from tvclin.base.files import called, write_whole
-from tvclin.cli.inputs import note_left_out
+from tvclin.cli.inputs import note_left_out, only_with
+from tvclin.cli.options import At
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
@@ -20,9 +21,10 @@ def report(
         typer.Argument(
             metavar="STUDY",
             help="A study file (see: tvclin init --study), a vehicle file or a vehicle of the"
-            " package. Without it: the example of the package.",
+            " package, or a flight schedule with --at. Without it: the example of the package.",
         ),
     ] = None,
+    time: At = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.")] = Path(
         "report.html"
     ),
@@ -34,7 +36,9 @@ def report(
     """
     from tvclin.show.report.page import page_of
 
-    plan = example_plan() if source is None else load_study(source)
+    if source is None:
+        only_with("a flight schedule", at=time)
+    plan = example_plan() if source is None else load_study(source, time)
     doubts = plan.sizing.warnings if plan.sizing is not None else []
     findings: list[Findings] = []
 

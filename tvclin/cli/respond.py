@@ -14,6 +14,7 @@ from tvclin.cli.options import (
     GROUP,
     LIMIT,
     MOTION,
+    At,
     Given,
     Points,
     ShownCurves,
@@ -36,6 +37,7 @@ _LONGEST = 1000.0
 
 def respond(
     vehicle: Source = "configuration-i",
+    time: At = None,
     blows: WindOptions = GROUP,
     dead_band: float | None = asked(
         "Dead band K, from 0 to 1: trim up to K times the limit.", shown="1.0"
@@ -57,7 +59,9 @@ def respond(
 
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    asked = case_of(vehicle, limit.over, motion.over, blows=blows.over, told=("respond",))
+    asked = case_of(
+        vehicle, limit.over, motion.over, blows=blows.over, told=("respond",), time=time
+    )
     if capability is not None and not limit.values:
         asked = replace(asked, nozzle=replace(asked.nozzle, limit=None))
     K = chosen(dead_band, asked.dead_band)

@@ -16,6 +16,7 @@ from tvclin.cli.options import (
     STOPS_HELP,
     STUDY,
     AsJson,
+    At,
     Given,
     Plot,
     Source,
@@ -51,6 +52,7 @@ def _beside(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
 
 def study(
     source: Source = "configuration-i",
+    time: At = None,
     blows: ShapedOptions = GROUP,
     question: Given = Given(STUDY, "dead_band switch sign model plane"),
     limit: Given = LIMIT,
@@ -79,7 +81,7 @@ def study(
     not yes; 2: bad input.
     """
     own = limit.over, partial(_beside, stop, disperse), question.over, drawn.over
-    plan = case_of(source, *own, blows=blows.over, told=("study",))
+    plan = case_of(source, *own, blows=blows.over, told=("study",), time=time)
     with bar("answers") as progress:
         found = find(questioned(plan), progress)
     if disperse and found.dispersed is None:

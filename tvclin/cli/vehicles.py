@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.options import AsJson, asked, switch
+from tvclin.cli.options import AsJson, At, asked, switch
 from tvclin.cli.output import say
 
 
@@ -43,19 +43,43 @@ def init(
     file: Annotated[Path, typer.Argument(help="The file to write, such as my.toml.")],
     study: bool = switch("--study", "A study file: vehicle, wind, laws, margins and more."),
     vehicle: str | None = asked("Copy this vehicle of the package instead (see: tvclin vehicles)."),
+    schedule: str | None = asked(
+        "Write the vehicle of this flight schedule at a time instead, with --at.",
+        flag="--from",
+        metavar="SCHEDULE",
+    ),
+    time: At = None,
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.answers.study_file.read import example
     from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
+    from tvclin.cli.inputs import only_with
     from tvclin.vehicle.file import list_vehicles, template, vehicle_text
 
-    if study and vehicle is not None:
-        raise InputError("give --study or --vehicle, not both")
+    given = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
+    if sum(given.values()) > 1:
+        raise InputError(f"give {' or '.join(name for name in given if given[name])}, not both")
     text = example() if study else template()
+    if schedule is None:
+        only_with("--from", at=time)
+    else:
+        text = _vehicle_of_flight(schedule, time)
     if vehicle is not None:
         text, _ = vehicle_text(one_of("--vehicle", vehicle, list_vehicles()))
     write_new(file, text)
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
     say(f"Wrote {name}. Fill in what differs, then: {then}")
+
+
+def _vehicle_of_flight(schedule: str, time: float | None) -> str:
+    """The text of the file of the vehicle of a flight schedule at a time [s]."""
+    from tvclin.answers.sizing.schedule_file import load_vehicle_at
+    from tvclin.base.errors import InputError
+    from tvclin.vehicle.file import needs_time, vehicle_file
+    from tvclin.vehicle.linear_vehicle import whole_vehicle
+
+    if time is None:
+        raise InputError(needs_time(schedule))
+    return vehicle_file(whole_vehicle(load_vehicle_at(schedule, time), "--from"))

@@ -9,7 +9,7 @@ from tvclin.base.errors import InputError, naming, number, positive
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
-from tvclin.vehicle.file import table_of, vehicle_text
+from tvclin.vehicle.file import is_schedule, table_of, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
 FLIGHT_TABLE = FileTable(
@@ -97,7 +97,8 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     11950.0
     """
     text, place = vehicle_text(source)
-    table, name = table_of(text, place, FLIGHT_TABLE), called(place)
+    table = {} if is_schedule(source) else table_of(text, place, FLIGHT_TABLE)
+    name = called(place)
     if not table:
         raise InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"

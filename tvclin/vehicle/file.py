@@ -1,10 +1,13 @@
 """Vehicle files: TOML with one table [vehicle], every key carrying its unit."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
 from os import PathLike, fspath
 from typing import Any
+
+import numpy as np
 
 from tvclin.base.errors import Faults, InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
@@ -12,7 +15,7 @@ from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.damping import QUANTITIES, damping_of
 from tvclin.vehicle.structure_file import build_structure
-from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.vehicle.vehicle import NUMBERS, STANDARD_GRAVITY, Vehicle
 
 _ALWAYS = {
     "weight": "force",
@@ -96,8 +99,25 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     return read_text(path, "a vehicle file", start), text
 
 
+def source_tables(source: str | PathLike[str]) -> dict[str, Any]:
+    """Return the tables of a vehicle or study file by heading; none of a schedule in CSV."""
+    return {} if is_csv(source) else tables_of(*vehicle_text(source))
+
+
+def is_csv(source: str | PathLike[str]) -> bool:
+    """Whether a source is a flight schedule by its name: no vehicle or study file is in CSV."""
+    return str(a_path("source", source, "a name or a path")).lower().endswith(".csv")
+
+
+def is_schedule(source: str | PathLike[str]) -> bool:
+    """Whether a source is a flight schedule, in CSV or as the one table of a TOML file."""
+    return is_csv(source) or source_tables(source).keys() == {"schedule"}
+
+
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
+    if is_csv(source) or tables_of(text, source).keys() == {"schedule"}:
+        raise InputError(needs_time(source))
     faults, vehicle, structure = Faults(), None, None
     with faults.kept():
         table_of(text, source, VEHICLE_TABLE)
@@ -110,6 +130,14 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     faults.tell()
     assert vehicle is not None  # or its table is at fault
     return vehicle.replace(structure=structure)
+
+
+def needs_time(source: str) -> str:
+    """Return the one sentence for a flight schedule without the time of its vehicle."""
+    return (
+        f"{called(source)} is a flight schedule: give the time of flight of its vehicle, as --at 52"
+        ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python'
+    )
 
 
 def needs_whole(what: str) -> str:
@@ -151,10 +179,25 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
     return build(**values)
 
 
+def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
+    """Return the keys and values of one vehicle, as `build_vehicle` takes them."""
+    numbers = {name: getattr(vehicle, name) for name in NUMBERS}
+    known = {name: float(value) for name, value in numbers.items() if value is not None}
+    words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
+    return {key: word for key, word in words.items() if word} | VEHICLE_TABLE.write(known)
+
+
+def vehicle_file(vehicle: Vehicle) -> str:
+    """Return the text of a file of one vehicle without a structure, angles in degrees."""
+    table = vehicle_table(vehicle)
+    table["attitude_deg"] = float(f"{np.degrees(table.pop('attitude_rad')):.12g}")
+    lines = "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+    return f"# A vehicle for tvclin, at one time of its flight.\n\n[vehicle]\n{lines}"
+
+
 def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
     """Return the numbers of a vehicle file in its own units, by name; none of another file."""
-    text, name = vehicle_text(source)
-    given = tables_of(text, name).get("vehicle")
+    given = source_tables(source).get("vehicle")
     return VEHICLE_TABLE.units(given) if isinstance(given, dict) else {}
 
 

@@ -9,10 +9,16 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
-from tvclin.base.files import called, tables_of
+from tvclin.base.files import called
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import COEFFICIENTS, needs_whole, parse_vehicle, vehicle_text
+from tvclin.vehicle.file import (
+    COEFFICIENTS,
+    needs_whole,
+    parse_vehicle,
+    source_tables,
+    vehicle_text,
+)
 from tvclin.vehicle.vehicle import Vehicle
 
 FIXED_PATH = "fixed-path"
@@ -121,7 +127,7 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     1480000.0
     """
     words, name = vehicle_text(source)
-    document = tables_of(words, name)
+    document = source_tables(source)
     if COEFFICIENTS not in document or "vehicle" in document:
         return parse_vehicle(words, name)
     with naming(called(name)):

@@ -21,7 +21,7 @@ from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
-from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
+from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_vehicle_at
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
@@ -31,7 +31,7 @@ from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
-from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of, with_gust
 from tvclin.winds.shaped import ShapedWind
 
@@ -51,7 +51,7 @@ _SINGLE = (
 )
 TABLES = (*_SINGLE, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
 """Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
-_SUBJECT = ("vehicle", "model", "plane", "sign")
+_SUBJECT = ("vehicle", "time_s", "model", "plane", "sign")
 """What is studied: keys of [study], or of [campaign] where there is no [study]."""
 _FIELDS = {"names": "outputs"}
 """Fields of `Campaign` of another name than their keys."""
@@ -87,6 +87,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
     head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    head.pop("time", None)
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
@@ -126,7 +127,10 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     found = {key: table[key] for table in (study, campaign) for key in _SUBJECT if key in table}
     where = STUDY_TABLE if "study" in document else CAMPAIGN_TABLE
     where.need(found, ["vehicle"])
-    return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name)}
+    time = found.pop("time_s", None)
+    if time is not None:
+        time = number("time_s", time)
+    return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name, time)}
 
 
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
@@ -172,12 +176,14 @@ def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
     return NOZZLE_TABLE.made(document, Nozzle.from_table) or Nozzle()
 
 
-def _vehicle(source: Any, folder: Path, where: str) -> AnyVehicle:
+def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVehicle:
     if isinstance(source, dict):
+        if time is not None:
+            raise InputError(f"time_s is that of a flight schedule; take it out of [{where}]")
         return build_vehicle(source, f"[{where}.vehicle]")
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
-    return load_any_vehicle(beside(source, folder))
+    return load_vehicle_at(beside(source, folder), time)
 
 
 def beside(source: str, folder: Path) -> str | Path:

@@ -231,7 +231,11 @@ def checkpoints(chunks: int) -> Iterator[int]:
 
 
 CAMPAIGN_TABLE = file_table(
-    "[campaign]", Campaign, "until model plane sign cases seed method chunk", words=("vehicle",)
+    "[campaign]",
+    Campaign,
+    "until model plane sign cases seed method chunk",
+    words=("vehicle",),
+    quantities={"time": "time"},
 )
 OUTPUTS_TABLE = file_table("[outputs]", Campaign, "law dead_bands", lists=("names",))
 QUESTION_TABLE = file_table("[question]", Campaign, "probability confidence")

@@ -159,9 +159,10 @@ class FlightSchedule(Shown):
         times = finite("time", time, "s")
         first, last = self.span
         if np.any((times < first) | (times > last)):
+            ends = dict.fromkeys((f"{times.min():.6g}", f"{times.max():.6g}"))
             raise InputError(
                 f"time must be between {first:.6g} and {last:.6g} s, the span of the schedule; got"
-                f" {float(times.min()):.6g} to {float(times.max()):.6g} s"
+                f" {' to '.join(ends)} s"
             )
         return self.held(times)
 

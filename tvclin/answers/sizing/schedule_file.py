@@ -3,17 +3,24 @@
 import csv
 import io
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import InputError, naming, path, shown
+from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.flights.condition import load_flight_condition
-from tvclin.vehicle.file import VEHICLE_TABLE, build_vehicle, parse_vehicle, vehicle_text
+from tvclin.vehicle.file import (
+    VEHICLE_TABLE,
+    build_vehicle,
+    is_csv,
+    parse_vehicle,
+    source_tables,
+    vehicle_text,
+)
+from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
@@ -58,10 +65,10 @@ def load_schedule(
     (41.0, 116.0)
     """
     path("source", source, "a name or a path")
-    if str(source).lower().endswith(".csv") and not exists(source):
+    if is_csv(source) and not exists(source):
         raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
     text, name = vehicle_text(source)
-    if Path(name).suffix.lower() == ".csv":
+    if is_csv(name):
         return _from_rows(_csv_rows(text, name), name)
     table = _schedule_table(text, name)
     if table is not None:
@@ -71,6 +78,34 @@ def load_schedule(
     first = own - _BEFORE if start is None else start
     last = own + _AFTER if stop is None else stop
     return FlightSchedule.from_flight(vehicle, condition, start=first, stop=last, step=step)
+
+
+def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> AnyVehicle:
+    """Return a vehicle by name or from a file, or that of a flight schedule at a time [s].
+
+    Parameters
+    ----------
+    source : str or path
+        As of `load_any_vehicle` without a time; as of `load_schedule` with one.
+    time : float, optional
+        Time of flight [s].
+
+    Raises
+    ------
+    InputError
+        For a schedule without a time, a time outside the flight, a vehicle that bends at another
+        time than its own, and as `load_any_vehicle` and `load_schedule`.
+    """
+    if time is None:
+        return load_any_vehicle(source)
+    if source_tables(source).keys() & {"bending", "slosh", "engine", "sensors", "structure"}:
+        raise InputError(
+            f"{called(source)} has a structure, which is known at the vehicle's own time alone:"
+            f" leave out the time of flight; got {time:g} s"
+        )
+    flight = load_schedule(source)
+    vehicle = flight.at(number("time", time, unit="s"))
+    return vehicle.replace(numbers_from=f"{called(source)} at {time:g} s")
 
 
 def schedule_of(table: dict[str, Any], source: str) -> FlightSchedule:

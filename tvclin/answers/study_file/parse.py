@@ -24,9 +24,8 @@ from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, sch
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import Faults, InputError, one_of, shown
-from tvclin.base.files import tables_of
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.file import source_tables
 from tvclin.winds.file import (
     GUST_TABLE,
     SOUNDING,
@@ -175,8 +174,7 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def _is_vehicle(source: str | Path) -> bool:
     """Whether the source of a flight is a vehicle, not a table of its times."""
-    text, name = vehicle_text(source)
-    return not name.lower().endswith(".csv") and "vehicle" in tables_of(text, name)
+    return "vehicle" in source_tables(source)
 
 
 def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:

@@ -17,27 +17,35 @@ from tvclin.base.declared import completed
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import FileTable
-from tvclin.vehicle.file import COEFFICIENTS, vehicle_text
+from tvclin.vehicle.file import COEFFICIENTS, is_schedule, source_tables, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked_winds import SoundingAsked
 
 
-def load_study(source: str | PathLike[str]) -> StudyPlan:
+_STUDIES, _VEHICLES = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
+"""Tables of a file that names its vehicle, and of one that has its numbers."""
+
+
+def load_study(source: str | PathLike[str], time: float | None = None) -> StudyPlan:
     """Return what a study file asks for, or a plan with nothing but a vehicle.
 
     Parameters
     ----------
     source : str or path
-        A study file, a campaign file, a vehicle file, or the name of a vehicle of the package.
+        A study file, a campaign file, a vehicle file, a flight schedule, or the name of a vehicle.
         The paths in a study file are relative to its folder; `tvclin init --study` writes one.
+    time : float, optional
+        Time of flight [s] of the vehicle, where the source is a flight schedule, or a vehicle with
+        a table [flight]: then that of its nominal flight.
 
     Raises
     ------
     InputError
         For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
-        offered), and as `StudyPlan`. One sentence says which and how to mend it.
+        offered), for a flight schedule without a time, and as `StudyPlan`. One sentence says which
+        and how to mend it.
 
     Examples
     --------
@@ -46,13 +54,18 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     >>> plan.wind.shape, plan.nozzle.limit
     ('triangular', None)
     """
-    text, name = vehicle_text(source)
-    document = tables_of(text, name)
-    if {COEFFICIENTS, "vehicle"} & document.keys() and not {"study", "campaign"} & document.keys():
-        return StudyPlan(vehicle=load_any_vehicle(source))
+    document, name = source_tables(source), vehicle_text(source)[1]
+    if not _STUDIES & document.keys() and (_VEHICLES & document.keys() or is_schedule(source)):
+        if time is None:
+            return StudyPlan(vehicle=load_any_vehicle(source))
+        from tvclin.answers.sizing.schedule_file import load_vehicle_at
+
+        return StudyPlan(vehicle=load_vehicle_at(source, time))
     from tvclin.answers.study_file.parse import parse_study
 
     with naming(called(name)):
+        if time is not None:
+            raise InputError("the time of the vehicle of a study file is time_s in its [study]")
         return parse_study(document, Path(name).parent)
 
 
@@ -102,8 +115,7 @@ def load_sizing(
 
 def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
     """Return the name or the file of the vehicle of a study file, or a vehicle as it is."""
-    text, name = vehicle_text(source)
-    document = tables_of(text, name)
+    document, name = source_tables(source), vehicle_text(source)[1]
     named = [
         document[table]["vehicle"]
         for table in ("study", "campaign")
@@ -123,11 +135,9 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 
 def _is_study(source: str | PathLike[str]) -> bool:
     """Whether a file is a study, or neither that nor anything that has a flight."""
-    if str(path("source", source, "a name or a path")).lower().endswith(".csv"):
-        return False
-    headings = tables_of(*vehicle_text(source)).keys()
-    known = {"vehicle", "schedule", COEFFICIENTS}
-    return bool({"study", "campaign"} & headings) or not known & headings
+    path("source", source, "a name or a path")
+    headings = source_tables(source).keys()
+    return bool(_STUDIES & headings) or not (_VEHICLES & headings or is_schedule(source))
 
 
 def example() -> str:

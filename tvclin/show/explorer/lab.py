@@ -24,12 +24,15 @@ _WATCHED = {
 """Of a server that has opened its page itself: it ends some minutes after that is closed [s]."""
 
 
-def notebook_text(source: str) -> str:
+def notebook_text(source: str, time: float | None = None) -> str:
     """Return the text of a notebook (.ipynb) that explores a vehicle or a study file.
+
+    With a time of flight [s] the source is a flight schedule.
 
     One cell says what to do, and one shows the panel.
     """
-    code = f"import tvclin as tv\n\ntv.explore({source!r})"
+    opened = repr(source) if time is None else f"tv.load_schedule({source!r}).at({time!r})"
+    code = f"import tvclin as tv\n\ntv.explore({opened})"
     cells = [
         {"cell_type": "markdown", "id": "words", "metadata": {}, "source": _WORDS},
         {

@@ -13,8 +13,8 @@ from tvclin.base.files import exists, write_new
 from tvclin.control.autopilot.filter_tables import PLACES
 from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.controls import plateau_of
-from tvclin.vehicle.file import VEHICLE_TABLE
-from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.vehicle.file import vehicle_table
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 
 Table = dict[str, Any]
@@ -27,7 +27,9 @@ def study_text(choices: Choices, source: str | None = None) -> str:
     that is known by its coefficients, is named by its source: `InputError` where it has none.
     """
     plan = choices.plan
-    named = not isinstance(plan.vehicle, Vehicle) or plan.vehicle.structure is not None
+    vehicle = plan.vehicle
+    rigid = vehicle if isinstance(vehicle, Vehicle) and vehicle.structure is None else None
+    named = rigid is None
     if named and source is None:
         raise InputError(
             "a vehicle that was made in Python stands in a study file without its structure:"
@@ -37,7 +39,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
     head = ({"vehicle": source} if named else {}) | asked
     tables: list[tuple[str, Table]] = [
         ("[study]", head | ({"sign": plan.sign} if plan.sign else {})),
-        *([] if named else [("[study.vehicle]", _vehicle(plan.vehicle))]),
+        *([] if rigid is None else [("[study.vehicle]", vehicle_table(rigid))]),
         *_wind(plan.wind),
         ("[nozzle]", _nozzle(choices)),
         *_autopilot(choices),
@@ -56,13 +58,6 @@ def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
     path = next(path for path in map(Path, numbered) if not exists(path))
     write_new(path, text)
     return path.resolve()
-
-
-def _vehicle(vehicle: Any) -> Table:
-    numbers = {key: getattr(vehicle, key) for key in NUMBERS}
-    known = {key: float(value) for key, value in numbers.items() if value is not None}
-    words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
-    return {key: word for key, word in words.items() if word} | VEHICLE_TABLE.write(known)
 
 
 def _wind(wind: Any) -> list[tuple[str, Table]]:

@@ -1,0 +1,147 @@
+"""A flight schedule with a time of flight is a vehicle, in every command that takes one."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.base.errors import InputError
+from tvclin.cli.app import app
+
+HEAD = (
+    "name,time_s,weight_N,moment_of_inertia_kg_m2,thrust_N,control_arm_m,aerodynamic_arm_m,"
+    "velocity_m_per_s,attitude_deg,normal_force_slope_N_per_rad,axial_force_N\n"
+)
+ROWS = (
+    "Booster,40,1.7e7,2.6e8,2.5e7,23.5,7.0,330,60,5e6,5e5\n"
+    "Booster,60,1.5e7,2.2e8,2.5e7,23.5,9.5,540,45,6.7e6,7.9e5\n"
+)
+AT_52 = """
+[vehicle]
+name = "Booster"
+time_s = 52
+weight_N = 1.58e7
+moment_of_inertia_kg_m2 = 2.36e8
+thrust_N = 2.5e7
+control_arm_m = 23.5
+aerodynamic_arm_m = 8.5
+velocity_m_per_s = 456
+attitude_deg = 51
+normal_force_slope_N_per_rad = 6.02e6
+axial_force_N = 6.74e5
+"""
+"""Three fifths of the way between the rows, by hand."""
+COMMANDS = {
+    "study": (),
+    "poles": (),
+    "boundary": ("--tau-beta", "3"),
+    "optimum": (),
+    "respond": (),
+    "autopilot": (),
+    "margins": (),
+    "laws": (),
+    "fly": ("--limit-deg", "1"),
+    "nozzle": (),
+    "loads": (),
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with a schedule in CSV and TOML, and the vehicle between its rows."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "flight.csv").write_text(HEAD + ROWS)
+    columns = zip(*(row.split(",") for row in (HEAD + ROWS).split()), strict=True)
+    lists = "\n".join(f"{key} = [{', '.join(cells)}]" for key, *cells in columns if key != "name")
+    (tmp_path / "flight.toml").write_text(f'[schedule]\nname = "Booster"\n{lists}\n')
+    (tmp_path / "at-52.toml").write_text(AT_52)
+    return tmp_path
+
+
+def run(*given):
+    return CliRunner().invoke(app, [str(one) for one in given])
+
+
+def numbers(document):
+    """All numbers of a document in their order."""
+    if isinstance(document, dict):
+        document = [document[key] for key in sorted(document)]
+    if isinstance(document, list):
+        return [number for one in document for number in numbers(one)]
+    return [document] if isinstance(document, int | float) else []
+
+
+SLOW = ("laws", "autopilot", "respond", "loads")
+"""Commands of several seconds, of which the thorough tests have the claim."""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(one, marks=[pytest.mark.thorough] * (one in SLOW)) for one in COMMANDS],
+)
+def test_a_schedule_at_a_time_is_answered_as_the_vehicle_between_its_rows(folder, command):
+    options = (*COMMANDS[command], "--json")
+    flight = run(command, "flight.csv", "--at", 52, *options)
+    vehicle = run(command, "at-52.toml", *options)
+    assert flight.exit_code == vehicle.exit_code != 2, flight.output
+    found, expected = (numbers(json.loads(one.stdout)) for one in (flight, vehicle))
+    # roundings of the interpolation, times what a search between two of them may make of it
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("schedule", ["flight.csv", "flight.toml"])
+def test_init_writes_the_vehicle_of_a_schedule_at_a_time(folder, schedule):
+    assert run("init", "--from", schedule, "--at", 52, "my.toml").exit_code == 0
+    made, by_hand = tv.load_vehicle("my.toml"), tv.load_vehicle("at-52.toml")
+    for name in ("weight", "moment_of_inertia", "thrust", "aerodynamic_arm", "control_arm", "time"):
+        assert getattr(made, name) == pytest.approx(getattr(by_hand, name), rel=1e-12)
+    assert made.attitude == pytest.approx(by_hand.attitude, rel=1e-11)
+    assert made.numbers_from == f"{schedule} at 52 s"
+
+
+def test_study_and_campaign_files_name_a_schedule_with_its_time(folder):
+    wind = '[wind]\nshape = "triangular"\npeak_deg = 5\nduration_s = 7.5\n'
+    (folder / "s.toml").write_text(f'[study]\nvehicle = "flight.csv"\ntime_s = 52\n{wind}')
+    assert tv.load_study("s.toml").vehicle == tv.load_study("flight.csv", 52.0).vehicle
+    text = f'[campaign]\nvehicle = "flight.csv"\ntime_s = 52\ncases = 10\n{wind}'
+    (folder / "c.toml").write_text(text)
+    assert tv.answers.load_campaign("c.toml").vehicle == tv.load_schedule("flight.csv").at(52.0)
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "report", "explore", "init --from"])
+def test_a_schedule_without_a_time_is_refused_with_the_option_that_gives_it(folder, command):
+    words = command.split()
+    for schedule in ("flight.csv", "flight.toml"):
+        result = run(*words, schedule, *(["my.toml"] if words[0] == "init" else []))
+        assert result.exit_code == 2
+        assert f"{schedule} is a flight schedule" in result.output
+        assert "--at 52" in result.output
+
+
+def test_what_a_time_of_flight_cannot_be_of_is_refused(folder):
+    (folder / "s.toml").write_text('[study]\nvehicle = "flight.csv"\ntime_s = 52\n')
+    refused = {
+        ("study", "flight.csv", "--at", 70): "must be between 40 and 60 s",
+        ("study", "at-52.toml", "--at", 50): "has no table [flight]",
+        ("study", "made-up-booster", "--at", 50): "has a structure",
+        ("study", "s.toml", "--at", 50): "time_s in its [study]",
+        ("fly", "flight.csv", "--at", 52, "--along-trajectory"): "has no table [flight]",
+        ("init", "my.toml", "--at", 50): "--at needs --from",
+        ("init", "my.toml", "--study", "--from", "flight.csv"): "give --study or --from",
+        ("boundary", "--at", 50): "--at needs a vehicle",
+        ("report", "--at", 50): "--at needs a flight schedule",
+    }
+    for given, said in refused.items():
+        result = run(*given)
+        assert (result.exit_code, said in result.output) == (2, True), result.output
+    with pytest.raises(InputError, match="flight schedule"):
+        tv.load_vehicle("flight.csv")
+    with pytest.raises(InputError, match="flight schedule"):
+        tv.vehicle.load_any_vehicle("flight.toml")
+
+
+def test_the_nominal_flight_of_a_vehicle_has_a_vehicle_at_each_time():
+    plan = tv.load_study("configuration-i", 60.0)
+    assert plan.vehicle == tv.load_schedule("configuration-i").at(60.0)
