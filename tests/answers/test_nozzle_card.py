@@ -1,14 +1,18 @@
 """What a motion asks of a nozzle, against formulas, integrals and the equations of motion."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import quad
+from scipy.integrate import quad, simpson, solve_ivp
 
 import tvclin as tv
+from tvclin.answers.flexible import law_asked
 from tvclin.answers.nozzle_cards.card import card_of
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 
 PER_DEGREE = 180.0 / np.pi
@@ -237,3 +241,104 @@ def test_travel_is_that_of_a_simulation_of_its_own(name):
     flown = fly_nozzle(plant, law, wind, **told)
     travel = card_of(Motion.of_flight(flown), limit, 0.5, None, None).travel
     assert travel / BA == pytest.approx(LOUD[name], rel=0.1)
+
+
+def between_samples(case, gains, sample_rate, points=200):
+    """Deflection, its derivatives, alpha and theta'' by solve_ivp from sample to sample."""
+    A, inputs, C, D = case.plant.matrices()
+    w, z = case.nozzle.actuator.natural_frequency, case.nozzle.actuator.damping
+    wind, n, h = case.history, len(A), 1.0 / sample_rate
+    place = case.plant.outputs.index("angle_of_attack")
+    end = float(wind.end) + 15.0 / float(case.plant.coefficients.pole)
+    y, rows = np.zeros(n + 2), []
+    for k in range(int(np.ceil(end / h - 1e-9))):
+        command = float(gains @ y[:2])
+        jump = (float(wind.end) / h - k) * h  # of the wind, inside this sample or none
+        edges = [0.0, *([jump] if 1e-9 < jump < h - 1e-9 else []), h]
+        for begin, stop in pairwise(edges):
+            blows = float(wind(k * h + (begin + stop) / 2.0))  # a rectangle is even between
+
+            def moves(_, y, command=command, blows=blows):
+                bend = w**2 * (command - y[n]) - 2.0 * z * w * y[n + 1]
+                turned = A @ y[:n] + inputs[:, 0] * y[n] + inputs[:, 1] * blows
+                return np.array([*turned, y[n + 1], bend])
+
+            t = np.linspace(begin, stop, points + 1)
+            solved = solve_ivp(moves, (begin, stop), y, "DOP853", t, rtol=1e-5, atol=1e-9)
+            x = solved.y
+            bend = w**2 * (command - x[n]) - 2.0 * z * w * x[n + 1]
+            swing = A[1] @ x[:n] + inputs[1, 0] * x[n] + inputs[1, 1] * blows
+            alpha = C[place] @ x[:n] + D[place, 0] * x[n] + D[place, 1] * blows
+            rows.append([k * h + t, x[n], x[n + 1], bend, alpha, swing])
+            y = x[:, -1]
+    return [np.array([row[k] for row in rows]) for k in range(6)]
+
+
+def test_between_slow_samples_the_card_follows_a_quick_actuator():
+    """Samples at 12.5 Hz and an actuator of 20 Hz: it turns and comes to rest between two."""
+    engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
+    hinge = {"stiffness": 15200.0 * PER_DEGREE, "damping": 174.0 * PER_DEGREE, "friction": 2000.0}
+    quick = tv.Actuator(natural_frequency=125.6, damping=0.7)
+    data = tv.answers.NozzleData(engine=engine, **hinge)
+    v = tv.load_vehicle("configuration-i")
+    case = StudyPlan(
+        vehicle=v,
+        wind=tv.RectangularWind(peak=np.radians(5.0), duration=7.5),
+        nozzle=tv.Nozzle(limit=np.radians(1.0), actuator=quick, data=data),
+        design=tv.AutopilotDesign(attitude_gain=0.3, rate_gain=0.3, sample_rate=12.5),
+    )
+    law = law_asked(case, "autopilot", np.inf)
+    card = FlownCard.of(case, "autopilot", law).card
+    gains = np.array([0.3, 0.3])
+    t, delta, turns, bend, alpha, swing = between_samples(case, gains, 12.5)
+    a_x = (v.thrust - v.axial_force) / v.mass
+    a_n = (v.normal_force_slope * alpha + v.thrust * delta) / v.mass - v.control_arm * swing
+    JE, sE = 400.0 + 1200.0 * 1.35**2, 1200.0 * 1.35
+    torque = JE * (bend + swing) + sE * (a_x * delta - a_n) + hinge["damping"] * turns
+    power = (torque + hinge["stiffness"] * delta + 2000.0 * np.sign(turns)) * turns
+    energy = float(simpson(np.maximum(power, 0.0), x=t).sum())
+    # a peak between two times: 1 - cos(1/30); what is integrated: (2 * 2/15)^2/24
+    assert abs(card.rate.value) == pytest.approx(np.abs(turns).max(), rel=6e-4)
+    assert card.work.power.value == pytest.approx(power.max(), rel=2 * 6e-4)
+    assert card.work.energy == pytest.approx(energy, rel=3e-3)
+    assert card.rms_rate == pytest.approx(
+        np.sqrt(simpson(turns**2, x=t).sum() / t[-1, -1]), rel=3e-3
+    )
+    assert card.travel == pytest.approx(np.abs(np.diff(delta)).sum(), rel=6e-4)
+    assert np.degrees(abs(card.rate.value)) == pytest.approx(2.298, abs=2e-3)
+    assert card.work.power.value == pytest.approx(457.9, rel=2 * 6e-4)
+    assert card.work.energy == pytest.approx(223.0, abs=0.5 + 3e-3 * 223.0)
+
+
+def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
+    """Samples 0.5 s apart, no actuator: the angle of attack peaks between two of them."""
+    v, rad = tv.load_vehicle("configuration-i"), np.radians
+    wind = tv.TriangularWind(peak=rad(5.0), duration=7.5)
+    nozzle = tv.Nozzle(limit=rad(2.0), actuator=None)
+    design = tv.AutopilotDesign(attitude_gain=0.4, rate_gain=0.5, sample_rate=2.0)
+    case = StudyPlan(vehicle=v, wind=wind, nozzle=nozzle, design=design)
+    law = law_asked(case, "autopilot", np.inf)
+    found = tv.answers.FlownLoad.of(case, "autopilot", law)
+    times = np.linspace(0.0, 30.0, 6001)
+    told = {"deflection_limit": rad(2.0), "sample_rate": 2.0}
+    shown = tv.fly(case.plant, law, wind, times, **told).outputs
+    names = (*case.plant.outputs, "deflection")
+    alpha = np.abs(np.asarray(shown)[names.index("angle_of_attack")])
+    assert found.load == pytest.approx(alpha.max(), rel=2e-3)
+    assert found.load > 1.003 * np.abs(alpha[::100]).max()
+
+
+def test_a_wind_with_more_times_than_a_flight_holds_is_refused_at_once():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    law = tv.TrimLaw(plant)
+    told = {"deflection_limit": 0.1, "rate_limit": np.inf, "delay": 0.0}
+    told["actuator"] = tv.Actuator()
+    for duration, rate, words in (
+        (50_000.0, 100.0, "at most 1000000 samples"),
+        (5_000.0, 100.0, "a lower sample rate"),
+        (50_000.0, 1.0, "ends earlier$"),
+        (7.5e6, 1.0, "at most 100000 s"),
+    ):
+        wind = tv.TriangularWind(peak=0.09, duration=duration)
+        with pytest.raises(tv.InputError, match=words):
+            fly_nozzle(plant, law, wind, sample_rate=rate, **told)

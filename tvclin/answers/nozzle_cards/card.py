@@ -231,7 +231,7 @@ def card_of(
         angle=largest(delta, t),
         rate=largest(rate, motion.at),
         acceleration=motion.sharpest,
-        rms_rate=rms(rate, steps),
+        rms_rate=rms(rate, motion.weights),
         steady_rate=float(np.abs(steady).max()),
         window=width,
         travel=float(np.abs(np.diff(delta)).sum()),

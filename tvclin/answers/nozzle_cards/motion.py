@@ -18,8 +18,8 @@ class Motion:
 
     Times [s] and deflections [rad] ``(n + 1,)`` have straight lines between. All else is of `at`,
     one time of each step, ``(n,)``: the deflection and its derivatives [rad/s, rad/s2], the
-    vehicle's angle of attack [rad] and its angular acceleration, `swing` [rad/s2]. `sharpest` is
-    the largest acceleration.
+    vehicle's angle of attack [rad] and its angular acceleration, `swing` [rad/s2]. `weights` [s]
+    are those of an integral over time, ``(n,)``. `sharpest` is the largest acceleration.
     """
 
     times: FloatArray
@@ -31,6 +31,7 @@ class Motion:
     sharpest: Point
     angle_of_attack: FloatArray
     swing: FloatArray
+    weights: FloatArray
 
     @classmethod
     def of_samples(
@@ -48,13 +49,21 @@ class Motion:
             sharpest=largest(bends, t[1:-1]),
             angle_of_attack=_middle(alpha),
             swing=_middle(np.pad(_bends(t, attitude), 1, mode="edge")),
+            weights=np.diff(t),
         )
 
     @classmethod
     def of_flight(cls, f: NozzleFlight) -> Self:
-        """Return the motion of a flight: as its actuator moves, right after the begin of a step."""
+        """Return the motion of a flight with its actuator, right after the begin of each step.
+
+        Integrals take every second time, the middle between two at which a command may change.
+        Without an actuator the motion is that from sample to sample.
+        """
         if f.rate is None or f.acceleration is None:
-            return cls.of_samples(f.times, f.deflection, f.angle_of_attack, f.attitude)
+            rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
+            return cls.of_samples(*(row[:: f.looks] for row in rows))
+        weights = np.zeros(f.times.size - 1)
+        weights[1::2] = f.times[2::2] - f.times[:-2:2]
         return cls(
             times=f.times,
             deflection=f.deflection,
@@ -65,6 +74,7 @@ class Motion:
             sharpest=largest(f.acceleration, f.times),
             angle_of_attack=f.angle_of_attack[:-1],
             swing=np.pad(_bends(f.times, f.attitude), (1, 0), mode="edge"),
+            weights=weights,
         )
 
     @property
@@ -73,9 +83,9 @@ class Motion:
         return np.diff(self.times)
 
     def between(self, start: float, stop: float) -> Self | None:
-        """Return the steps from one time [s] to another; None where there are none."""
+        """Return the steps from one time [s] to another; None where there are fewer than two."""
         inside = np.flatnonzero((self.times[:-1] >= start) & (self.times[1:] <= stop))
-        if not inside.size:
+        if inside.size < 2:
             return None
         some = slice(inside[0], inside[-1] + 1)
         own = {k: getattr(self, k)[some] for k in ("at", "angle", "rate", "acceleration")}
@@ -87,6 +97,7 @@ class Motion:
             sharpest=largest(own["acceleration"], own["at"]),
             angle_of_attack=self.angle_of_attack[some],
             swing=self.swing[some],
+            weights=self.weights[some],
         )
 
 
@@ -96,9 +107,9 @@ def largest(values: FloatArray, times: FloatArray) -> Point:
     return Point(float(values[k]), float(times[k]))
 
 
-def rms(values: FloatArray, steps: FloatArray) -> float:
-    """Return the root of the mean square over steps [s]."""
-    return float(np.sqrt(np.average(values**2, weights=steps)))
+def rms(values: FloatArray, weights: FloatArray) -> float:
+    """Return the root of the mean square, with the weights [s] of an integral over time."""
+    return float(np.sqrt(np.average(values**2, weights=weights)))
 
 
 def _bends(t: FloatArray, values: FloatArray) -> FloatArray:

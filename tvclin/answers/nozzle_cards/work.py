@@ -50,7 +50,7 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
 
     See `nozzle_card` for the equation; without a vehicle the nozzle is on a bench.
     """
-    engine, steps, rate = nozzle.engine, motion.steps, motion.rate
+    engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
     stiffness, steady, felt = nozzle.stiffness, 0.0, np.zeros(rate.size)
     notes = []
@@ -76,10 +76,10 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
     found = Work(
         torque=most,
         holding=float(resting.max()),
-        rms_torque=rms(torque, steps),
+        rms_torque=rms(torque, weights),
         power=Point(max(float(power[given]), 0.0), float(motion.at[given])),
-        energy=float((np.maximum(power, 0.0) * steps).sum()),
-        returned=float((np.maximum(-power, 0.0) * steps).sum()),
+        energy=float((np.maximum(power, 0.0) * weights).sum()),
+        returned=float((np.maximum(-power, 0.0) * weights).sum()),
         corner_power=abs(most.value) * float(np.abs(rate).max()),
         stiffness=stiffness,
     )

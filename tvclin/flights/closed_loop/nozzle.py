@@ -1,4 +1,4 @@
-"""How the nozzle moves in a flight: deflection, rate and acceleration, many times in a sample."""
+"""Motion of the nozzle in a flight: deflection, rate and acceleration, many times in a sample."""
 
 from __future__ import annotations
 
@@ -8,27 +8,35 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
+from tvclin.flights.closed_loop.checks import check_samples, check_span, paces
 from tvclin.flights.closed_loop.many import LOST, fly_many
 from tvclin.flights.closed_loop.track import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 _AFTER = 15.0
-"""A flight is shown so many times of its fast mode after the wind: what moves then is rounding."""
-_IN_A_SAMPLE, _MOST = 4, 50_000
-"""Times shown in a sample; and samples, of longer flights those of the wind alone."""
+"""Length of a flight after its wind, in times of the fast mode: what moves then is rounding."""
+_LOOKS_PER_RADIAN = 15.0
+"""Times of a flight in 1/omega of the fastest pole of actuator and vehicle, at the least. A peak of
+an oscillation is then missed by at most 1 - cos(1/30) of it, 0.06 percent; a product of two such
+oscillations, as power is, is integrated by midpoints to (2 * 2/15)^2/24 of it, 0.3 percent."""
+_MIN_LOOKS = 4
+"""Times in a sample, at the least."""
+_MAX_LOOKS = 1_000_000
+"""Times in a wind, at the most, beyond which a flight is refused; and after it, where it ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class NozzleFlight:
-    """What became of a flight, and how its nozzle moved; angles in rad.
+    """Outcome of a flight, and the motion of its nozzle; angles in rad.
 
-    `times`: even times [s] from the first command on, at which commands change too, ``(n,)``; of a
-    flight that is lost none. `rate`, `acceleration`: of the actuator right after these; None
-    without an actuator, whose times are the samples.
+    `times`: even times [s] from the first command on, `looks` in a sample, at the first of which
+    the command changes, ``(n,)``; of a flight that is lost none. `looks` is even. `rate`,
+    `acceleration`: of the actuator right after the times; None without an actuator.
     """
 
     status: str
@@ -38,6 +46,7 @@ class NozzleFlight:
     attitude: FloatArray
     rate: FloatArray | None
     acceleration: FloatArray | None
+    looks: int = _MIN_LOOKS
 
 
 def fly_nozzle(
@@ -51,23 +60,48 @@ def fly_nozzle(
     sample_rate: float,
     delay: float,
 ) -> NozzleFlight:
-    """Return how a nozzle moves in the flight of a law; arguments as of `fly_many`."""
-    told: dict[str, Any] = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
-    told |= {"actuator": actuator, "sample_rate": sample_rate, "delay": delay}
-    status = str(fly_many(plant, law, wind, **told).status)
+    """Return the motion of a nozzle in the flight of a law; arguments as of `fly_many`.
+
+    `InputError` for a wind of more samples or times than can be held.
+    """
+    onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
+    looks = looks_per_sample(plant, actuator, h)
+    longest = _longest(onset, end, h, looks)
+    options: dict[str, Any] = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
+    options |= {"actuator": actuator, "sample_rate": sample_rate, "delay": delay}
+    status = str(fly_many(plant, law, wind, **options).status)
     none = np.empty(0)
     if status == LOST:
         return NozzleFlight(status, none, none, none, none, None, None)
-    onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
     late = onset + delay % h
-    count = int(np.ceil((end - late + _AFTER / float(plant.coefficients.pole)) / h))
-    if count > _MOST:
-        count = int(np.ceil((end - late) / h))
-    points = 1 if actuator is None else _IN_A_SAMPLE
-    times = np.asarray(late + h / points * np.arange(count * points + 1), dtype=np.float64)
+    after = min(_AFTER / float(plant.coefficients.pole), longest)
+    count = int(np.ceil((end - late + after) / h))
+    times = np.asarray(late + h / looks * np.arange(count * looks + 1), dtype=np.float64)
     hardware = Hardware(h, delay, actuator, rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
     rows, rate, acceleration = tracked(flight, times)
     seen = outputs_of(plant, rows, wind(times))
     alpha, attitude = (seen[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude"))
-    return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration)
+    return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration, looks)
+
+
+def looks_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
+    """Return the even number of times in a sample [s] at which a flight is evaluated."""
+    poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
+    fastest = max(float(np.abs(poles).max()), float(paces(plant)))
+    return max(2 * int(np.ceil(_LOOKS_PER_RADIAN * fastest * length / 2.0)), _MIN_LOOKS)
+
+
+def _longest(start: float, stop: float, length: float, looks: int) -> float:
+    """Return the longest motion [s] that is evaluated; `InputError` for a wind that is longer."""
+    check_span(start, stop)
+    check_samples(stop - start, length)
+    longest = _MAX_LOOKS / looks * length
+    if stop - start > longest:
+        lower = ", or a lower sample rate" if looks == _MIN_LOOKS else ""
+        raise InputError(
+            f"the wind of a nozzle's motion may last at most {longest:.4g} s, with {looks} times in"
+            f" a sample at {1.0 / length:.4g} Hz; got {stop - start:.6g} s: take a wind that ends"
+            f" earlier{lower}"
+        )
+    return longest

@@ -23,6 +23,8 @@ _DIGITS = 12
 """Of a time in a substep [s]: times on a grid fall on few of them."""
 _FEW = 64
 """So many of them are taken one after the other."""
+_MAX_NUMBERS = 4_000_000
+"""Numbers of the matrices that are gathered at once, 32 or 64 MB."""
 
 
 class Tracked(NamedTuple):
@@ -116,9 +118,13 @@ class _Substeps(NamedTuple):
 
     def moved(self, steps: AnyArray, states: AnyArray) -> AnyArray:
         """Return what matrices of `once` make of states ``(m, n)``, as columns."""
-        if self.once.size > _FEW:
-            return np.asarray(np.einsum("mij,mj->im", steps[self.which], states))
         found = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
+        if self.once.size > _FEW:
+            width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)
+            for k in range(0, len(states), width):
+                part = slice(k, k + width)
+                found[:, part] = np.einsum("mij,mj->im", steps[self.which[part]], states[part])
+            return found
         for k, one in enumerate(steps):
             mine = self.which == k
             found[:, mine] = one @ states[mine].T
