@@ -30,7 +30,10 @@ def found():
 @pytest.mark.thorough
 def test_each_number_is_a_boundary_of_a_law_designed_for_its_rate(found):
     cases, fronts, told = found
-    assert told == [(k, 12) for k in range(1, 13)]
+    done = [one for one, _ in told]
+    assert done == sorted(done)
+    assert {one for one in done if one.is_integer()} == set(range(1, 13))
+    assert {total for _, total in told} == {12}
     for name, case in cases.items():
         front = fronts[name]
         rates = front.front.rates
@@ -68,3 +71,23 @@ def test_unknown_laws_and_what_is_no_case_are_refused():
         tv.answers.flown_fronts({"one": case}, laws=("trm",))
     with pytest.raises(tv.InputError, match="cases must"):
         tv.answers.flown_fronts({"one": VEHICLE})
+
+
+def test_progress_advances_within_a_boundary():
+    told = []
+    case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
+    options = {"laws": ("trim",), "progress": lambda done, total: told.append(done / total)}
+    tv.answers.flown_fronts({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
+    assert len(told) > 2
+    assert 0.0 < told[0] < 0.3
+    assert told[-1] == 1.0
+
+
+@pytest.mark.parametrize("given", [{"sample_rate": 1e5}, {"duration": 4000.0}])
+def test_more_samples_than_can_be_flown_are_refused_at_once(given):
+    """The default is 30 boundaries of 2 winds with up to 253 limits: 1.5e4 flights."""
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=given.get("duration", 7.5))
+    design = tv.AutopilotDesign(sample_rate=given.get("sample_rate"))
+    case = tv.Case(vehicle=VEHICLE, wind=wind, nozzle=NOZZLE, design=design)
+    with pytest.raises(tv.InputError, match=r"at most 2e\+09 samples"):
+        tv.answers.flown_fronts({"one": case})

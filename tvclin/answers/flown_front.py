@@ -14,16 +14,19 @@ from tvclin.answers.flexible import law_asked
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import callable_for, different, each, instance, one_of, within
+from tvclin.base.errors import InputError, callable_for, different, each, instance, one_of, within
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
 from tvclin.control.laws.registry import LAWS
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
+from tvclin.flights.closed_loop.edges import ABOVE, LEVELS, PARTS, STEPS
 
 _STOPS = ("no sudden stop of it", "a sudden stop in its middle")
 _HIGHEST = 3.0
 """Of the limits that are tried, over the largest trim deflection."""
+_MAX_SAMPLES = 2e9
+"""Samples of all flights of a call, at the most; some minutes as machine code."""
 _MULTIPLES = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
 """Rates over the least one of theory, unless rates are given."""
 
@@ -98,7 +101,7 @@ def flown_fronts(
     *,
     laws: tuple[str, ...] = tuple(LAWS),
     cuts: int = 1,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[float, float], None] | None = None,
 ) -> dict[str, FlownFront]:
     """Return the limit that each law needs at each rate limit, in many cases.
 
@@ -116,12 +119,13 @@ def flown_fronts(
         Sudden stops that are tried as well, as of `closed_loop_boundary`; one is at the peak of a
         triangle.
     progress : callable, optional
-        Is told how many boundaries are flown, and how many there are.
+        Called with how many boundaries are flown, in fractions too, and how many there are.
 
     Raises
     ------
     InputError
-        As `rate_front` and `closed_loop_boundary`, and for unknown names.
+        As `rate_front` and `closed_loop_boundary`, for unknown names, and for flights of more than
+        2e9 samples in all.
 
     Examples
     --------
@@ -141,17 +145,20 @@ def flown_fronts(
     within("cuts", cuts, 0, 1000)
     fronts = {key: _front(case, rates) for key, case in cases.items()}
     total = len(names) * sum(one.rates.size for one in fronts.values())
+    _check_samples(cases, fronts, len(names) * (cuts + 1))
     done = 0
+
+    def advanced(winds: int, most: int) -> None:
+        if progress is not None:
+            progress(done + winds / most, total)
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
         nonlocal done
-        nozzle = {**case.hardware, "rate_limit": rate, "cuts": cuts, "highest": _HIGHEST}
-        found = closed_loop_boundary(
-            case.plant, law_asked(case, name, rate), case.history, **nozzle
-        )
+        options = {**case.hardware, "rate_limit": rate, "cuts": cuts, "highest": _HIGHEST}
+        law = law_asked(case, name, rate)
+        found = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
         done += 1
-        if progress is not None:
-            progress(done, total)
+        advanced(0, 1)
         return found
 
     def answer(case: Case, front: RateFront) -> FlownFront:
@@ -164,6 +171,21 @@ def flown_fronts(
         )
 
     return {key: answer(case, fronts[key]) for key, case in cases.items()}
+
+
+def _check_samples(cases: Mapping[str, Case], fronts: Mapping[str, RateFront], winds: int) -> None:
+    """Raise `InputError` for more samples in so many winds with each rate than can be flown."""
+    limits = STEPS + 1 + LEVELS * ABOVE * PARTS
+    samples = 0.0
+    for key, case in cases.items():
+        span = float(case.history.end) - float(case.history.onset)
+        samples += winds * fronts[key].rates.size * limits * span * case.hardware["sample_rate"]
+    if samples > _MAX_SAMPLES:
+        raise InputError(
+            f"flights of laws may have at most {_MAX_SAMPLES:.3g} samples in all, and these may"
+            f" have {samples:.3g}: take a lower sample rate, a shorter wind, fewer laws or fewer"
+            " rates"
+        )
 
 
 def _front(case: Case, rates: ArrayLike | None) -> RateFront:
