@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.small_launcher import write
 from tvclin.answers.findings import find
 from tvclin.answers.nozzle_cards.flown import FlownCard
+from tvclin.answers.nozzle_cards.unjudged import flight_reason
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
 from tvclin.answers.questions import questions
 from tvclin.control.laws.filtered import NoisyLaw
@@ -156,8 +158,63 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
     found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
     assert found.enough is None
-    assert found.unknown == ("jet at 45 s",)
+    assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in found.words
+    offered = tv.answers.SizingAsked(schedule=held, **told | {"start": 46.0})
+    assert tv.answers.flight_card(case, offered).verdict.enough is True
+
+
+def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
+    """At 64.0294 s: what is offered is not beyond it."""
+    held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
+    jet = tv.WindProfile(height=[0.0, 8e3, 10004.9], east=[5.0, 25.0, 5.0], north=[0.0] * 3)
+    sounding = tv.answers.SoundingAsked(jet, azimuth=np.radians(90.0))
+    told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
+    case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
+    found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
+    assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
+    offered = tv.answers.SizingAsked(schedule=held, stop=64.02, **told)
+    assert tv.answers.flight_card(case, offered).verdict.enough is True
+
+
+def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_is_named(tmp_path):
+    """Not called lost, and no number of a motion that is not judged is shown."""
+    flight = tv.load_schedule(write(tmp_path / "pad.csv"))
+    poles = {
+        time: np.linalg.eigvals(flight.plants(time, "drift-exact", "pitch").matrices()[0])
+        for time in (10.0, 20.0)
+    }
+    assert np.any((poles[10.0].real > 1e-3) & (poles[10.0].imag != 0.0))
+    assert not np.any((poles[20.0].real > 1e-3) & (poles[20.0].imag != 0.0))
+    case = plan(nozzle=tv.Nozzle(limit=5.0 * DEG))
+
+    def card(start, model="drift-exact"):
+        flown = tv.answers.SizingAsked(schedule=flight, start=start, stop=20.0, every=10.0)
+        return tv.answers.flight_card(replace(case, model=model), flown)
+
+    found = card(10.0)
+    assert found.verdict.enough is None
+    assert found.verdict.lost == ()
+    (reason,) = found.verdict.unknown
+    assert reason.startswith("the flight of trim at 10 s in triangular wind of 5 deg, 7.5 s: two")
+    assert "--from 20 leaves these times out, --model fixed-path judges" in reason
+    first, second = (line.split(",") for line in found.to_csv().splitlines()[1:])
+    angle = found.to_csv().splitlines()[0].split(",").index("angle_deg") + 1  # a name has a comma
+    assert (first[angle], first[4]) == ("nan", "no flight")
+    assert float(second[angle]) > 0.0
+    assert card(20.0).verdict.enough is True
+    assert card(10.0, "fixed-path").verdict.enough is True
+
+
+def test_a_flight_that_ends_undecided_is_not_known():
+    plant = tv.Plant.from_vehicle(SCHEDULE.at(66.0))
+    assert "neither lost nor settled" in flight_reason(plant, "undecided")
+    assert flight_reason(plant, "lost") == flight_reason(plant, "survived") == ""
+    verdict = NozzleVerdict.of(NOZZLE, {"limit": 0.5 * DEG}, unknown=["the flight: it is open"])
+    assert verdict.enough is None
+    assert verdict.words == "NOT KNOWN to be enough: the flight: it is open"
+    short = NozzleVerdict.of(NOZZLE, {"limit": 1.5 * DEG}, unknown=["the flight: it is open"])
+    assert short.words.startswith("NOT ENOUGH: the limit needed")
 
 
 def test_noise_is_that_of_the_gyro_for_each_sample():

@@ -214,7 +214,7 @@ def _card(found: Findings) -> Iterator[Question]:
     measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
     line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
     if verdict.lost or verdict.unknown:
-        line = (verdict.words,)
+        line = (verdict.reason,)
     yield Question(name, verdict.enough, line, measure=measure)
 
 

@@ -56,7 +56,8 @@ def nozzle(
     With --law also what the flight of the law asks of the nozzle: rate, travel, time at the stop.
     With --laws also the limit that each law needs flown, in the whole wind and with a sudden stop.
 
-    Exit code 0: enough, or not asked; 1: not enough, or the law does not survive; 2: bad input.
+    Exit code 0: enough, or not asked; 1: not enough, not known, or the law does not survive; 2: bad
+    input.
     """
     from tvclin import plots
 
@@ -79,7 +80,7 @@ def nozzle(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    lost = front.enough is False or (flown is not None and flown.verdict.enough is False)
+    lost = front.enough is False or (flown is not None and not flown.verdict.enough)
     note_calm_air(case)
     answer(
         shown.as_json,

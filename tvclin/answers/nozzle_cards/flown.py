@@ -11,6 +11,7 @@ import numpy as np
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.motion import Motion
+from tvclin.answers.nozzle_cards.unjudged import flight_reason
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
@@ -50,13 +51,16 @@ class FlownCard(Shown):
             vehicle = whole_vehicle(case.vehicle, "the torque of a nozzle").rigid
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         said, cards, lost = tuple(design_notes(law)), [], []
-        if flight.times.size:
+        why = flight_reason(case.plant, flight.status)
+        if flight.times.size and not why:
             cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
             said = (*said, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
-        if flight.status != SURVIVED:
+        if flight.status != SURVIVED and not why:
             lost = [f"{name} {FATES[flight.status]}"]
         travel = cards[0].travel if cards else np.nan
-        verdict = NozzleVerdict.of(case.nozzle, needed_of(case.nozzle, cards, travel), lost)
+        unknown = [f"the flight of {name}: {why}"] if why else []
+        needed = needed_of(case.nozzle, cards, travel) if cards or lost else {}
+        verdict = NozzleVerdict.of(case.nozzle, needed, lost, unknown)
         return cls(name, flight.status, cards[0] if cards else None, said, verdict)
 
     @property

@@ -40,10 +40,11 @@ class CardPoint(Shown):
     """The nozzle at one flight time [s] in one wind, in one plane.
 
     The wind has its sign along the path where that matters. `least` is the least angle [rad] at any
-    rate, the wind being known; `pole` the fast unstable one [1/s], zero where nothing grows;
-    `limit` the part of the stop [rad] that this plane has. `status` is what became of the flight,
-    as of `fly_many`, empty where nothing is flown; `card` is None then, or where it is lost; `said`
-    is of the design of the law. `alone` is travel [rad] and energy [J] of the flight beside what
+    rate, the wind being known; `pole` the fast unstable one [1/s], zero where nothing grows, not a
+    number where two are a pair; `limit` the part of the stop [rad] that this plane has. `status` is
+    what became of the flight, as of `fly_many`, empty where nothing is flown, and `why` the reason
+    where it cannot be judged; `card` is None then, and where it is lost. `said` is of the design of
+    the law. `alone` is travel [rad] and energy [J] of the flight beside what
     noise takes by itself, `quiet` that [rad/s, W].
     """
 
@@ -54,6 +55,7 @@ class CardPoint(Shown):
     least: float = 0.0
     pole: float = 0.0
     status: str = ""
+    why: str = ""
     card: NozzleCard | None = None
     said: tuple[str, ...] = ()
     alone: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -71,8 +73,8 @@ class CardPoint(Shown):
 
     @property
     def lost(self) -> bool:
-        """Whether a flight is not survived."""
-        return self.status not in ("", SURVIVED)
+        """Whether a flight is known not to survive."""
+        return self.status not in ("", SURVIVED) and not self.why
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -85,14 +87,15 @@ class CardPoint(Shown):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the point as the command line prints it as JSON, angles in degrees."""
-        return picked(self, "time_s wind plane status") | self.numbers
+        return picked(self, "time_s wind plane status why") | self.numbers
 
 
 @dataclass(frozen=True)
 class Duty(Shown):
     """What a whole flight in one wind asks of a nozzle, one moment after the other.
 
-    Travel is the integral of ``|delta'|`` [rad], not a number where a flight is lost; energy [J]
+    Travel is the integral of ``|delta'|`` [rad], not a number where a flight is lost or cannot be
+    judged; energy [J]
     what the actuators give, not a number without nozzle data.
     """
 
@@ -157,15 +160,17 @@ class FlightCard(Shown):
         rows = [
             [repr(one.time), one.wind, one.plane, one.status]
             + [repr(float(one.numbers.get(key, np.nan))) for key in keys]
+            + [one.why]
             for one in self.points
         ]
-        return write_rows([["time_s", "wind", "plane", "status", *keys], *rows], path)
+        return write_rows([["time_s", "wind", "plane", "status", *keys, "why"], *rows], path)
 
     def _worst(self) -> dict[str, CardPoint]:
         numbers = [one.numbers for one in self.points]
         found = {}
         for key in dict.fromkeys(chain.from_iterable(numbers)):
-            found[key] = self.points[int(np.argmax([one.get(key, -1.0) for one in numbers]))]
+            values = np.nan_to_num([one.get(key, -1.0) for one in numbers], nan=-1.0)
+            found[key] = self.points[int(np.argmax(values))]
         return found
 
     def _whole(self) -> Table:
@@ -203,7 +208,10 @@ class FlightCard(Shown):
             rows = []
             for time in times:
                 now = [one.numbers for one in self.points if one.time == time]
-                most = {key: max(one.get(key, np.nan) for one in now) for key in there}
+                most = {
+                    key: float(np.fmax.reduce([one.get(key, np.nan) for one in now]))
+                    for key in there
+                }
                 cells = (_cell(f"card.{time:g}.{key}", key, most[key]) for key in there)
                 rows.append(((f"{time:.6g}",), *cells))
             heads = [" [".join(filter(None, named(key))) + "]" for key in there]

@@ -85,7 +85,8 @@ class Need(Shown):
 class NozzleVerdict(Shown):
     """Whether a nozzle is enough, line by line: that of which the largest part is needed first.
 
-    `lost` and `unknown` are flights that are not survived, and winds that are not known, in words.
+    `lost` are flights that are not survived, `unknown` what cannot be judged, a flight or a wind,
+    with the reason and what would make it known; both in words.
     """
 
     needs: tuple[Need, ...]
@@ -128,24 +129,29 @@ class NozzleVerdict(Shown):
         return None if not answers or None in answers or self.unknown else True
 
     @property
-    def words(self) -> str:
-        """The verdict in a sentence, of the line that is worst."""
+    def reason(self) -> str:
+        """What the verdict rests on, in words: a flight, a wind, or the line that is worst."""
         if self.lost:
             others = len(self.lost) - 1
-            more = f", and {others} more" if others else ""
-            return f"NOT ENOUGH: {self.lost[0]}{more}"
+            return f"{self.lost[0]}{f', and {others} more' if others else ''}"
+        if self.unknown and self.enough is None:
+            return "; ".join(self.unknown)
         worst = next((one for one in self.needs if one.there is not None), None)
-        if worst is None:
-            return "nothing is asked; give a limit and a rate limit"
-        needed, there = (f"{x:.4g}" for x in (worst.needed, worst.there or 0.0))
-        if self.enough is None:
-            where = f", {self.unknown[0]}" if self.unknown else ""
-            return f"NOT KNOWN to be enough{where}"
-        word = "ENOUGH" if self.enough else "NOT ENOUGH"
+        if worst is None or self.enough is None:
+            return ""
         if np.isinf(worst.needed):
-            return f"{word}: no {worst.name} is enough"
-        unit = worst.unit
-        return f"{word}: the {worst.name} needed is {needed} {unit}, and {there} {unit} is there"
+            return f"no {worst.name} is enough"
+        needed, there = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
+        return f"the {worst.name} needed is {needed}, and {there} is there"
+
+    @property
+    def words(self) -> str:
+        """The verdict in a sentence, with its reason."""
+        given = any(one.there is not None for one in self.needs)
+        if not (given or self.lost or self.unknown):
+            return "nothing is asked; give a limit and a rate limit"
+        word = {True: "ENOUGH", False: "NOT ENOUGH", None: "NOT KNOWN to be enough"}[self.enough]
+        return f"{word}: {self.reason}" if self.reason else word
 
     def _repr_html_(self) -> str:
         return "".join(table(one, ((self.words,),)) for one in self.tables())
@@ -165,4 +171,7 @@ class NozzleVerdict(Shown):
             )
             for one in self.needs
         )
-        return (Table("What is asked of the nozzle", ("", "needed", "there", "left"), rows),)
+        known = ", where that is known" if self.unknown else ""
+        return (
+            Table(f"What is asked of the nozzle{known}", ("", "needed", "there", "left"), rows),
+        )

@@ -20,6 +20,7 @@ from tvclin.answers.nozzle_cards.card import WINDOW, NozzleCard, card_of
 from tvclin.answers.nozzle_cards.flown import actuator_notes
 from tvclin.answers.nozzle_cards.motion import Motion
 from tvclin.answers.nozzle_cards.record import CardPoint, Duty, FlightCard
+from tvclin.answers.nozzle_cards.unjudged import flight_reason, unjudged_flights, unknown_winds
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.air_met import in_air
@@ -134,25 +135,30 @@ def flight_card(
     )
     points: list[CardPoint] = []
     signed = [pulse.heading is None for pulse in asked.pulses(case)]
-    unknown = []
+    unknown: dict[str, dict[float, str]] = {}
     every = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
     with repeated(len(every)):
         for done, (i, j, name) in enumerate(every, 1):
             time, wind = float(times[i]), winds[name]
             placed = place_in(flying.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
-            if not all(one.known for one in placed.values()):
-                unknown.append(f"{name} at {time:.6g} s")
+            for one in placed.values():
+                if not one.known:
+                    unknown.setdefault(name, {})[time] = one.why
             sign = j < len(signed) and signed[j]
             points += flying.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
                 progress(done, len(every))
+    unjudged = (
+        *unknown_winds(asked.schedule, winds, unknown),
+        *unjudged_flights(law, points, case.law_model),
+    )
     duties = tuple(_duties(points, winds, np.diff(flying.edges)))
     return FlightCard(
         vehicle=asked.schedule.vehicle.name,
         law=law,
         points=tuple(points),
         duties=duties,
-        verdict=_verdict(flying, points, duties, unknown),
+        verdict=_verdict(flying, points, duties, unjudged),
         notes=tuple(_notes(flying, points, winds)),
     )
 
@@ -251,7 +257,8 @@ class _Flying:
             design=self.case.design,
         )
         plant, nozzle = own.plant.rigid, own.nozzle
-        pole = float(np.abs(unstable_modes(plant).poles).max())
+        poles = unstable_modes(plant).poles
+        pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
         point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
         law = law_asked(own, self.law, own.hardware["rate_limit"])
         said = tuple(design_notes(law))
@@ -259,8 +266,9 @@ class _Flying:
             bare = law.law if isinstance(law, FilteredLaw) else law
             law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **own.asked.chains)
         flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **own.hardware)
-        if not flight.times.size:
-            return replace(point, status=flight.status)
+        why = flight_reason(plant, flight.status)
+        if why or not flight.times.size:
+            return replace(point, status=flight.status, why=why)
         whole = Motion.of_flight(flight)
         motion = whole if share is None else whole.between(*share)
         if motion is None:
@@ -293,7 +301,7 @@ def _duties(
     for wind, plane in dict.fromkeys((one.wind, one.plane) for one in points):
         mine = [one for one in points if (one.wind, one.plane) == (wind, plane)]
         spent = np.array([one.alone for one in mine if one.card is not None]).reshape(-1, 2)
-        if any(one.lost for one in mine):
+        if any(one.lost or one.why for one in mine):
             spent = np.full((1, 2), np.nan)
         elif not _measured(winds.get(wind)):
             noise = np.mean([one.quiet for one in mine], axis=0) * shares.sum()
@@ -306,7 +314,7 @@ def _measured(wind: Any) -> bool:
 
 
 def _verdict(
-    flying: _Flying, points: list[CardPoint], duties: tuple[Duty, ...], unknown: list[str]
+    flying: _Flying, points: list[CardPoint], duties: tuple[Duty, ...], unknown: tuple[str, ...]
 ) -> NozzleVerdict:
     """What all flights and the theory of a known wind need, each in the measure of the stop."""
     nozzle = flying.case.nozzle
@@ -316,9 +324,10 @@ def _verdict(
     )
     flown = [one.card for one in points if one.card is not None]
     with np.errstate(invalid="ignore"):
-        known = np.where(least > 0.0, ramped_deflection(least, np.maximum(pole, 1e-9), most), 0.0)
+        ramped = ramped_deflection(least, np.maximum(pole, 1e-9), most)
+        known = np.where(least > 0.0, np.where(np.isnan(pole), least, ramped), 0.0)
+        rates = np.nan_to_num(ramp_rate(least, pole, limit), nan=0.0, posinf=np.inf)
     turned = np.array([abs(one.card.angle.value) if one.card else 0.0 for one in points])
-    rates = ramp_rate(least, pole, limit)
     needed = needed_of(nozzle, flown, float(np.max([one.travel for one in duties], initial=0.0)))
     needed["limit"] = flying.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
     needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])

@@ -13,7 +13,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import check_samples, check_span, paces
-from tvclin.flights.closed_loop.many import LOST, fly_many
+from tvclin.flights.closed_loop.many import LOST, NO_FLIGHT, fly_many
 from tvclin.flights.closed_loop.track import outputs_of, tracked
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
@@ -35,8 +35,8 @@ class NozzleFlight:
     """Outcome of a flight, and the motion of its nozzle; angles in rad.
 
     `times`: even times [s] from the first command on, `looks` in a sample, at the first of which
-    the command changes, ``(n,)``; of a flight that is lost none. `looks` is even. `rate`,
-    `acceleration`: of the actuator right after the times; None without an actuator.
+    the command changes, ``(n,)``; none of a flight that is lost or cannot be flown. `looks` is
+    even. `rate`, `acceleration`: of the actuator right after the times; None without an actuator.
     """
 
     status: str
@@ -71,7 +71,7 @@ def fly_nozzle(
     options |= {"actuator": actuator, "sample_rate": sample_rate, "delay": delay}
     status = str(fly_many(plant, law, wind, **options).status)
     none = np.empty(0)
-    if status == LOST:
+    if status in (LOST, NO_FLIGHT):
         return NozzleFlight(status, none, none, none, none, None, None)
     late = onset + delay % h
     after = min(_AFTER / float(plant.coefficients.pole), longest)

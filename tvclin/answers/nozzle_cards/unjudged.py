@@ -1,0 +1,96 @@
+"""Flights and winds that a card cannot judge, with the reason and what would make them known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.nozzle_cards.record import CardPoint
+from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+from tvclin.answers.sizing.notes import flight_times
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.flights.closed_loop.many import NO_FLIGHT, UNDECIDED
+from tvclin.flights.closed_loop.outcomes import decidable
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.modes import that_grow
+
+_PAIR = "two unstable poles are a pair, for which no test of loss is known"
+_FIXED_PATH = "fixed-path"
+_CENTISECONDS = 100.0
+
+
+def flight_reason(plant: AnyPlant, status: str) -> str:
+    """Return why the flight of a plant cannot be judged; empty where it can."""
+    if status == UNDECIDED:
+        return "it is neither lost nor settled when it ends"
+    if status != NO_FLIGHT:
+        return ""
+    if decidable(plant):
+        return "its wind lasts for more than a million samples"
+    poles = that_grow(plant.poles)
+    poles = poles[~np.isnan(poles)]
+    if np.iscomplexobj(poles) and np.any(np.imag(poles) != 0.0):
+        return _PAIR
+    return (
+        f"a test of loss is known for one or two unstable poles and a moment; it has {poles.size}"
+    )
+
+
+def unjudged_flights(law: str, points: Iterable[CardPoint], model: str) -> Iterator[str]:
+    """Yield by reason which flights of a law cannot be judged, and which option helps."""
+    rows = list(points)
+    reasons: dict[str, list[CardPoint]] = {}
+    for one in rows:
+        if one.why:
+            reasons.setdefault(one.why, []).append(one)
+    unjudged = {one.time for several in reasons.values() for one in several}
+    judged = {one.time for one in rows} - unjudged
+    for why, several in reasons.items():
+        offers = []
+        if judged and max(unjudged) < min(judged):
+            offers.append(f"--from {min(judged):.6g} leaves these times out")
+        elif judged and min(unjudged) > max(judged):
+            offers.append(f"--to {max(judged):.6g} leaves these times out")
+        if why == _PAIR and model != _FIXED_PATH:
+            offers.append(f"--model {_FIXED_PATH} judges them without drift")
+        winds = list(dict.fromkeys(one.wind for one in several))
+        where = winds[0] if len(winds) == 1 else f"{len(winds)} winds"
+        said = f" ({', '.join(offers)})" if offers else ""
+        at = flight_times({one.time for one in several})
+        yield f"the flight of {law} at {at} in {where}: {why}{said}"
+
+
+def unknown_winds(
+    schedule: FlightSchedule, winds: Mapping[str, Any], unknown: Mapping[str, dict[float, str]]
+) -> Iterator[str]:
+    """Yield which winds are not known, from which height on, and which option leaves that out.
+
+    `unknown` has for each wind its flight times [s] where it is not known, with the reason where
+    that is not that a sounding ends.
+    """
+    for name, times in unknown.items():
+        wind = winds[name]
+        if isinstance(wind, MeasuredWind | MeasuredPlanes):
+            first, last = wind.known
+            early, late = min(times) < first, max(times) > last
+            if early:
+                yield (
+                    f"{name} is not known below {schedule.place(first)}:"
+                    f" --from {_rounded(first, math.ceil)} begins there"
+                )
+            if late:
+                yield (
+                    f"{name} is not known above {schedule.place(last)}:"
+                    f" --to {_rounded(last, math.floor)} ends there"
+                )
+        reasons = {time: why for time, why in times.items() if why}
+        if reasons:
+            yield f"{name} at {flight_times(reasons)}: {reasons[min(reasons)]}"
+
+
+def _rounded(time: float, towards: Any) -> str:
+    """Return a flight time [s] to hundredths, rounded into the known part of the flight."""
+    return f"{towards(time * _CENTISECONDS) / _CENTISECONDS:.10g}"
