@@ -22,8 +22,8 @@ _LONGEST = 160
 """Of a name that messages quote whole."""
 _PREFIX = 60
 """So much of its name a file carries while it is written, at most four bytes for each letter."""
-_LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
-"""Bytes of a text that is read at once, and letters of one of tables: no real one has so many."""
+LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
+"""Bytes of a file that is read at once, and letters of one of tables: no real one has so many."""
 _LONGEST_LINE = 1_000_000
 _MOST_DOTS = 100
 """In one key; what parses it takes the square of their number."""
@@ -99,27 +99,37 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
     For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
     `errors` ({"strict", "replace"}): what becomes of bytes that are not UTF-8.
     """
-    hint, name = f"; {start}" if start else "", called(path)
-    _check_ordinary(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-    except IsADirectoryError:
-        raise InputError(f"{name} is a directory; name {kind} in it") from None
-    except FileNotFoundError:
-        raise InputError(f"{name} does not exist{hint}") from None
-    except (OSError, ValueError) as error:
-        raise InputError(f"{name} cannot be read: {reason(error)}") from None
-    if len(content) > _LARGEST:
-        raise InputError(f"{name} has more than {_LARGEST // 1_000_000} MB; name {kind}")
+    content, name = read_bytes(path, kind, start), called(path)
     try:
         text = content.decode("utf-8-sig", errors)
     except UnicodeDecodeError:
         raise InputError(f"{name} is not a text file in UTF-8") from None
     if not text.strip():
-        raise InputError(f"{name} is empty{hint}")
+        raise InputError(f"{name} is empty{_hint(start)}")
     _check_lines(text, name)
     return text
+
+
+def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
+    """Return the bytes of a file, at most `LARGEST`; `kind` and `start` as of `read_text`."""
+    name = called(path)
+    _check_ordinary(path)
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except IsADirectoryError:
+        raise InputError(f"{name} is a directory; name {kind} in it") from None
+    except FileNotFoundError:
+        raise InputError(f"{name} does not exist{_hint(start)}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name} cannot be read: {reason(error)}") from None
+    if len(content) > LARGEST:
+        raise InputError(f"{name} has more than {LARGEST // 1_000_000} MB; name {kind}")
+    return content
+
+
+def _hint(start: str) -> str:
+    return f"; {start}" if start else ""
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:

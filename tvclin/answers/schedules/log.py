@@ -17,6 +17,7 @@ from tvclin.answers.schedules.mapped import (
     mapped_columns,
     vehicle_columns,
 )
+from tvclin.answers.schedules.matlab import MAX_NUMBERS, read_matlab, too_large
 from tvclin.answers.schedules.sheet import Heading, Sheet, read_sheet
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
@@ -163,41 +164,25 @@ def _sheet(path: str | PathLike[str], time: str | None) -> Sheet:
 
 def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
     """The vectors of equal length in a .mat file as a table; single numbers as columns."""
-    from scipy.io import loadmat
-
-    source = called(file := a_path("path", path))
-    try:
-        found = loadmat(file, squeeze_me=True)
-    except NotImplementedError:
-        raise InputError(
-            f"{source} is a .mat file of version 7.3; save it in MATLAB with -v7"
-        ) from None
-    except OSError as error:
-        if error.filename:
-            raise
-        raise _unreadable(source) from None
-    except Exception:  # scipy raises whatever a damaged file leads to
-        raise _unreadable(source) from None
-    held = {k: np.asarray(value) for k, value in found.items() if not k.startswith("__")}
-    if len(held) == 1 and (only := next(iter(held.values()))).dtype.names:
-        held = {name: only[name].item() for name in only.dtype.names}
-    arrays = {name: np.asarray(value) for name, value in held.items()}
+    source, found = called(file := a_path("path", path)), read_matlab(file)
+    if len(found) == 1 and isinstance(only := next(iter(found.values())), dict):
+        found = dict(only)
     numbers = {
-        k: a.astype(float) for k, a in arrays.items() if a.ndim <= 1 and a.dtype.kind in "iuf"
+        k: one.astype(float)
+        for k, one in found.items()
+        if isinstance(one, np.ndarray) and one.ndim <= 1
     }
     rows = max((one.size for one in numbers.values()), default=0)
     columns = {name: one for name, one in numbers.items() if one.size in (1, rows)}
     if rows < 2:
-        held_names = shown(", ".join(held)) if held else "nothing"
-        raise InputError(f"{source} must hold vectors of one length; it holds {held_names}")
+        held = shown(", ".join(found)) if found else "nothing"
+        raise InputError(f"{source} must hold vectors of one length; it holds {held}")
+    if rows * len(columns) > MAX_NUMBERS:
+        raise too_large(source, f"{MAX_NUMBERS // 1_000_000} million numbers")
     whole = np.stack([np.broadcast_to(one, rows) for one in columns.values()], axis=1)
     cells = tuple(tuple(map(repr, row)) for row in whole.tolist())
     headings = tuple(Heading(k, name, name, None) for k, name in enumerate(columns))
     return Sheet(Text(source, ()), headings, np.arange(1, rows + 1), cells)
-
-
-def _unreadable(source: str) -> InputError:
-    return InputError(f"{source} is not a .mat file of version 5 that can be read")
 
 
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
