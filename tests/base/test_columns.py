@@ -51,3 +51,21 @@ def test_dates_and_directions_are_written_as_they_are_read() -> None:
     assert table.csv() == (
         "azimuth_deg,time_utc,flies\n60.0,2024-02-01T00:00,1.0\n60.0,2024-02-01T12:00,\n"
     )
+
+
+@pytest.mark.parametrize("name", ["=cmd()", "+1", "-1", "@x", "\t=1", "=HYPERLINK(1,2)"])
+def test_no_name_is_a_formula_in_a_spreadsheet_and_every_number_stays_one(name: str) -> None:
+    """A cell is a formula if it begins so; after an apostrophe a spreadsheet reads a text."""
+    winds = Column("wind", np.array([name, "plain"]), "")
+    head, first, second = csv.reader(
+        io.StringIO(Columns((winds,), (Column("need", np.array([-0.5, 1e-9])),)).csv())
+    )
+    assert head == ["wind", "need"]
+    assert first == [f"'{name}", "-0.5"]
+    assert second == ["plain", "1e-09"]
+
+
+def test_no_escape_sequence_of_a_name_reaches_a_csv() -> None:
+    names = np.array(["a\x1b[31mb", "c\rd", "e\udcfff", "ä·日"])
+    rows = csv.reader(io.StringIO(Columns((Column("wind", names, ""),), ()).csv()))
+    assert [row[0] for row in rows] == ["wind", "a?[31mb", "c?d", "e?f", "ä·日"]

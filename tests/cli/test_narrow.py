@@ -1,11 +1,17 @@
 """Narrow terminals: words are broken between words, files and pipes get whole lines."""
 
 import json
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from tvclin.cli.app import app
+from tvclin.vehicle.file import template
 
 COMMANDS = {
     "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
@@ -36,3 +42,67 @@ def test_no_width_breaks_json() -> None:
     asked = (*COMMANDS["study"], "--json")
 
     assert json.loads(words(*asked, columns="40")) == json.loads(words(*asked))
+
+
+def begun(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    """Run the commands in an environment of their own."""
+    return subprocess.run(
+        [sys.executable, "-m", "tvclin", *arguments],
+        capture_output=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+@pytest.mark.parametrize("width", ["0", pytest.param("-3", marks=pytest.mark.thorough)])
+def test_a_width_that_no_terminal_has_counts_as_none(width: str) -> None:
+    error = begun("study", "nobody", COLUMNS=width)
+    vehicles = begun("vehicles", COLUMNS=width)
+    assert (error.returncode, vehicles.returncode) == (2, 0)
+    assert error.stderr.decode() == words("study", "nobody")
+    assert vehicles.stdout.decode().splitlines() == words("vehicles").splitlines()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a locale of POSIX")
+def test_a_letter_that_the_locale_lacks_is_a_question_mark(tmp_path: Path) -> None:
+    """ASCII has no letter for 10⁶, nor for the name of this file."""
+    file = tmp_path / "näme.toml"
+    file.write_text(template())
+    ascii_alone = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    done = begun("poles", os.fspath(file), **ascii_alone)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.isascii()
+    assert b"?" in done.stdout
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names that only POSIX allows")
+@pytest.mark.parametrize("letter", ["\x1b[31m", "\udcff", "\u202e"])
+def test_no_escape_sequence_of_a_file_reaches_terminal_csv_or_figure(
+    tmp_path: Path, letter: str
+) -> None:
+    file, table, chart = tmp_path / f"a{letter}.csv", tmp_path / "a.csv", tmp_path / "a.svg"
+    file.write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,40,0\n40000,0,0\n")
+    asked = ["--azimuth-deg", "90", "--every", "60", "--csv", str(table), "--plot", str(chart)]
+    done = CliRunner().invoke(app, ["size", "configuration-i", "--winds", str(file), *asked])
+    assert done.exit_code == 0, done.output
+    name = f"a{letter}.csv".replace(letter[0], "?")
+    assert name in done.output
+    assert name in table.read_text()
+    for written in (done.output, table.read_text(), chart.read_text()):
+        assert letter[0] not in written
+
+
+def test_a_warning_is_shown_without_its_escape_sequences(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Matplotlib quotes the letter that its font lacks; the package passes such a warning on."""
+
+    def warning(*_: object) -> tuple[str, ...]:
+        warnings.warn("Glyph 27 (\x1b) missing from font", UserWarning, stacklevel=1)
+        return ("configuration-i",)
+
+    monkeypatch.setattr("tvclin.cli.vehicles.list_vehicles", warning, raising=False)
+    monkeypatch.setattr("tvclin.vehicle.file.list_vehicles", warning)
+    said = CliRunner().invoke(app, ["vehicles"]).output
+    assert "Warning: Glyph 27 (?) missing from font" in said
+    assert "\x1b" not in said

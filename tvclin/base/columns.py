@@ -103,7 +103,8 @@ class Tabled(Shown):
         """Return all numbers as CSV, and write it where a path is given.
 
         Angles are in degrees, units at the end of the headings; what is not known is empty. Every
-        number reads back as the same one.
+        number reads back as the same one. A name that begins with ``=``, ``+``, ``-`` or ``@`` has
+        an apostrophe ahead of it, so that no spreadsheet takes it for a formula.
 
         Raises
         ------
@@ -123,7 +124,6 @@ class Tabled(Shown):
         return self._columns().dataset()
 
 
-def _cell(value: Any) -> str:
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)
+def _cell(value: Any) -> Any:
+    """Return a value as a cell, empty for what is not known."""
+    return "" if value is None or (isinstance(value, float) and np.isnan(value)) else value

@@ -27,6 +27,13 @@ LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
 _LONGEST_LINE = 1_000_000
 _MOST_DOTS = 100
 """In one key; what parses it takes the square of their number."""
+_CONTROL = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+"""Control characters but tab and line feed, those that change the direction of writing, and bytes
+in the name of a file that are no letters."""
+_FORMULA = ("=", "+", "-", "@", "\t")
+"""How a cell begins that a spreadsheet takes for a formula."""
 _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
@@ -78,12 +85,23 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_rows(rows: Iterable[Iterable[Any]], path: str | PathLike[str] | None = None) -> str:
-    """Return rows of cells as CSV, and write it where a path is given; see `write_whole`."""
+    """Return rows of cells as CSV, and write it where a path is given; see `write_whole`.
+
+    A text that a spreadsheet would take for a formula begins with an apostrophe.
+    """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
+    csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
     if path is not None:
         write_text(a_path("path", path), text.getvalue())
     return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    """Return a number as it is, and a text without control characters, never a formula."""
+    if not isinstance(value, str):
+        return value
+    name = printable(value)
+    return f"'{name}" if name.startswith(_FORMULA) else name
 
 
 def write_new(path: Path, text: str) -> None:
@@ -155,6 +173,11 @@ def exists(path: str | os.PathLike[str]) -> bool:
         return Path(path).exists()
     except (OSError, ValueError):
         return False
+
+
+def printable(text: str) -> str:
+    """Return a text with a question mark for each control character but tab and line feed."""
+    return _CONTROL.sub("?", text)
 
 
 def called(path: object) -> str:

@@ -5,6 +5,7 @@ it needs but for figures.
 """
 
 import gc
+import os
 import re
 import signal
 import sys
@@ -30,6 +31,8 @@ NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
 """Names of all commands, and the panel of the help in which each stands."""
 _ELSEWHERE = {"init": "vehicles"}
 """Commands that stand in the file of another."""
+_FAILING = ("strict", "surrogateescape")
+"""How a stream handles errors if a letter that its encoding lacks ends in an exception."""
 _LIGHT = ("init", "explore", "doctor")
 """Commands that compute nothing."""
 
@@ -211,11 +214,14 @@ def _top(
 def main() -> None:
     """Run the command line.
 
-    What a terminal has no letter for becomes a question mark; told to end (SIGTERM), it cleans up
-    as after Ctrl-C.
+    What a terminal has no letter for becomes a question mark, in the locale POSIX as well. A width
+    of the terminal that is no positive number (``COLUMNS=0``) counts as none. Told to end
+    (SIGTERM), it cleans up as after Ctrl-C.
     """
-    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors in _FAILING:
         sys.stdout.reconfigure(errors="replace")
+    if not re.fullmatch(r"0*[1-9]\d{0,3}", os.environ.get("COLUMNS", "1")):
+        del os.environ["COLUMNS"]
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     gc.set_threshold(100_000)  # to look for garbage again and again while modules load finds none
     app(prog_name="tvclin")

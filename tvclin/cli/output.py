@@ -25,10 +25,15 @@ _FEW, _ACROSS = 6, 4
 
 
 def say(words: str, err: bool = False) -> None:
-    """Print words: in lines that fit the terminal, and as they are into files and pipes."""
+    """Print words: in lines that fit the terminal, and as they are into files and pipes.
+
+    A control character, as a file name can have it, is a question mark.
+    """
     from rich.console import Console
 
-    console = Console(stderr=err)
+    from tvclin.base.files import printable
+
+    words, console = printable(words), Console(stderr=err)
     if console.is_terminal or "COLUMNS" in os.environ:
         words = "\n".join(map(partial(_filled, console.width), words.split("\n")))
     typer.echo(words, err=err)
@@ -57,14 +62,16 @@ def _filled(width: int, line: str) -> str:
 
 def print_tables(*tables: "Table") -> None:
     """Print tables of an answer: names beside their values, or columns below their headings."""
+    from tvclin.base.files import printable
     from tvclin.base.lines import QUANTITIES, text
 
     for one in tables:
-        rows = [tuple(map(text, row)) for row in one.rows]
+        rows = [tuple(printable(text(cell)) for cell in row) for row in one.rows]
+        caption = printable(one.caption)
         if one.head == QUANTITIES:
-            _print_quantities(one.caption, rows)
+            _print_quantities(caption, rows)
         else:
-            _print_columns(one.caption, one.head, rows)
+            _print_columns(caption, tuple(map(printable, one.head)), rows)
 
 
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -23,6 +23,7 @@ from tvclin.answers.study_file.read import load_sizing
 from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
+from tvclin.base.files import called
 from tvclin.boundary.stops import Stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
@@ -83,12 +84,12 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 "--winds-time must be given once for each --winds; got"
                 f" {len(times)} for {len(files)}"
             )
-        names = [file.name for file in files]
+        names = [called(file.name) for file in files]
         found: dict[str, SoundingAsked] = {}
-        for file, time in zip_longest(files, times):
-            name = " at ".join(filter(None, (file.name, time)))
-            if time is None and names.count(file.name) > 1:
-                name = str(file)
+        for file, label, time in zip_longest(files, names, times):
+            name = " at ".join(filter(None, (label, time)))
+            if time is None and names.count(label) > 1:
+                name = called(file)
             if name in found:
                 raise InputError(f"--winds gives {name} twice")
             found[name] = SoundingAsked(read_sounding(file, time=time), azimuth, mean)

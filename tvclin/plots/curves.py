@@ -8,7 +8,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.base.files import write_rows
+from tvclin.base.files import printable, write_rows
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)
 """Of a sum of few terms, over the largest number in sight."""
@@ -112,8 +112,8 @@ class Curves:
         """
         values = (self.abscissa, *(column.values for column in self.columns))
         table = np.stack([without_rounding(one) for one in values], axis=-1)
-        rows = [[self.abscissa_label, *self.headings], *(map(repr, row) for row in table.tolist())]
-        return f"# {self.name}: {self.parameters}\n{write_rows(rows)}"
+        comment = printable(" ".join(f"# {self.name}: {self.parameters}".split("\n")))
+        return f"{comment}\n{write_rows([[self.abscissa_label, *self.headings], *table.tolist()])}"
 
 
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:

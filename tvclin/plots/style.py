@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from tvclin.base.errors import InputError
-from tvclin.base.files import write_whole
+from tvclin.base.files import printable, write_whole
 from tvclin.plots.curves import Column, Curves
 
 if TYPE_CHECKING:
@@ -183,8 +183,8 @@ def fine_grid(axes: "Axes") -> None:
 
 
 def literal(text: str) -> str:
-    """Return a text in which users may have put names so that no dollar sign begins a formula."""
-    return text.replace("$", r"\$")
+    """Return a text with names of users, without control characters, in which no $ is a formula."""
+    return printable(text).replace("$", r"\$")
 
 
 def pretty(text: str) -> str:

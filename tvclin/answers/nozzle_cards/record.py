@@ -158,8 +158,8 @@ class FlightCard(Shown):
         """
         keys = list(dict.fromkeys(chain.from_iterable(one.numbers for one in self.points)))
         rows = [
-            [repr(one.time), one.wind, one.plane, one.status]
-            + [repr(float(one.numbers.get(key, np.nan))) for key in keys]
+            [one.time, one.wind, one.plane, one.status]
+            + [float(one.numbers.get(key, np.nan)) for key in keys]
             + [one.why]
             for one in self.points
         ]

@@ -24,6 +24,7 @@ from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, sch
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import Faults, InputError, one_of, shown
+from tvclin.base.errors import text as printable_text
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.vehicle.file import source_tables
 from tvclin.winds.file import (
@@ -183,8 +184,7 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
     if not isinstance(file, str) or not file.isprintable():
         raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
     for key in ("name", "format", "time"):
-        if not isinstance(table.get(key, ""), str):
-            raise InputError(f"{key} in [[wind]] must be a text; got {shown(table[key])}")
+        printable_text(f"{key} in [[wind]]", table.get(key, ""))
     profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
     named = Path(file).name
     return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)
