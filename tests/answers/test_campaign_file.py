@@ -261,13 +261,13 @@ def test_bad_files_are_one_clear_sentence(tables, message):
         ("", "winds.csv is empty"),
         ("t,a\n0,1\n", "first column time_s"),
         ("time_s\n0\n1\n", "first column time_s"),
-        ("time_s,a\n0,x\n", "must hold numbers"),
-        ("time_s,a\n0,1\n1\n", "must hold numbers"),
+        ("time_s,a\n0,x\n", "line 2: a must be a number"),
+        ("time_s,a\n0,1\n1\n", "line 3: there are 2 names and 1 cell in this line"),
         ("time_s,a\n0,1\n", "two or more samples"),
         ("time_s,a\n1,1\n0,1\n", "must not decrease"),
         ("time_s,a\n0,0\n1,0\n", "not zero throughout"),
         ("time_s,a\n0,100\n1,0\n", "within 90 degrees"),
-        ("time_s,a\n0,nan\n1,0\n", "must be finite"),
+        ("time_s,a\n0,nan\n1,0\n", "line 2: there is no number in a"),
     ],
 )
 def test_bad_wind_files_are_one_clear_sentence(tmp_path, text, message):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 import pytest
 
 import tvclin as tv
 from tests.schedules.samples import (
+    FIELDS,
     FOLDER,
     HEADER,
     LINES,
@@ -19,13 +18,11 @@ from tests.schedules.samples import (
     kept,
     number_of,
     read,
+    same,
+    with_column,
     written,
 )
 
-FIELDS = (
-    *("weight", "moment_of_inertia", "normal_force_slope", "thrust", "aerodynamic_arm"),
-    *("control_arm", "axial_force", "velocity", "attitude"),
-)
 G, MILLIBAR, S = 9.80665, 100.0, 0.0165
 ROUNDING = 1e-15
 """Of a handful of products in double precision."""
@@ -34,15 +31,6 @@ ROUNDING = 1e-15
 @pytest.fixture(scope="module")
 def sample() -> tv.FlightSchedule:
     return read(OPENROCKET)
-
-
-def same(found: tv.FlightSchedule, expected: tv.FlightSchedule, rtol: float) -> None:
-    """Assert two schedules equal but for the rounding with which one was written."""
-    np.testing.assert_allclose(found.times, expected.times, rtol=rtol)
-    np.testing.assert_allclose(found.height, expected.height, rtol=rtol)
-    for name in FIELDS:
-        one, other = getattr(found.vehicle, name), getattr(expected.vehicle, name)
-        np.testing.assert_allclose(one, other, rtol=rtol, err_msg=name)
 
 
 @pytest.mark.parametrize(
@@ -286,15 +274,6 @@ def test_a_density_of_few_decimals_is_told_and_pressure_with_temperature_counts_
     assert any("p V^2/(2 R T)" in note for note in found.notes)
 
 
-def with_column(name: str, cell: Callable[[float], str], lines: Sequence[str] = LINES) -> list[str]:
-    """Return lines with a column behind the others, of a function of the time."""
-    return [
-        f"{line},{name}" if i == HEADER else line if line.startswith("#")
-        else f"{line},{cell(float(line.split(',')[0]))}"
-        for i, line in enumerate(lines)
-    ]  # fmt: skip
-
-
 @pytest.mark.parametrize("decimals", [repr, lambda x: f"{x:.6e}"])
 def test_decimal_commas_between_semicolons_are_decimal_points(tmp_path, decimals) -> None:
     lines, commas = list(LINES), list(LINES)
@@ -412,8 +391,9 @@ def test_the_damping_is_the_whole_and_not_one_of_its_parts(tmp_path, part) -> No
         assert np.all(found.vehicle.pitch_damping == 23.0)
         assert not any("a part of" in note for note in found.notes)
         again = [*lines[:HEADER], *with_column(name, lambda _: "23", lines)[HEADER:]]
-        with pytest.raises(tv.InputError, match="Damping moment coefficient is there 2 times"):
-            read(written(tmp_path, with_column(name, lambda _: "23", again)))
+        twice = read(written(tmp_path, with_column(name, lambda _: "23", again)))
+        assert not np.any(twice.vehicle.pitch_damping)
+        assert any("Damping moment coefficient is there 2 times" in note for note in twice.notes)
 
 
 def test_a_damping_of_the_wrong_sign_is_left_out_and_one_below_the_jets_doubted(tmp_path) -> None:
@@ -426,12 +406,6 @@ def test_a_damping_of_the_wrong_sign_is_left_out_and_one_below_the_jets_doubted(
     found = read(written(tmp_path, lines))
     assert np.all(found.vehicle.pitch_damping == 1.0)
     assert any("mostly less than that of the jet alone" in note for note in found.notes)
-
-
-def test_a_damping_without_a_known_unit_is_refused(tmp_path) -> None:
-    lines = changed("Normal force", kept, "Damping moment coefficient (1)")
-    with pytest.raises(tv.InputError, match="unit of the column .*Damping.* export it in kg"):
-        read(written(tmp_path, lines))
 
 
 def test_many_rows_are_thinned_to_straight_lines_within_a_thousandth(tmp_path) -> None:

@@ -11,8 +11,8 @@ import pytest
 import tvclin as tv
 from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
 from tvclin.answers.schedules.mapped import QUANTITIES
-from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.base.units import UNITS
+from tvclin.base.written_units import WRITTEN, unit_of
 
 FLIGHT, AERODYNAMICS = FOLDER / "rasaero-flight.csv", FOLDER / "rasaero-aerodynamics.csv"
 ASKED: dict[str, Any] = {

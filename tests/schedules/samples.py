@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 import tvclin as tv
 
 FOLDER = Path(__file__).parent
@@ -29,6 +31,10 @@ MAP: dict[str, str | float] = {
     "attitude_deg": 84.0,
 }
 """Of the table table.csv."""
+FIELDS = (
+    *("weight", "moment_of_inertia", "normal_force_slope", "thrust", "aerodynamic_arm"),
+    *("control_arm", "axial_force", "velocity", "attitude"),
+)
 
 
 def column(name: str) -> int:
@@ -75,3 +81,21 @@ def number_of(line: str) -> int:
     """Return the number of the line in the file that begins so."""
     (found,) = [i for i, one in enumerate(LINES, start=1) if one.startswith(line)]
     return found
+
+
+def same(found: tv.FlightSchedule, expected: tv.FlightSchedule, rtol: float) -> None:
+    """Assert two schedules equal but for the rounding with which one was written."""
+    np.testing.assert_allclose(found.times, expected.times, rtol=rtol)
+    np.testing.assert_allclose(found.height, expected.height, rtol=rtol)
+    for name in FIELDS:
+        one, other = getattr(found.vehicle, name), getattr(expected.vehicle, name)
+        np.testing.assert_allclose(one, other, rtol=rtol, err_msg=name)
+
+
+def with_column(name: str, cell: Callable[[float], str], lines: Sequence[str] = LINES) -> list[str]:
+    """Return lines with a column behind the others, of a function of the time."""
+    return [
+        f"{line},{name}" if i == HEADER else line if line.startswith("#")
+        else f"{line},{cell(float(line.split(',')[0]))}"
+        for i, line in enumerate(lines)
+    ]  # fmt: skip

@@ -174,7 +174,7 @@ def test_soundings_of_two_stations_are_not_mixed(tmp_path) -> None:
 
 def test_derived_parameters_are_refused_by_name(tmp_path) -> None:
     path = write(tmp_path / "station-drvd.txt", [Balloon("2024-02-01T00", FIVE)])
-    with pytest.raises(tv.InputError, match="derived parameters in other columns"):
+    with pytest.raises(tv.InputError, match="derived parameters of IGRA in other columns"):
         tv.read_soundings(path)
 
 

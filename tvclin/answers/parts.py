@@ -26,7 +26,10 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "sign that counts": ("--sign",),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
-    "measured wind": ("--winds", "--winds-time", "--window", "--bias", "--bias-month"),
+    "measured wind": (
+        *("--winds", "--winds-time", "--winds-format", "--units", "--above-ground"),
+        *("--window", "--bias", "--bias-month"),
+    ),
     "actuator": ("--actuator-frequency", "--actuator-hz", "--actuator-damping"),
     "rate limit": ("--rate-limit-deg",),
     "delay": ("--delay-ms",),

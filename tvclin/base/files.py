@@ -1,5 +1,6 @@
 """Files: texts and tables read, and everything written whole or not at all."""
 
+import codecs
 import csv
 import io
 import os
@@ -9,6 +10,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -25,6 +27,9 @@ _PREFIX = 60
 LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
 """Bytes of a file that is read at once, and letters of one of tables: no real one has so many."""
 _LONGEST_LINE = 1_000_000
+UTF_8 = ("utf-8-sig",)
+ENCODINGS = (*UTF_8, "utf-16", "cp1252")
+"""Encodings of tables, in the order in which they are tried."""
 _MOST_DOTS = 100
 """In one key; what parses it takes the square of their number."""
 _CONTROL = re.compile(
@@ -111,17 +116,14 @@ def write_new(path: Path, text: str) -> None:
     write_text(path, text)
 
 
-def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") -> str:
-    """Return the text of a file in UTF-8, with or without a byte order mark.
+def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...] = UTF_8) -> str:
+    """Return the text of a file, with or without a byte order mark.
 
     For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
-    `errors` ({"strict", "replace"}): what becomes of bytes that are not UTF-8.
+    `encodings`: UTF-8, or `ENCODINGS` of tables that spreadsheets write.
     """
     content, name = read_bytes(path, kind, start), called(path)
-    try:
-        text = content.decode("utf-8-sig", errors)
-    except UnicodeDecodeError:
-        raise InputError(f"{name} is not a text file in UTF-8") from None
+    text = _decoded(content, name, encodings)
     if not text.strip():
         raise InputError(f"{name} is empty{_hint(start)}")
     _check_lines(text, name)
@@ -148,6 +150,17 @@ def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
 
 def _hint(start: str) -> str:
     return f"; {start}" if start else ""
+
+
+def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
+    """Return the text of bytes: UTF-16 where they begin with its byte order mark."""
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in encodings:
+        if marked == (encoding == "utf-16"):
+            with suppress(UnicodeDecodeError):
+                return content.decode(encoding)
+    others = "" if encodings == UTF_8 else ", UTF-16 or code page 1252"
+    raise InputError(f"{name} is not a text file in UTF-8{others}")
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:

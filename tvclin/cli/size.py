@@ -43,7 +43,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
+from tvclin.cli.wind import FormatOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.read import read_sounding
 
@@ -57,7 +57,7 @@ SOURCE = (
 
 
 @dataclass(frozen=True)
-class FlightOptions(BiasOptions, ShapedOptions):
+class FlightOptions(FormatOptions, ShapedOptions):
     """A pulse whose peak meets each flight time, and soundings."""
 
     winds: list[Path] | None = asked(
@@ -78,7 +78,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
             )
         azimuth, mean = (azimuth_of(degrees), self.mean_wind) if files else (0.0, None)
         if not files:
-            only_with("a sounding, --winds", bias=self.bias, bias_month=self.bias_month)
+            self.only_with_sounding()
         if len(times) not in (0, len(files)):
             raise InputError(
                 "--winds-time must be given once for each --winds; got"
@@ -92,7 +92,9 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 name = called(file)
             if name in found:
                 raise InputError(f"--winds gives {name} twice")
-            found[name] = SoundingAsked(read_sounding(file, time=time), azimuth, mean)
+            found[name] = SoundingAsked(
+                read_sounding(file, time=time, **self.reading), azimuth, mean
+            )
         return found
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:

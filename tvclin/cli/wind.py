@@ -175,7 +175,40 @@ class BiasOptions(PulseOptions):
 
 
 @dataclass(frozen=True)
-class BlowingOptions(BiasOptions):
+class FormatOptions(BiasOptions):
+    """The format of soundings, and what their tables do not say."""
+
+    winds_format: str | None = asked(
+        "Format of the sounding: csv, openrocket, wyoming, igra, rocketpy or synthetic.",
+        shown="by its content",
+    )
+    units: str | None = asked(
+        "Units of a table of winds that names none: those of heights, speeds and directions.",
+        metavar="FT,MPH",
+        shown="m,m/s,deg with --winds-format openrocket",
+    )
+    above_ground: float | None = asked(
+        "Elevation of the site above the sea, in m, for a table of heights above the ground.",
+        metavar="M",
+    )
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """The arguments of `read_sounding` that these options give."""
+        return {
+            "format": self.winds_format,
+            "units": self.units,
+            "above_ground": self.above_ground,
+        }
+
+    def only_with_sounding(self, *names: str) -> None:
+        """Raise `InputError` for options of soundings, and of these names, where there is none."""
+        own = ("winds_format", "units", "above_ground", "bias", "bias_month", *names)
+        only_with("a sounding, --winds", **{name: getattr(self, name) for name in own})
+
+
+@dataclass(frozen=True)
+class BlowingOptions(FormatOptions):
     """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
 
     winds: Path | None = asked(
@@ -195,8 +228,7 @@ class BlowingOptions(BiasOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
         if self.winds is None:
-            own = ("window", "winds_time", "bias", "bias_month")
-            only_with("a sounding, --winds", **{name: getattr(self, name) for name in own})
+            self.only_with_sounding("window", "winds_time")
             return super().over(plan, source)
         met = self.sounding(plan, source)
         return replace(plan, wind=met.shift(-float(met.onset)))
@@ -266,7 +298,7 @@ class BlowingOptions(BiasOptions):
 
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
-            noted_sounding(self.winds, self.winds_time),
+            noted_sounding(self.winds, self.winds_time, **self.reading),
             load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
             azimuth=azimuth,
             plane=plan.plane,
@@ -288,11 +320,14 @@ def azimuth_of(degrees: float | None) -> float:
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
 
 
-def noted_sounding(file: Path, time: str | None) -> "WindProfile":
-    """Return the sounding of a file, and say on stderr what is odd in it."""
+def noted_sounding(file: Path, time: str | None, **reading: Any) -> "WindProfile":
+    """Return the sounding of a file, and say on stderr what is odd in it.
+
+    `reading`: other arguments of `read_sounding`.
+    """
     from tvclin.winds.soundings.read import read_sounding
 
-    profile = read_sounding(file, time=time)
+    profile = read_sounding(file, time=time, **reading)
     for note in profile.notes:
         say(f"Note: {file.name}: {note}.", err=True)
     return profile

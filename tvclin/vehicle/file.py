@@ -11,7 +11,7 @@ import numpy as np
 
 from tvclin.base.errors import Faults, InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
-from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.files import ENCODINGS, UTF_8, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.damping import QUANTITIES, damping_of
 from tvclin.vehicle.structure_file import build_structure
@@ -96,7 +96,8 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
     name = called(path)
     start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
-    return read_text(path, "a vehicle file", start), text
+    encodings = ENCODINGS if is_csv(path) else UTF_8
+    return read_text(path, "a vehicle file", start, encodings), text
 
 
 def source_tables(source: str | PathLike[str]) -> dict[str, Any]:

@@ -1,7 +1,5 @@
 """Winds of files: the tables [wind] and [gust], and files of sampled winds."""
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, number, one_of, positive
-from tvclin.base.files import called, read_text
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, number, one_of, positive, shown
+from tvclin.base.sheet import Heading, Headings, Sheet, sheet_in
 from tvclin.base.tables import FileTable
+from tvclin.base.text import read_lines
 from tvclin.base.units import UNITS
+from tvclin.base.written_units import WRITTEN, unit_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
 from tvclin.winds.gusts import LayeredGust, OneMinusCosineGust
 from tvclin.winds.histories import History
@@ -29,7 +30,10 @@ WIND_TABLE = FileTable(
     required=("peak", "duration"),
 )
 SOUNDING_TABLE = FileTable(
-    "[[wind]]", {"azimuth": "angle"}, (SOUNDING, "name", "format", "time"), required=("azimuth",)
+    "[[wind]]",
+    {"azimuth": "angle", "above_ground": "length"},
+    (SOUNDING, "name", "format", "time", "units"),
+    required=("azimuth",),
 )
 GUST_TABLE = FileTable(
     "[gust]",
@@ -64,10 +68,10 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     """Return the wind of the table [wind]; a file of winds is looked for in the folder."""
     if "file" in table:
         given = _FILE_TABLE.read(table)
-        angles = UNITS["angle"]
-        factor = angles[one_of("unit in [wind]", given.get("unit", "deg"), angles)]
-        time, angle = _read_winds(folder / str(given["file"]))
-        return WindEnsemble(time, angle * factor)
+        unit = given.get("unit")
+        if unit is not None:
+            one_of("unit in [wind]", unit, UNITS["angle"])
+        return WindEnsemble(*_read_winds(folder / str(given["file"]), unit))
     given = {"shape": "triangular"} | WIND_TABLE.read(table)
     if "unit" in given:
         raise InputError("unit in [wind] stands without the file that it is of")
@@ -128,17 +132,37 @@ def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
     return LayeredGust(peak=peak, blend=0.5 * rest, plateau=plateau)
 
 
-def _read_winds(path: Path) -> tuple[Any, Any]:
-    """Times [s] from the first column, and one wind for each further column."""
-    text, name = read_text(path, "a file of winds"), called(path)
-    try:
-        rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
-    except csv.Error as error:
-        raise InputError(f"{name} is not CSV: {error}") from None
-    try:
-        table = np.array([[float(cell) for cell in row] for row in rows[1:]])
-    except ValueError:
-        raise InputError(f"{name} must hold numbers in equal rows below its headings") from None
-    if not rows or rows[0][0].strip() != "time_s" or table.ndim != 2 or table.shape[1] < 2:
-        raise InputError(f"{name} must have a first column time_s and one for each wind")
-    return table[:, 0], table[:, 1:].T
+def _read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
+    """Times [s] of the first column, and winds [rad] ``(winds, n)`` of the others.
+
+    `unit`: that of [wind], for columns whose names have none; degrees where it is not given.
+    """
+    text = read_lines(path)
+    sheet = sheet_in(text, _fit_of_winds, "names: a first column time_s and one for each wind")
+    time, *winds = sheet.headings
+    found = unit_of("".join(time.words[1:]), WRITTEN["time"])
+    assert found is not None  # by the fit
+    columns = [found.factor * _column(sheet, time)]
+    for wind in winds:
+        factor = UNITS["angle"][unit or "deg"]
+        own = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
+        if own is not None and not own.mangled:
+            if unit is not None and not np.isclose(own.factor, factor):
+                raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
+            factor = own.factor
+        columns.append(factor * _column(sheet, wind))
+    return columns[0], np.array(columns[1:])
+
+
+def _fit_of_winds(headings: Headings) -> float:
+    first, *units = headings[0].words
+    unit = unit_of("".join(units), WRITTEN["time"]) if units else None
+    return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
+
+
+def _column(sheet: Sheet, heading: Heading) -> FloatArray:
+    values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
+    sheet.text.require(
+        ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
+    )
+    return values

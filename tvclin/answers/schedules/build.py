@@ -12,19 +12,18 @@ from tvclin.answers.schedules.checks import (
     check_masses,
 )
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.sheet import Column
 from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
+from tvclin.base.sheet import Column
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.winds.soundings.columns import LAND
 
 MOST_ROWS = 200
 """Rows of a schedule, where not asked for otherwise."""
 _CLOSE = 1e-3
 """Rows are added until straight lines between them are so close, in parts of the largest."""
-_LAND = (-450.0, 9000.0)
-"""Elevations of land [m], from the shore of the Dead Sea to the highest mountain."""
 _BESIDE = ("altitude", "nominal_deflection")
 """What a schedule holds beside its vehicle."""
 
@@ -97,7 +96,7 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
             f"{source} has altitudes above the ground, and winds are above the sea: give ground,"
             " the elevation of the launch site in m (0 at the sea)"
         )
-    site = number("ground", ground, between(*_LAND), "m")
+    site = number("ground", ground, between(*LAND), "m")
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.answers.schedules.sheet import Column
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, number
+from tvclin.base.sheet import Column
 
 _BURNING = 0.05
 """Part of the largest thrust, below which the motor is taken as burnt out."""

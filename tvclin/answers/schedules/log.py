@@ -13,27 +13,32 @@ from tvclin.answers.schedules.build import MOST_ROWS, rows_kept, schedule_of_fli
 from tvclin.answers.schedules.flight import Flight, powered
 from tvclin.answers.schedules.mapped import (
     QUANTITIES,
+    Wanted,
+    fit_of,
     map_of,
     mapped_columns,
     vehicle_columns,
 )
 from tvclin.answers.schedules.matlab import MAX_NUMBERS, read_matlab, too_large
-from tvclin.answers.schedules.sheet import Heading, Sheet, read_sheet
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_rows
+from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
 from tvclin.base.tables import FileTable
+from tvclin.base.text import Text
+from tvclin.base.written_units import WRITTEN, unit_of
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import Text
 from tvclin.winds.speed import angle_in_plane
 
 _WIND = {"wind_angle": "angle", "wind_speed": "speed", "flight_path_angle": "angle"}
 """What a log holds beside a flight; the angle of attack is one of its quantities already."""
 _KNOWN = QUANTITIES | _WIND
+_OPTIONAL = ("altitude", "nominal_deflection", "pitch_damping")
+"""Quantities of which a column in an unknown unit is left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +136,7 @@ def read_log(
     ((2.0, 8.0), 7)
     """
     wanted = None if columns is None else map_of(columns, _KNOWN)
-    sheet = _sheet(path, None if wanted is None else str(wanted["time"][2]))
+    sheet = _sheet(path, wanted)
     if wanted is None:
         wanted = map_of(_by_our_names(sheet), _KNOWN)
     found = mapped_columns(sheet, wanted, _KNOWN)
@@ -141,6 +146,7 @@ def read_log(
     source = {str(one[2]) for one in wanted.values()}
     rest = [one.text for one in sheet.headings if one.text not in source]
     left_out = [f"left out: {', '.join(rest)}"] if rest else []
+    left_out += sheet.notes
     still = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
     flight = replace(flight, columns=still).noted(f"wind: {how}", *left_out)
     name = Path(a_path("path", path)).stem
@@ -149,17 +155,17 @@ def read_log(
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][kept], angle=angle[kept]))
 
 
-def _sheet(path: str | PathLike[str], time: str | None) -> Sheet:
+def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
     if a_path("path", path).suffix.lower() == ".mat":
         return _matlab_sheet(path)
 
-    def is_header(found: tuple[Heading, ...]) -> bool:
-        if time is not None:
-            return any(time in (one.text, one.name) for one in found)
-        return "time" in _names(found).values()
+    def fit(found: Headings) -> float:
+        names = _names(found).values()
+        return len(names) if "time" in names else 0.0
 
     missing = "column names with the time among them, as time_s"
-    return read_sheet(path, "the log of a simulation", is_header, missing)
+    known = fit if wanted is None else fit_of(wanted)
+    return read_sheet(path, "the log of a simulation", known, missing)
 
 
 def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
@@ -190,7 +196,13 @@ def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
     keys = FileTable("columns", _KNOWN).keys
     found = {one.text: keys[one.text][0] for one in headings if one.text in keys}
     plain = {one.text: one.name for one in headings if one.name in _KNOWN and one.unit is not None}
-    return plain | found
+    units = {one.text: one.unit for one in headings}
+    odd = {
+        text
+        for text, name in plain.items()
+        if name in _OPTIONAL and unit_of(units[text] or "", WRITTEN[_KNOWN[name]]) is None
+    }
+    return {text: name for text, name in plain.items() if text not in odd} | found
 
 
 def _by_our_names(sheet: Sheet) -> dict[str, str | float]:

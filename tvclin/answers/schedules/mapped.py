@@ -17,12 +17,12 @@ from tvclin.answers.schedules.build import (
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.sheet import Column, Heading, Sheet, letters, read_sheet
-from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
+from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.units import POUND_FORCE, UNITS
+from tvclin.base.written_units import WRITTEN, unit_of
 
 QUANTITIES = {
     "time": "time",
@@ -110,9 +110,9 @@ def read_table(
     wanted = map_of(columns, QUANTITIES)
     time = str(wanted["time"][2])
     missing = f"column names with {shown(time)} among them"
-    sheet = read_sheet(path, "a table of a flight", lambda each: bool(_named(each, time)), missing)
+    sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
     found = mapped_columns(sheet, wanted, QUANTITIES)
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found, notes=sheet.notes)
     flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
     return schedule_of_flight(flight, vehicle_columns(flight), "mapped table", most_rows)
 
@@ -160,6 +160,18 @@ def _check_complete(found: Wanted) -> None:
         if name not in found and not (others and all(one in found for one in others)):
             made = f", or {', '.join(others)}" if others else ""
             raise InputError(f"columns must have {name}{made}")
+
+
+def fit_of(wanted: Wanted) -> Fit:
+    """Return the fit of a line of names: its columns that a map names, with the time among them."""
+    names = {" ".join(one[2].split()) for one in wanted.values() if isinstance(one[2], str)}
+    time = " ".join(str(wanted["time"][2]).split())
+
+    def fit(headings: Headings) -> float:
+        here = {name for one in headings for name in (one.text, one.name)}
+        return len(names & here) if time in here else 0.0
+
+    return fit
 
 
 def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:

@@ -26,10 +26,10 @@ from tvclin.answers.schedules.openrocket_columns import (
     trusted_damping,
     unread,
 )
-from tvclin.answers.schedules.sheet import Column
 from tvclin.answers.schedules.slopes import Slope
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import between, finite, number
+from tvclin.base.sheet import Column
 
 _WINDY = 0.02
 """Speeds over the ground and through the air that differ by more: there was wind."""
@@ -104,7 +104,7 @@ def read_openrocket(
     """
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
     sheet = table_of(path)
-    columns = columns_of(sheet, ground, normal_force_coefficient_slope is None)
+    columns, omitted = columns_of(sheet, ground, normal_force_coefficient_slope is None)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
     flight = powered(flight, free(sheet, flight), start, stop)
     given = normal_force_coefficient_slope
@@ -113,7 +113,9 @@ def read_openrocket(
     made = _vehicle(flight, gimbal, slope, reference_area)
     damping, told = trusted_damping(flight, made["control_arm"])
     made |= damping
-    flight = flight.noted(*unread(sheet), *told, *rounded(sheet, flight), *_wind(flight))
+    flight = flight.noted(
+        *omitted, *unread(sheet), *told, *rounded(sheet, flight), *_wind(flight), *sheet.notes
+    )
     return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.sheet import Column, Heading, Sheet, letters, read_sheet
 from tvclin.base.arrays import BoolArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, shown
+from tvclin.base.sheet import Column, Headings, Sheet, letters, read_sheet
 
 _NEEDED = {
     "time": ("time", "Time"),
@@ -31,34 +31,79 @@ _SLOPE = "Normal force coefficient derivative"
 _COEFFICIENT = "Normal force coefficient"
 _DENSITY = "Air density"
 _DAMPING, _UNREAD = "Damping moment coefficient", "Pitch damping coefficient"
+_OF_OPENROCKET = {
+    letters(name)
+    for name in (
+        *(name for _, name in _NEEDED.values()),
+        *("Altitude", "Altitude above sea level", "Vertical velocity", "Vertical orientation"),
+        *("Vertical orientation (zenith)", "Air pressure", "Air temperature", "Speed of sound"),
+        *(_SLOPE, _COEFFICIENT, _DENSITY, _DAMPING, _UNREAD),
+    )
+}
+"""Names in English that are known."""
 _ROD = re.compile(r"Event LAUNCHROD occurred at t=([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?) s")
 _ROUGH = 5e-3
 """An inertia or a density that is rounded by more is told."""
 
 
+_WITH_UNITS = 3
+"""Names with a unit that make a line the head of an export in another language."""
+_QUOTED = 3
+"""Names of other languages that a message quotes."""
+
+
 def table_of(path: str | PathLike[str]) -> Sheet:
     """Return the rows of an export; `InputError` where its line of names was left off."""
+    names = [letters(name) for _, name in _NEEDED.values()]
 
-    def is_header(headings: tuple[Heading, ...]) -> bool:
-        return any("time" in one.names and one.unit is not None for one in headings)
+    def fit(headings: Headings) -> float:
+        here = {name for one in headings if one.unit is not None for name in one.names}
+        with_units = sum(one.unit is not None for one in headings)
+        if "time" not in here and with_units < _WITH_UNITS:
+            return 0.0
+        return 1.0 + sum(name in here for name in names)
 
     missing = (
         "column names with their units, such as Time (s); export it again with field descriptions"
         " included"
     )
-    return read_sheet(path, "data that OpenRocket exports", is_header, missing)
+    return read_sheet(path, "data that OpenRocket exports", fit, missing)
 
 
-def columns_of(sheet: Sheet, ground: float | None, own_slope: bool) -> dict[str, Column]:
-    """Return the columns of an export by name, in SI units.
+def columns_of(
+    sheet: Sheet, ground: float | None, own_slope: bool
+) -> tuple[dict[str, Column], list[str]]:
+    """Return the columns of an export by name, in SI units, and notes on those that are not read.
 
     `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
     coefficient is to be read too.
     """
-    found = {name: _column(sheet, name) for name in _NEEDED}
-    found |= _air(sheet) | _attitude(sheet) | _altitude(sheet, ground)
-    found |= sheet.maybe("damping", _DAMPING, "damping moment")
-    return found | _own_slope(sheet) if own_slope else found
+    _check_names(sheet)
+    found = {name: _column(sheet, name) for name in _NEEDED} | _altitude(sheet, ground)
+    notes: list[str] = []
+    for read in (_air, _attitude):
+        found |= read(sheet, notes)
+    found |= _optional(sheet, notes, "damping", _DAMPING, "damping moment")
+    return found | (_own_slope(sheet) if own_slope else {}), notes
+
+
+def _check_names(sheet: Sheet) -> None:
+    """Raise `InputError` for columns that are missing, and say where names are translated."""
+    missing = [name for _, name in _NEEDED.values() if sheet.find(name) is None]
+    if not missing:
+        return
+    others = [one.text for one in sheet.headings if not _OF_OPENROCKET & set(one.names)]
+    if "Time" in missing and others:
+        raise sheet.error(
+            f"the names of columns are translated ({', '.join(map(shown, others[:_QUOTED]))});"
+            f" missing are {', '.join(missing)}: set the language of OpenRocket to English and"
+            " export the file again"
+        )
+    several = len(missing) > 1
+    raise InputError(
+        f"{sheet.text.source} has no column{'s' * several} {', '.join(missing)}; tick"
+        f" {'them' if several else 'it'} and export the file again"
+    )
 
 
 def _column(sheet: Sheet, name: str) -> Column:
@@ -66,29 +111,42 @@ def _column(sheet: Sheet, name: str) -> Column:
     return sheet.need(called, dimension, "tick it and export the file again")
 
 
-def _air(sheet: Sheet) -> dict[str, Column]:
+def _optional(
+    sheet: Sheet, notes: list[str], key: str, name: str, dimension: str
+) -> dict[str, Column]:
+    """The numbers of an optional column by our key; notes that it is not read are added."""
+    found, said = sheet.optional(key, name, dimension)
+    notes += said
+    return found
+
+
+def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
-    found = sheet.maybe("sound", "Speed of sound", "speed")
-    there = sheet.find("Air pressure") is not None
-    heat = sheet.maybe("temperature", "Air temperature", "temperature") if there else {}
-    if not heat and (density := sheet.maybe("density", _DENSITY, "density")):
+    found = _optional(sheet, notes, "sound", "Speed of sound", "speed")
+    pressure = _optional(sheet, notes, "pressure", "Air pressure", "pressure")
+    if pressure:
+        pressure |= _optional(sheet, notes, "temperature", "Air temperature", "temperature")
+    if "temperature" in pressure:
+        return found | pressure
+    if density := _optional(sheet, notes, "density", _DENSITY, "density"):
         return found | density
-    if there:
-        return found | heat | sheet.maybe("pressure", "Air pressure", "pressure")
+    if pressure:
+        return found | pressure
+    why = "".join(f" ({note})" for note in notes)
     raise InputError(
         f"{sheet.text.source} has neither a column Air density nor Air pressure, of which the"
-        " dynamic pressure is made; tick one and export the file again"
+        f" dynamic pressure is made{why}; tick one and export the file again"
     )
 
 
-def _attitude(sheet: Sheet) -> dict[str, Column]:
+def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     """The attitude above the horizon, or else the direction of flight."""
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
-    vertical = sheet.find("Vertical velocity")
     if heading is not None:
         found = sheet.numbers(heading, "angle")
         told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
-        return told | sheet.maybe("climb", "Vertical velocity", "speed")
+        return told | _optional(sheet, notes, "climb", "Vertical velocity", "speed")
+    vertical = sheet.find("Vertical velocity")
     if vertical is None:
         raise InputError(
             f"{sheet.text.source} has neither a column Vertical orientation nor Vertical velocity,"
@@ -128,8 +186,8 @@ def _own_slope(sheet: Sheet) -> dict[str, Column]:
 
 def unread(sheet: Sheet) -> list[str]:
     """Return what to say of columns that are not read."""
-    one, parts = sheet.find(_UNREAD), []
-    if sheet.find(_DAMPING) is None:
+    one, parts = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None), []
+    if not any(letters(_DAMPING) in h.names for h in sheet.headings):
         parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
     told = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
     if one is not None:

@@ -18,10 +18,10 @@ from tvclin.answers.schedules.build import (
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.sheet import Column, Heading, read_sheet
 from tvclin.answers.schedules.slopes import Slope
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
+from tvclin.base.sheet import Column, Headings, letters, read_sheet
 from tvclin.base.units import POUND_FORCE
 
 _POUNDS = {"lb": POUND_FORCE, "lbf": POUND_FORCE, "N": 1.0}
@@ -96,14 +96,19 @@ def read_rasaero(
     missing = (
         "column names such as Time (sec), Thrust (lb), CG (in); export the flight again as CSV"
     )
-    sheet = read_sheet(path, "a flight that RASAero II exports", _is_header, missing)
+    sheet = read_sheet(path, "a flight that RASAero II exports", _fit, missing)
     columns = {
         key: sheet.need(name, kind, _MEND, _POUNDS if kind == "force" else None)
         for key, (kind, name) in _NEEDED.items()
     }
     columns["altitude"] = above_sea(columns["altitude"], sheet.text.source, ground)
-    columns |= sheet.maybe("climb", "Vel-V", "speed")
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
+    climb, omitted = sheet.optional("climb", "Vel-V", "speed")
+    flight = Flight(
+        source=sheet.text.source,
+        places=sheet.places,
+        columns=columns | climb,
+        notes=(*omitted, *sheet.notes),
+    )
     flight = powered(flight, np.isfinite(columns["pressure_station"].values), start, stop)
     slope = given_slope(flight, normal_force_coefficient_slope)
     check_slope(slope.values)
@@ -143,5 +148,7 @@ def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarra
     return times, inertias
 
 
-def _is_header(headings: tuple[Heading, ...]) -> bool:
-    return {"time", "cg", "thrust"} <= {name for one in headings for name in one.names}
+def _fit(headings: Headings) -> float:
+    here = {name for one in headings for name in one.names}
+    known = sum(letters(name) in here for _, name in _NEEDED.values())
+    return known if {"time", "cg", "thrust"} <= here else 0.0

@@ -10,10 +10,10 @@ import numpy as np
 from tvclin.answers.schedules.build import MOST_ROWS, schedule_of_flight
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.sheet import Column
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, finite, number, shown
+from tvclin.base.sheet import Column
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _SAMPLES = 401

@@ -9,9 +9,9 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.schedules.sheet import Heading, Sheet, letters, read_sheet
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
+from tvclin.base.sheet import Heading, Headings, Sheet, letters, read_sheet
 
 LEAST = 0.5
 """A slope below this [1/rad] is taken for one per degree: slender bodies have 2 per radian."""
@@ -79,8 +79,8 @@ def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
     return _potential(sheet, potential) if potential is not None else _analysed(sheet)
 
 
-def _over_mach(headings: tuple[Heading, ...]) -> bool:
-    return any(set(one.names) & {"mach", "machnumber"} for one in headings[:2])
+def _over_mach(headings: Headings) -> float:
+    return float(any(set(one.names) & {"mach", "machnumber"} for one in headings[:2]))
 
 
 def _potential(sheet: Sheet, heading: Heading) -> SlopeOverMach:

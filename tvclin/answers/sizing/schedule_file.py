@@ -1,7 +1,5 @@
 """Schedules from files: a row for each time, with the keys of vehicle files."""
 
-import csv
-import io
 from os import PathLike
 from typing import Any
 
@@ -10,7 +8,9 @@ import numpy as np
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
+from tvclin.base.sheet import Headings, sheet_in
 from tvclin.base.tables import FileTable
+from tvclin.base.text import MISSING_NUMBERS, lines_of
 from tvclin.flights.condition import load_flight_condition
 from tvclin.vehicle.file import (
     VEHICLE_TABLE,
@@ -183,26 +183,20 @@ def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
-    source = called(source)
-    reader = csv.reader(io.StringIO(text))
-    try:
-        lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except csv.Error as error:
-        raise InputError(f"{source}, line {reader.line_num}: not CSV: {error}") from None
-    lines = [(n, c) for n, c in lines if any(c) and not c[0].startswith("#")]
-    if not lines:
-        raise InputError(f"{source} is empty; give a line of keys, then a line for each time")
-    keys, lines = lines[0][1], lines[1:]
+    sheet = sheet_in(lines_of(text, source), _known_keys, "keys, such as time_s,weight_N")
+    keys = [heading.text for heading in sheet.headings]
     for key in keys:
-        if not key or keys.count(key) > 1:
-            raise InputError(f"{source}: every column needs a key of its own; got {shown(key)}")
-    for n, cells in lines:
-        if len(cells) != len(keys):
-            raise InputError(f"{source}, line {n}: {len(keys)} cells are needed; got {len(cells)}")
-    places = [f"line {n}" for n, _ in lines]
-    columns = zip(*(cells for _, cells in lines), strict=True)
-    table = {k: _column(source, places, k, c) for k, c in zip(keys, columns, strict=False)}
-    return _rows(table, places)
+        if keys.count(key) > 1:
+            raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
+    places = [f"line {n}" for n in sheet.line]
+    columns = zip(keys, zip(*sheet.cells, strict=True), strict=True)
+    return _rows({k: _column(called(source), places, k, c) for k, c in columns}, places)
+
+
+def _known_keys(headings: Headings) -> float:
+    """The keys of vehicle files and of schedules in a line."""
+    known = {*VEHICLE_TABLE.every_key, *_OWN_TABLE.keys}
+    return float(sum(heading.text in known for heading in headings))
 
 
 def _column(source: str, places: list[str], key: str, cells: tuple[str, ...]) -> Any:
@@ -213,16 +207,17 @@ def _column(source: str, places: list[str], key: str, cells: tuple[str, ...]) ->
 
 
 def _cell(source: str, place: str, key: str, text: str) -> Any:
-    if not text:
+    if text and key == "name":
+        return text
+    try:
+        value = float(text) if text else MISSING_NUMBERS[0]
+    except ValueError:
+        raise InputError(f"{source}, {place}: {key} must be a number; got {shown(text)}") from None
+    if value in MISSING_NUMBERS:
         raise InputError(
             f"{source}, {place}: {key} is missing; give it in every line, or in the first only"
         )
-    if key == "name":
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"{source}, {place}: {key} must be a number; got {shown(text)}") from None
+    return value
 
 
 def _schedule_table(text: str, source: str) -> dict[str, Any] | None:

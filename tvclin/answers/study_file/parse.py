@@ -179,12 +179,14 @@ def _is_vehicle(source: str | Path) -> bool:
 
 
 def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
-    azimuth = SOUNDING_TABLE.read(table)["azimuth"]
+    given = SOUNDING_TABLE.read(table)
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
         raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
-    for key in ("name", "format", "time"):
+    for key in ("name", "format", "time", "units"):
         printable_text(f"{key} in [[wind]]", table.get(key, ""))
-    profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
+    how = {key: given.get(key) for key in ("format", "time", "units", "above_ground")}
+    profile = read_sounding(folder / file, **how)
     named = Path(file).name
-    return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)
+    profile = replace(profile, source=named)
+    return table.get("name") or named, SoundingAsked(profile, given["azimuth"])

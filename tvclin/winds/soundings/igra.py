@@ -11,16 +11,18 @@ import re
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.errors import InputError
+from tvclin.base.text import Text
 from tvclin.winds.soundings.levels import Found, Levels
-from tvclin.winds.soundings.text import Text
 
 _HEADER = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
+_WHOLE = re.compile(r"-?\d+")
 HEIGHT, DIRECTION, SPEED = slice(16, 21), slice(40, 45), slice(46, 51)
 _WIDTH = 51
 BLANK = (33, 39, 45)
 """Between the last columns nothing stands, counted from 0."""
-ABSENT = (-9999.0, -8888.0)
-"""Missing, and removed by quality control."""
+_DERIVED_NUMBERS = 6
+"""Whole numbers behind the count of levels in a header of derived parameters, at the least."""
 
 
 def soundings_in(text: Text) -> list[Found]:
@@ -32,8 +34,25 @@ def soundings_in(text: Text) -> list[Found]:
     return [_found(text, first, end) for first, end in zip(headers, ends, strict=True)]
 
 
+def is_derived(header: str) -> bool:
+    """Whether a header is that of derived parameters, with numbers in place of sources."""
+    match = _HEADER.match(header)
+    words = header[match.end() :].split() if match is not None else []
+    return len(words) >= _DERIVED_NUMBERS and all(_WHOLE.fullmatch(word) for word in words)
+
+
+def derived(name: str) -> InputError:
+    """Return the error about a file of derived parameters."""
+    return InputError(
+        f"{name} holds derived parameters of IGRA in other columns; take the file that ends in"
+        " -data"
+    )
+
+
 def _found(text: Text, first: int, end: int) -> Found:
     match = _HEADER.match(text.lines[first])
+    if is_derived(text.lines[first]):
+        raise derived(text.source)
     if match is None:
         raise text.error(first + 1, "the header of an IGRA sounding is not in its columns")
     station, year, month, day, hour, count = match.groups()
@@ -66,5 +85,4 @@ def _read(text: Text, first: int, end: int, title: str, count: int) -> Levels:
 
 
 def _column(text: Text, name: str, cells: list[str], line: IntArray) -> FloatArray:
-    values = text.numbers(name, cells, line)
-    return np.where(np.isin(values, ABSENT), np.nan, values)
+    return text.numbers(name, cells, line)

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason
-from tvclin.winds.soundings.igra import ABSENT, BLANK, DIRECTION, HEIGHT, SPEED
+from tvclin.base.text import MISSING_NUMBERS
+from tvclin.winds.soundings.igra import BLANK, DIRECTION, HEIGHT, SPEED, derived, is_derived
 from tvclin.winds.soundings.many import Collected, Wanted
 from tvclin.winds.soundings.many_levels import Rows, collected
 
@@ -45,7 +46,7 @@ Progress = Callable[[int, int], None]
 def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -> Collected:
     """Return the wanted soundings of a station file, plain or in a zip."""
     if _DERIVED in path.name.lower():
-        raise InputError(_derived(called(path)))
+        raise derived(called(path))
     stream = _Stream(called(path), wanted)
     with _opened(path) as (file, total):
         done = told = 0
@@ -91,7 +92,7 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
                     f"{called(path)} must hold one .txt, as a station file does; got {len(texts)}"
                 )
             if _DERIVED in texts[0].filename.lower():
-                raise InputError(_derived(texts[0].filename))
+                raise derived(called(texts[0].filename))
             with packed.open(texts[0]) as inner:
                 yield BufferedReader(inner, 1 << 20), texts[0].file_size  # type: ignore[type-var]
     except (zipfile.BadZipFile, RuntimeError):
@@ -115,10 +116,6 @@ def _lines(file: IO[bytes], name: str) -> Iterator[bytes]:
 
 def _no_zip(name: str) -> InputError:
     return InputError(f"{name} is no zip that can be read; load it down again")
-
-
-def _derived(name: str) -> str:
-    return f"{name} holds derived parameters in other columns; take the file that ends in -data"
 
 
 @dataclass
@@ -153,6 +150,8 @@ class _Stream:
         self.takes = False
         self.headers += 1
         match = _HEADER.match(line)
+        if self.headers == 1 and is_derived(line.decode("latin-1").strip()):
+            raise derived(self.name)
         if match is None:
             said = f"{self.name}, line {self.number}"
             self.found.count("headers not in their columns, left out", said)
@@ -228,4 +227,4 @@ def _numbers(letters: NDArray[np.uint8], good: BoolArray) -> FloatArray:
     powers = 10.0 ** np.arange(letters.shape[1] - 1, -1, -1)
     values = np.where(digit, letters - np.uint8(ord("0")), np.uint8(0)) @ powers
     values = np.where(minus.any(axis=1), -values, values)
-    return np.where(np.isin(values, ABSENT), np.nan, values)
+    return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)

@@ -10,8 +10,8 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
+from tvclin.base.text import Text
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import Text
 
 EARTH_RADIUS = 6_356_766.0
 """m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
@@ -21,6 +21,8 @@ FASTEST = 130.0
 archives."""
 _ROUNDING = 1e-9
 """Of directions and speeds, from components or other units."""
+_EMPTY = "; leave the cell empty where a value is missing"
+_OR_EMPTY = ", or leave the cell empty where a value is missing"
 Faults = list[tuple[BoolArray, Callable[[int], str]]]
 
 
@@ -94,11 +96,12 @@ def faults(
     found: Faults = []
     if speed is not None:
         found += [
-            (speed < 0.0, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s"),
+            (speed < 0.0, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s{_EMPTY}"),
             (
                 speed > FASTEST * (1.0 + _ROUNDING),
                 lambda i: (
-                    f"no wind blows with {speed[i]:.6g} m/s, above {FASTEST:g}; check its unit"
+                    f"no wind blows with {speed[i]:.6g} m/s, above {FASTEST:g}; check its"
+                    f" unit{_OR_EMPTY}"
                 ),
             ),
         ]
@@ -106,14 +109,14 @@ def faults(
         degrees = np.degrees(direction)
         found.append((
             (degrees < -_ROUNDING) | (degrees > 360.0 + _ROUNDING),
-            lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}",
+            lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}{_EMPTY}",
         ))  # fmt: skip
     if height is not None:
         found.append((
             (height < LOWEST) | (height > HIGHEST),
             lambda i: (
                 f"height must be between {LOWEST:g} and {HIGHEST:g} m; got {height[i]:.6g} m, so"
-                " check its unit"
+                f" check its unit{_OR_EMPTY}"
             ),
         ))  # fmt: skip
     return found

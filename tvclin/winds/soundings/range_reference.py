@@ -16,8 +16,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, bearing, each, number
+from tvclin.base.text import Text, read_lines
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import Text, read_lines
 
 _TITLE = re.compile(r"\s*T A B L E\s+I\s+-\s*\d+\.\s+W I N D")
 _FIELDS = (

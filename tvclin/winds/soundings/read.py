@@ -4,24 +4,32 @@ import re
 from os import PathLike
 
 from tvclin.base.errors import InputError, one_of, shown
+from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE
+from tvclin.base.text import Text, read_lines
 from tvclin.winds.soundings import columns, igra, rocketpy, synthetic_file, wyoming
+from tvclin.winds.soundings.columns import Reading
 from tvclin.winds.soundings.levels import Found, profile_of
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text, read_lines
 
 READERS = {
     "csv": columns.soundings_in,
-    "openrocket": columns.openrocket_soundings_in,
+    "openrocket": columns.soundings_in,
     "wyoming": wyoming.soundings_in,
     "igra": igra.soundings_in,
     "rocketpy": rocketpy.soundings_in,
     "synthetic": synthetic_file.soundings_in,
 }
+_TABLES = ("csv", "openrocket")
 _SHOWN = 5
 
 
 def read_sounding(
-    path: str | PathLike[str], format: str | None = None, *, time: str | None = None
+    path: str | PathLike[str],
+    format: str | None = None,
+    *,
+    time: str | None = None,
+    units: str | None = None,
+    above_ground: float | None = None,
 ) -> WindProfile:
     """Return the wind profile in a file.
 
@@ -32,13 +40,19 @@ def read_sounding(
     format : {"csv", "openrocket", "wyoming", "igra", "rocketpy", "synthetic"}, optional
         Recognised from the content where it is not named. "csv" has a header whose names carry
         their units (height_m, speed_kt, direction_deg; or east_m_per_s, north_m_per_s), as the
-        CSV of the University of Wyoming does. "openrocket" has no units in its header. "wyoming"
-        is the text list, "igra" the station file of NOAA's IGRA version 2, "rocketpy" Python or
-        JSON with the lists wind_u and wind_v, "synthetic" TOML with a table [synthetic] for
-        `synthetic_profile`, and [[gust]] for `add_gust`.
+        CSV of the University of Wyoming does. "openrocket" has no units in its header: m above the
+        sea, m/s and degrees are assumed, with a note. "wyoming" is the text list, "igra" the
+        station file of NOAA's IGRA version 2, "rocketpy" Python or JSON with the lists wind_u and
+        wind_v, "synthetic" TOML with a table [synthetic] for `synthetic_profile`, and [[gust]] for
+        `add_gust`.
     time : str, optional
         Which sounding of a file that holds several, as "2024-01-15 12" [UTC]; the first where it
         is not given, with a note.
+    units : str, optional
+        Units of a table that names none, as "ft,mph": those of heights, speeds and directions.
+    above_ground : float, optional
+        Elevation of the site above the sea [m], from -450 to 9000, for a table of heights above the
+        ground.
 
     Returns
     -------
@@ -53,7 +67,17 @@ def read_sounding(
     """
     text = read_lines(path)
     name = recognised(text) if format is None else one_of("format", format, READERS)
-    return profile_of(_chosen(text, READERS[name](text), time).levels())
+    if name in _TABLES:
+        reading = Reading.of(units, above_ground, assumed=name == "openrocket")
+        found = columns.soundings_in(text, reading)
+    elif units is not None or above_ground is not None:
+        raise InputError(
+            "units and above_ground (--units, --above-ground) are for tables of the formats"
+            f" {' and '.join(_TABLES)}; {text.source} is of the format {name}"
+        )
+    else:
+        found = READERS[name](text)
+    return profile_of(_chosen(text, found, time).levels())
 
 
 def recognised(text: Text) -> str:
@@ -68,17 +92,17 @@ def recognised(text: Text) -> str:
         )
     if re.search(r"\bPRES\s+HGHT\b", content):
         return "wyoming"
-    if re.search(r"\bwind_u[\"']?\s*[=:]", "\n".join(text.lines)):
+    if re.search(r"\bwind_[uv][\"']?\s*[=:]", "\n".join(text.lines)):
         return "rocketpy"
     if synthetic_file.HEADING in map(str.strip, text.lines):
         return "synthetic"
-    if columns.header_line(text) is not None:
+    if columns.head_line(text) is not None:
         return "csv"
     raise InputError(
         f"{text.source} is in no format that is recognised; a table needs a header such as"
-        f" height_m,speed_m_per_s,direction_deg in its first {LATEST_HEADER} lines, with at most"
-        f" {MOST_COLUMNS} columns (or name the format:"
-        f" {', '.join(READERS)})"
+        f" height_m,speed_m_per_s,direction_deg in its first {MAX_HEAD_LINE} lines, with at most"
+        f" {MAX_COLUMNS} columns (or name the format,"
+        f" --winds-format in a shell: {', '.join(READERS)})"
     )
 
 

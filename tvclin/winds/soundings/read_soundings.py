@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Iterable
 from os import PathLike
@@ -14,13 +13,14 @@ import numpy as np
 from tvclin.base.errors import InputError, callable_for, flag, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
+from tvclin.base.sheet import Headings, sheet_in
+from tvclin.base.text import Text, read_lines
 from tvclin.winds.soundings import columns
 from tvclin.winds.soundings.archive import Soundings, minutes
 from tvclin.winds.soundings.igra_archive import is_station, read_station
 from tvclin.winds.soundings.levels import Found, profile_of
 from tvclin.winds.soundings.many import Collected, Wanted
 from tvclin.winds.soundings.read import READERS, recognised
-from tvclin.winds.soundings.text import Text, read_lines
 
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
@@ -123,11 +123,13 @@ def read_soundings(
 
 def _listed(path: Path) -> dict[str, Any]:
     """Times of files by their names."""
-    rows = [row for row in csv.reader(read_lines(path, "a list of dates").lines) if row]
-    if not rows or [one.strip() for one in rows[0]] != ["file", "time"]:
-        raise InputError(f"{called(path)} must have the headings file,time")
+
+    def fit(headings: Headings) -> float:
+        return float([one.text for one in headings] == ["file", "time"])
+
+    sheet = sheet_in(read_lines(path, "a list of dates"), fit, "names file,time")
     try:
-        return {name.strip(): np.datetime64(time.strip(), "m") for name, time in rows[1:]}
+        return {name: np.datetime64(time, "m") for name, time in sheet.cells}
     except ValueError:
         raise InputError(
             f"{called(path)} must have a name and a time in each line, as 7.csv,2024-02-15T12"
@@ -194,7 +196,7 @@ def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
         return given
     if one.time:
         return np.datetime64(one.time.replace(" ", "T"), "m")
-    header = columns.header_line(text)
+    header = columns.head_line(text)
     below = text.lines[header + 1 :][:_LOOKED_AT] if header is not None else ()
     for line in below:
         written = _WRITTEN.search(line)

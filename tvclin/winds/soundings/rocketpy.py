@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, shown
+from tvclin.base.text import Text
 from tvclin.winds.soundings.levels import Found, Levels, levels_in_words
-from tvclin.winds.soundings.text import Text
 
 _LISTS = ("wind_u", "wind_v")
 
@@ -66,6 +66,7 @@ def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text.source} is neither JSON nor Python") from None
     found: dict[str, tuple[int, Any]] = {}
+    others: dict[str, ast.expr] = {}
     for node in nodes:
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
@@ -76,6 +77,14 @@ def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
                 continue
         if name in _LISTS and isinstance(value, ast.List | ast.Tuple):
             found[name] = (value.lineno, _literal(text, name, value))
+        elif name in _LISTS:
+            others[name] = value
+    for name in others.keys() - found.keys():
+        raise text.error(
+            others[name].lineno,
+            f"{name} is given as {shown(ast.unparse(others[name]))} and no list: write its numbers"
+            " as a list of (height m, m/s)",
+        )
     return found
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from tvclin.base.errors import InputError, finite
 from tvclin.base.files import tables_of
 from tvclin.base.tables import FileTable, known
+from tvclin.base.text import Text
 from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.synthetic import add_gust, synthetic_profile
-from tvclin.winds.soundings.text import Text
 
 _WIND = FileTable(
     "[synthetic]",

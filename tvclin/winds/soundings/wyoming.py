@@ -7,9 +7,9 @@ import re
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.text import Text
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.levels import Found, Levels
-from tvclin.winds.soundings.text import Text
 
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
 _SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}
@@ -37,6 +37,12 @@ def _found(text: Text, header: int) -> Found:
 
 
 def _read(text: Text, header: int, title: str) -> Levels:
+    if _collapsed(text.lines[header]):
+        raise text.error(
+            header + 1,
+            "the blanks between the columns of this Wyoming list are collapsed to one, and empty"
+            " cells are lost with them; save the page again as it stands, or as CSV",
+        )
     fields = _fields(text.lines[header])
     speeds = [name for name in _SPEEDS if name in fields]
     if len(speeds) != 1 or not {"HGHT", "DRCT"} <= fields.keys():
@@ -58,6 +64,11 @@ def _read(text: Text, header: int, title: str) -> Levels:
         title=title,
         geopotential=True,
     )
+
+
+def _collapsed(header: str) -> bool:
+    """Whether no two blanks follow each other, as between the columns of a list."""
+    return re.search(r"\S\s{2,}\S", header) is None
 
 
 def _fields(header: str) -> dict[str, slice]:

@@ -1,4 +1,4 @@
-"""Text files of winds: their lines, the numbers in them, and errors that name the line."""
+"""Text files: their lines, the numbers in them, and errors that name the line."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
-from tvclin.base.files import called, read_text
+from tvclin.base.files import ENCODINGS, called, read_text
 
-MOST_COLUMNS, LATEST_HEADER = 1000, 1000
-"""Columns of a table, and lines up to that with their names: no real one has more."""
-_MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
+MISSING_NUMBERS = (-8888.0, -9999.0, -32768.0, -99999.0)
+"""Numbers that stand for a missing value in every column."""
+_MISSING_WORDS = {"", "-", "--", "---", "nan", "na", "n/a", "m", "null", "none"}
 
 
 @dataclass(frozen=True)
@@ -31,21 +31,21 @@ class Text:
         return InputError(f"{self.source}, line {line}: {message}")
 
     def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
-        """Return the numbers in the cells of a column, NaN where one is empty."""
+        """Return the numbers in the cells of a column, NaN where a value is missing."""
         try:
             values = np.array(cells, dtype=float)
         except ValueError:
             values = np.array([np.inf])
         if np.any(np.isinf(values)):  # empty cells, or worse: look at each
             pairs = zip(cells, line.tolist(), strict=True)
-            return np.array([self._number(column, *pair) for pair in pairs], dtype=float)
-        return values
+            values = np.array([self._number(column, *pair) for pair in pairs], dtype=float)
+        return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
 
     def _number(self, column: str, cell: str, line: int) -> float:
         try:
             value = float(cell)
         except ValueError:
-            if cell.strip().lower() in _MISSING:
+            if cell.strip().lower() in _MISSING_WORDS:
                 return np.nan
             value = np.inf
         if np.isinf(value):
@@ -61,11 +61,14 @@ class Text:
             raise self.error(int(line[first]), say(first))
 
 
-def read_lines(
-    path: str | PathLike[str], kind: str = "a file of winds", errors: str = "strict"
-) -> Text:
-    """Return the lines of a text file, whatever their ends; `kind` and `errors` as `read_text`."""
-    content = read_text(a_path("path", path), kind, errors=errors)
+def read_lines(path: str | PathLike[str], kind: str = "a file of winds") -> Text:
+    """Return the lines of a text file in any of `ENCODINGS`; `kind` as `read_text`."""
+    content = read_text(a_path("path", path), kind, encodings=ENCODINGS)
+    return lines_of(content, str(path))
+
+
+def lines_of(content: str, source: str) -> Text:
+    """Return the lines of a text, whatever their ends; `source` names it in messages."""
     if "\0" in content:
-        raise InputError(f"{called(path)} is not a text file")
-    return Text(called(path), tuple(re.split(r"\r\n|\r|\n", content)))
+        raise InputError(f"{called(source)} is not a text file")
+    return Text(called(source), tuple(re.split(r"\r\n|\r|\n", content)))

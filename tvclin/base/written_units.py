@@ -1,5 +1,6 @@
 """Units as other tools write them behind a column's name, and as they look when mangled."""
 
+import re
 from dataclasses import dataclass
 
 from tvclin.base.units import DEGREE, FOOT, POUND, POUND_FORCE
@@ -11,7 +12,7 @@ _ATMOSPHERE = 101_325.0
 _SLUG = POUND_FORCE / FOOT
 
 WRITTEN: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
     "length": {
         **{"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3},
         **{"in": _INCH, "in/64": _INCH / 64, "ft": FOOT, "yd": 3 * FOOT},
@@ -26,7 +27,7 @@ WRITTEN: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "lbf": POUND_FORCE, "kgf": _KILOPOND, "MN": 1e6},
     "speed": {
         **{"m/s": 1.0, "km/s": 1e3, "km/h": 1 / 3.6, "kt": _NAUTICAL_MILE / 3600},
-        **{"ft/s": FOOT, "ft/sec": FOOT, "mph": _MILE / 3600},
+        **{"ft/s": FOOT, "mph": _MILE / 3600},
     },
     "area": {"mm²": 1e-6, "cm²": 1e-4, "m²": 1.0, "in²": _INCH**2, "ft²": FOOT**2},
     "angle": {"°": DEGREE, "deg": DEGREE, "rad": 1.0, "arcmin": DEGREE / 60},
@@ -56,6 +57,23 @@ WRITTEN: dict[str, dict[str, float]] = {
 }
 """For each quantity the units that are known, and their factors to SI; `lb` is a mass."""
 
+_WORDS = {
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+    **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
+    **dict.fromkeys(("kilometer", "kilometers", "kilometre", "kilometres"), "km"),
+    **dict.fromkeys(("foot", "feet"), "ft"),
+    **dict.fromkeys(("inch", "inches"), "in"),
+    **dict.fromkeys(("mile", "miles"), "mi"),
+    **dict.fromkeys(("kn", "kts", "knot", "knots"), "kt"),
+    **dict.fromkeys(("degree", "degrees", "degs"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("pound", "pounds", "lbs"), "lb"),
+    **{"mps": "m/s", "fps": "ft/s", "kph": "km/h", "kmh": "km/h", "kmph": "km/h"},
+}
+"""Other spellings of parts of a unit."""
+_SPEEDS = {"ms1": "m/s", "fts1": "ft/s", "kmh1": "km/h", "kms1": "km/s", "mi/h": "mph"}
+"""Other spellings of whole units, without signs: of m s-1."""
 _ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
 """What their zeros are in SI, of units that do not start there."""
 
@@ -81,13 +99,19 @@ class Unit:
 def unit_of(written: str, known: dict[str, float]) -> Unit | None:
     """Return the unit that was written; None where none of the known ones fits, or two do.
 
-    All but letters, digits and strokes is dropped, since that is what other encodings damage. Where
-    nothing fits so, powers are dropped as well: within one quantity the rest tells.
+    All but letters, digits and strokes is dropped, since that is what other encodings damage; then
+    other spellings of its parts are tried: m/sec, feet, m s-1, m_per_s. Where nothing fits so,
+    powers are dropped as well: within one quantity the rest tells.
     """
+    written = written.translate(_SIGNS)
     key = _key(written)
+    other = _respelled(written)
     for spelling, factor in known.items():
         if key == _key(spelling):
             return Unit(factor, spelling, _bare(written) != _bare(spelling))
+    for spelling, factor in known.items():
+        if other == _key(spelling):
+            return Unit(factor, spelling, False)
     fits = [
         Unit(factor, spelling, True)
         for spelling, factor in known.items()
@@ -96,12 +120,20 @@ def unit_of(written: str, known: dict[str, float]) -> Unit | None:
     return fits[0] if len(fits) == 1 else None
 
 
-_POWERS = str.maketrans("²³", "23")
+_SIGNS = str.maketrans("¹²³⁻\u2212º˚", "123--°°")
 
 
 def _key(unit: str) -> str:
-    kept = (c for c in unit.translate(_POWERS).lower() if c.isascii())
+    kept = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
     return "".join(c for c in kept if c.isalnum() or c == "/")
+
+
+def _respelled(unit: str) -> str:
+    """The key of a unit of which each part has its usual spelling."""
+    text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
+    parts = (_WORDS.get(part, part) for part in re.split(r"([^a-z]+)", text))
+    key = _key("".join(parts))
+    return _SPEEDS.get(key, key)
 
 
 def _powerless(key: str) -> str:
@@ -110,4 +142,4 @@ def _powerless(key: str) -> str:
 
 def _bare(unit: str) -> str:
     """A unit without what may stand between its parts: kg m^2 is as good as kg·m²."""
-    return "".join(c for c in unit.translate(_POWERS).lower() if c not in " *^._-·")
+    return "".join(c for c in unit.translate(_SIGNS).lower() if c not in " *^._-·")

@@ -1,0 +1,323 @@
+"""Tables as other programs write them: a line of column names, and the cells below it.
+
+One reader for winds, soundings and schedules: any separator, decimal commas, quoted cells, comments
+and lines of other text above the names. Units are those of `written_units`.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.errors import InputError, shown
+from tvclin.base.text import Text, read_lines
+from tvclin.base.written_units import WRITTEN, Unit, unit_of
+
+Cells = tuple[str, ...]
+
+MAX_COLUMNS, MAX_HEAD_LINE = 1000, 1000
+"""Columns of a table, and number of the line with their names: no real table has more."""
+_SEPARATORS = ",;\t"
+_AFTER_UNITS, _BLANKS = "units", "blanks"
+"""Separated by blanks, where names hold blanks too and end in units, and where they do not."""
+_MARKS = "#%!' \ufeff"
+"""What may stand before the first name: marks of comments, a byte order mark."""
+_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)(e[+-]?\d+)?", flags=re.IGNORECASE)
+_FIRST_NUMBER = re.compile(rf"[\s\"]*{_NUMBER.pattern}[\s\"]*([,;\t ]|$)", flags=re.IGNORECASE)
+_DECIMAL = re.compile(r"[+-]?\d*([.,])\d+([eE][+-]?\d+)?")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+_SYMBOL = re.compile(r"\s*\((?![a-z ]{2,}\))[^()]*\)$")
+"""A symbol in parentheses behind a name; words in small letters are part of the name."""
+_MAX_NAME_LENGTH = 200
+_SURE = 3
+"""Known columns of a line that is the head beyond doubt, if the next row has as many cells."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The name of a column.
+
+    `index`: which column. `text`: as it stands in the file, without letters that cannot be seen.
+    `name`, `unit`: what stands before and in its last parentheses or brackets; a unit of None
+    without.
+    """
+
+    index: int
+    text: str
+    name: str
+    unit: str | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The letters and digits of its name, and without a symbol in parentheses behind it."""
+        return letters(self.name), letters(_SYMBOL.sub("", self.name))
+
+    @property
+    def words(self) -> list[str]:
+        """The words of name and unit in lower case, split at blanks, underscores and brackets."""
+        return [word for word in re.split(r"[\s_()\[\]]+", self.text.lower()) if word]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Numbers in SI units ``(n,)``, NaN where there is none, and where they came from."""
+
+    values: FloatArray
+    origin: str
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The rows of a file below its line of names: of each its line and its cells.
+
+    `head`: index of the line of names. `notes`: which lines above it were skipped.
+    """
+
+    text: Text
+    headings: tuple[Heading, ...]
+    line: IntArray
+    cells: tuple[Cells, ...]
+    head: int = 0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """What each row is called in messages."""
+        return tuple(f"{self.text.source}, line {n}" for n in self.line)
+
+    def error(self, message: str) -> InputError:
+        """Return an error about the line of names."""
+        return self.text.error(self.head + 1, message)
+
+    def find(self, *names: str) -> Heading | None:
+        """Return the one column that has the first of some names that is there.
+
+        A column of the very name counts before those that have a symbol behind it.
+        """
+        for name in names:
+            named = [one for one in self.headings if letters(name) in one.names]
+            found = [one for one in named if letters(name) == one.names[0]] or named
+            if len(found) > 1:
+                raise InputError(
+                    f"{self.text.source}: the column {name} is there {len(found)} times; keep one"
+                )
+            if found:
+                return found[0]
+        return None
+
+    def column(self, heading: Heading) -> list[str]:
+        """Return the cells of a column."""
+        return [row[heading.index] for row in self.cells]
+
+    def numbers(
+        self, heading: Heading, dimension: str, known: dict[str, float] | None = None
+    ) -> Column:
+        """Return the numbers of a column in SI units.
+
+        `dimension`: what it measures, of `WRITTEN`. `known`: units in place of those of `WRITTEN`.
+        `InputError` for a unit that is missing or unknown, and for a cell that is no number.
+        """
+        unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
+        cells = self.column(heading)
+        values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
+        damaged = unit.mangled and unit.spelling
+        told = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
+        return Column(values, f"column {heading.text}{told}")
+
+    def need(
+        self, name: str, dimension: str, mend: str, known: dict[str, float] | None = None
+    ) -> Column:
+        """Return the numbers of a column by name; `InputError` without it, with a way to mend."""
+        heading = self.find(name)
+        if heading is None:
+            raise InputError(f"{self.text.source} has no column {name}; {mend}")
+        return self.numbers(heading, dimension, known)
+
+    def optional(self, key: str, name: str, dimension: str) -> tuple[dict[str, Column], list[str]]:
+        """Return the numbers of an optional column by our key, and notes.
+
+        Without a column of that name both are empty; a column that cannot be read is omitted with a
+        note that says why.
+        """
+        try:
+            heading = self.find(name)
+            found = {} if heading is None else {key: self.numbers(heading, dimension)}
+        except InputError as error:
+            why = str(error).removeprefix(self.text.source).lstrip(":, ")
+            return {}, [f"not read: column {name}, which is not needed: {why}"]
+        return found, []
+
+    def factor(self, heading: Heading, dimension: str) -> float:
+        """Return the factor of a column's unit to SI; `InputError` where it is not known."""
+        return self._unit(heading, WRITTEN[dimension]).factor
+
+    def _unit(self, heading: Heading, known: dict[str, float]) -> Unit:
+        unit = unit_of(heading.unit or "", known)
+        if unit is None or (heading.unit is None and "" not in known):
+            raise InputError(
+                f"{self.text.source}: the unit of the column {shown(heading.text)} is not known;"
+                f" export it in {', '.join(filter(None, known)) or 'no unit'}"
+            )
+        return unit
+
+
+Headings = tuple[Heading, ...]
+Fit = Callable[[Headings], float]
+"""The number of known columns among the names of a line; zero where it cannot be the head."""
+
+
+def read_sheet(path: str | PathLike[str], kind: str, fit: Fit, missing: str) -> Sheet:
+    """Return the table of a file; `kind` is what the file should be, the rest as `sheet_in`."""
+    return sheet_in(read_lines(path, kind), fit, missing)
+
+
+def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
+    """Return the table of a text below its line of names, which is the one that fits best.
+
+    `fit`: the number of known columns of a line. `missing`: what no line is, for the message.
+    """
+    head = head_of(text, fit)
+    if head is not None:
+        return _rows(text, *head)
+    for i, content in enumerate(text.lines[:MAX_HEAD_LINE]):
+        if max(map(content.count, _SEPARATORS)) >= MAX_COLUMNS:
+            raise text.error(i + 1, f"it has more than {MAX_COLUMNS} columns")
+    raise InputError(f"{text.source} has no line of {missing}")
+
+
+def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
+    """Return index, names and separator of the line of names that fits best; None without one.
+
+    Of lines that fit alike it is the first above a row with as many cells.
+    """
+    best, found = (0.0, False), None
+    for i, headings, separator in _candidates(text):
+        count = fit(headings)
+        if not count or (count, True) <= best:
+            continue
+        below = text.lines[i + 1 : i + 1 + MAX_HEAD_LINE]
+        row = next((one for one in below if one.strip() and not is_comment(one)), "")
+        matches = len(_split(row, separator)) == len(headings)
+        if (count, matches) > best:
+            best, found = (count, matches), (i, headings, separator)
+        if matches and count >= _SURE:
+            break
+    return found
+
+
+def letters(name: str) -> str:
+    """Return the letters and digits of a name, which no encoding damages, in lower case."""
+    return "".join(c for c in name.lower() if c.isascii() and c.isalnum())
+
+
+def is_comment(content: str) -> bool:
+    """Whether a line is a comment: by its mark, or an event where the mark was taken off."""
+    bare = content.lstrip("\"' \t\ufeff")
+    return bare.startswith(("#", "%", "!", "//")) or bare.startswith("Event ")
+
+
+def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
+    """Yield index, names and separator of lines of which no cell is a number."""
+    for i, content in enumerate(text.lines[:MAX_HEAD_LINE]):
+        if len(content) > MAX_COLUMNS * _MAX_NAME_LENGTH or _FIRST_NUMBER.match(content):
+            continue
+        for separator in (*_SEPARATORS, _AFTER_UNITS, _BLANKS):
+            cells = _split(content.lstrip(_MARKS), separator)
+            while cells and not cells[-1].strip():
+                cells.pop()
+            if cells:
+                cells[0] = cells[0].lstrip(_MARKS)
+            if 1 < len(cells) <= MAX_COLUMNS and not any(map(_NUMBER.fullmatch, cells)):
+                yield i, tuple(_heading(k, cell) for k, cell in enumerate(cells)), separator
+
+
+def _split(content: str, separator: str) -> list[str]:
+    """Return the cells of a line; those of a line that is quoted as a whole as well."""
+    if separator == _AFTER_UNITS:
+        return re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content.strip())
+    if separator == _BLANKS:
+        return content.split()
+    try:
+        cells = next(csv.reader([content], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        return content.split(separator)
+    if len(cells) == 1 and separator in cells[0] and content.lstrip().startswith('"'):
+        return cells[0].split(separator)
+    return cells
+
+
+def _heading(index: int, cell: str) -> Heading:
+    text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
+    found = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
+    name, unit = (found[1], found[2].strip()) if found else (text, None)
+    return Heading(index, text, name, unit)
+
+
+def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
+    for one in headings:
+        if len(one.text) > _MAX_NAME_LENGTH:
+            raise text.error(
+                head + 1,
+                f"a name of a column has at most {_MAX_NAME_LENGTH} letters; got {shown(one.text)}",
+            )
+    rows: list[Cells] = []
+    line: list[int] = []
+    separator = separator if separator in _SEPARATORS else _BLANKS
+    for n, content in enumerate(text.lines[head + 1 :], start=head + 2):
+        if content.lstrip().startswith("<"):  # the markup of a page goes on
+            break
+        if not content.strip(" \t,;") or is_comment(content):
+            continue
+        cells = [cell.strip(' "\u200b') for cell in _split(content, separator)]
+        while len(cells) > len(headings) and not cells[-1]:
+            cells.pop()
+        if len(cells) != len(headings):
+            hint = "; are there decimal commas?" if len(cells) > len(headings) else ""
+            raise text.error(
+                n,
+                f"there are {len(headings)} names and {len(cells)} cell{'s' * (len(cells) != 1)} in"
+                f" this line{hint}",
+            )
+        rows.append(tuple(cells))
+        line.append(n)
+    if not rows:
+        raise InputError(f"{text.source} has no row below its line of names")
+    rows = _with_points(text, line, rows)
+    numbers = np.array(line, dtype=np.int64)
+    return Sheet(text, headings, numbers, tuple(rows), head, _skipped(text.lines[:head]))
+
+
+def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
+    """Notes on lines above the names, but for comments and markup."""
+    above = [one.strip() for one in lines if one.strip() and not is_comment(one)]
+    above = [one for one in above if not one.startswith("<")]
+    if not above:
+        return ()
+    count = f"{len(above)} line{'s' * (len(above) != 1)}"
+    return (f"{count} above the names of columns skipped, the first {shown(above[0])}",)
+
+
+def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
+    """Cells with decimal points: without any point, commas are decimal."""
+    found = [[(one[1], cell) for cell in row if (one := _DECIMAL.fullmatch(cell))] for row in rows]
+    commas = [cell for row in found for mark, cell in row if mark == ","]
+    if not commas:
+        return rows
+    why = ""
+    if any(mark == "." for row in found for mark, _ in row):
+        why = "numbers have decimal commas, others points"
+    elif all(map(_THOUSANDS.fullmatch, commas)):
+        why = f"the comma of {commas[0]} may be that of decimals or of thousands"
+    if why:
+        at = next(n for n, row in zip(line, found, strict=True) if any(m == "," for m, _ in row))
+        raise text.error(at, f"{why}; export the file with points")
+    return [
+        tuple(cell.replace(",", ".") if _DECIMAL.fullmatch(cell) else cell for cell in row)
+        for row in rows
+    ]
