@@ -1336,7 +1336,14 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "read_sounding": Door(
-            tv.read_sounding, {"path": SOUNDINGS / "wyoming.txt", "format": "wyoming", "time": None}
+            tv.read_sounding,
+            {
+                "path": SOUNDINGS / "wyoming.txt",
+                "format": "wyoming",
+                "time": None,
+                "units": None,
+                "above_ground": None,
+            },
         ),
         "read_table": Door(
             tv.answers.read_table,
