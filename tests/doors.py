@@ -485,6 +485,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "not_sized": ("above 12 km",),
                 "rate_limit": 0.1,
                 "needed_rate": 0.05,
+                "end": "the first of the schedule: more may be needed before",
             },
         ),
         "Dispersion": Door(
@@ -752,6 +753,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "ShapedWind.peaks": Door(slanting.peaks, {"attitude": 0.8}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
         "Sizing.not_sized": Door(sizing.not_sized, {"name": "K = 1"}),
+        "Sizing.arising": Door(sizing.arising, {"name": "K = 1"}),
         "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
         "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
         "SizingAsked": Door(

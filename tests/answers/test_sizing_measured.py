@@ -5,6 +5,9 @@ import pytest
 
 import tvclin as tv
 from tvclin.answers.sizing.measured import gust_of_speed
+from tvclin.answers.sizing.tables import each_wind, over_time
+from tvclin.answers.sizing.total_record import total_table
+from tvclin.base.lines import text
 from tvclin.winds.soundings.levels import towards
 
 EAST = np.radians(90)
@@ -105,6 +108,78 @@ def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flig
     assert "after it" in tv.size(rises, wind, times=[50.0, 60.0]).notes[-1]
     for none in (tv.size(still, wind, times=[50.0, 60.0]), tv.size(flight, wind, times=60.0)):
         assert not [note for note in none.notes if "largest at" in note]
+
+
+def test_a_sounding_has_one_requirement_for_the_flight_at_the_time_at_which_it_arises(
+    flight,
+) -> None:
+    """On a fixed path the dead band is left where B(t) alpha_w(t) of (B1e) is K times the limit."""
+    met = low(flight, pressure=False)
+    bands, options = np.array([1.0, 0.9]), {"model": "fixed-path", "varying": True}
+    found, again = (
+        tv.size(flight, met, times=times, dead_bands=bands, **options)
+        for times in ([50.0, 60.0, 70.0, 80.0], [60.0])
+    )
+    vehicle, profile = (
+        flight.vehicle,
+        tv.WindProfile(height=[5e3, 10e3, 15e3], east=[10, 40, 30], north=[0, 0, 0]),
+    )
+    for K in bands.tolist():
+        name = f"K = {K:g}, varying"
+        needs = found.required[name][:3, 0]
+        assert np.all(needs == needs[0])
+        assert again.required[name][0, 0] == needs[0]
+        assert np.isnan(found.required[name][3, 0])
+        worst = found.worst[name]
+        assert worst.time == found.arising(name)[0] == again.worst[name].time
+        assert 46.5 < worst.time < 73.9
+        slope, arm, force, lever, speed, path, height = (
+            np.interp(worst.time, flight.times, np.broadcast_to(values, flight.times.shape))
+            for values in (
+                vehicle.normal_force_slope,
+                vehicle.aerodynamic_arm,
+                vehicle.control_force,
+                vehicle.control_arm,
+                flight.speed,
+                flight.flight_path_angle,
+                flight.height,
+            )
+        )
+        wind = np.interp(height, profile.height, profile.in_plane(EAST))
+        trim = slope * arm / (force * lever) * np.arcsin(wind * np.sin(path) / speed)
+        assert K * worst.deflection == pytest.approx(abs(trim), rel=2e-3)
+    total = tv.worst_total(found, "K = 1, varying")
+    assert total.time == found.worst["K = 1, varying"].time
+    nominal = abs(float(flight.nominal_at(total.time)))
+    assert total.total == pytest.approx(found.largest["K = 1, varying"] + nominal)
+
+
+def test_of_a_sounding_no_row_is_repeated(flight) -> None:
+    pulse = tv.TriangularWind(peak=0.05, duration=7.5)
+    both = tv.size(flight, {"jet": low(flight), "pulse": pulse}, times=[50.0, 60.0], varying=True)
+    alone = tv.size(flight, low(flight), times=[50.0, 60.0], varying=True)
+    whole, frozen = over_time(alone, "K = 1, varying")
+    assert "over the whole flight" in whole.caption
+    assert [text(row[0]) for row in whole.rows] == ["trim", "K = 1", "K = 0.5", "minimum"]
+    assert ("frozen" in frozen.caption, len(frozen.rows)) == (True, 2)
+    assert each_wind(both, "K = 1, varying") == []
+    rows = over_time(both, "K = 1, varying")[0].rows  # of the pulse, which has a row for each time
+    needs = np.degrees(both.required["K = 1, varying"][:, 1])
+    assert [text(row[2]) for row in rows] == [f"{need:.3f}" for need in needs]
+
+
+def test_a_worst_time_at_an_end_of_the_flight_is_said_beside_it(flight) -> None:
+    wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    first = tv.size(flight, wind, times=[60.0, 70.0], dead_bands=1.0)
+    start = flight.span[0]
+    whole = tv.size(flight, wind, times=[start, 70.0], dead_bands=1.0)
+    for found, word in ((first, "the first that is sized"), (whole, "the first of the schedule")):
+        caption = total_table(tv.worst_total(found, "K = 1")).caption
+        assert caption.endswith(f" s, {word}: more may be needed before")
+        ratio = tv.answers.controllability_ratio(found, 0.02)
+        assert ratio.table.caption.endswith("more may be needed before")
+    single = tv.size(flight, wind, times=60.0, dead_bands=1.0)
+    assert total_table(tv.worst_total(single, "K = 1")).caption.endswith("time, 60 s")
 
 
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])

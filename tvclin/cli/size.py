@@ -14,6 +14,7 @@ from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+from tvclin.answers.sizing.notes import hundredths
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
@@ -233,7 +234,7 @@ def _print(
     if len(found.winds) > 1:
         print_tables(tables.by_wind(found, counted))
     if 1 < len(found.winds) <= _COLUMNS:
-        print_tables(tables.each_wind(found, counted))
+        print_tables(*tables.each_wind(found, counted))
     say(f"{tables.legend(found)}\n")
     print_tables(total_table(total, counted))
     say_lines(total.verdict)
@@ -252,6 +253,11 @@ def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
+    known_from, known_to = found.known_times[:, 0].max(), found.known_times[:, 1].min()
+    options = [f"--from {hundredths(known_from, up=True)}"] if begin < known_from else []
+    options += [f"--to {hundredths(known_to, up=False)}"] if end > known_to else []
+    if options:
+        yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
     doubtful = not found.freezing_error and (found.change > STEADY).any()
     if asked.soundings and asked.window is None and doubtful:
         yield (

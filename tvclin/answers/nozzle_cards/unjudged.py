@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from tvclin.answers.nozzle_cards.record import CardPoint
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
-from tvclin.answers.sizing.notes import flight_times
+from tvclin.answers.sizing.notes import flight_times, hundredths
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.flights.closed_loop.many import NO_FLIGHT, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
@@ -19,7 +18,6 @@ from tvclin.linear.modes import that_grow
 
 _PAIR = "two unstable poles are a pair, for which no test of loss is known"
 _FIXED_PATH = "fixed-path"
-_CENTISECONDS = 100.0
 
 
 def flight_reason(plant: AnyPlant, status: str) -> str:
@@ -79,18 +77,13 @@ def unknown_winds(
             if early:
                 yield (
                     f"{name} is not known below {schedule.place(first)}:"
-                    f" --from {_rounded(first, math.ceil)} begins there"
+                    f" --from {hundredths(first, up=True)} begins there"
                 )
             if late:
                 yield (
                     f"{name} is not known above {schedule.place(last)}:"
-                    f" --to {_rounded(last, math.floor)} ends there"
+                    f" --to {hundredths(last, up=False)} ends there"
                 )
         reasons = {time: why for time, why in times.items() if why}
         if reasons:
             yield f"{name} at {flight_times(reasons)}: {reasons[min(reasons)]}"
-
-
-def _rounded(time: float, towards: Any) -> str:
-    """Return a flight time [s] to hundredths, rounded into the known part of the flight."""
-    return f"{towards(time * _CENTISECONDS) / _CENTISECONDS:.10g}"

@@ -48,7 +48,8 @@ def in_both_planes(
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
     ]
-    required, more = _required(pitch, yaw, needs, stop)
+    arises = {name: _arises(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
+    required, more = _required(pitch, yaw, needs, stop, arises)
     refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
     spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]
     said = (*pitch.said, *yaw.said, *spoken)
@@ -67,12 +68,25 @@ def in_both_planes(
         said=tuple(dict.fromkeys(said)),
         notes=(),
         alone=parts,
+        arises=arises,
         stop=stop,
     )
 
 
+def _arises(pitch: Sizing, yaw: Sizing, name: str) -> FloatArray:
+    """When a number of a fixed wind arises [s]: in the plane that needs more, ``(m,)``."""
+    times = [one.arising(name) for one in (pitch, yaw)]
+    sizes = [np.nanmax(one.required[name], axis=0, initial=0.0) for one in (pitch, yaw)]
+    in_pitch = np.isnan(times[1]) | ((sizes[0] >= sizes[1]) & ~np.isnan(times[0]))
+    return np.where(in_pitch, *times)
+
+
 def _required(
-    pitch: Sizing, yaw: Sizing, needs: list[list[VectorNeed]], stop: Stop
+    pitch: Sizing,
+    yaw: Sizing,
+    needs: list[list[VectorNeed]],
+    stop: Stop,
+    arises: dict[str, FloatArray],
 ) -> tuple[dict[str, FloatArray], BoolArray]:
     """What both planes require, by names, and where the vector asks for more than each by itself.
 
@@ -98,7 +112,11 @@ def _required(
             beyond_planes = np.divide(
                 required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
             )
-            required[along] = held[along] * beyond_planes
+            fixed = (
+                ~np.isnan(arises[along]) if along in arises else np.zeros(len(pitch.winds), bool)
+            )
+            whole = np.nanmax(beyond_planes, axis=0, initial=1.0)  # one number for the flight
+            required[along] = held[along] * np.where(fixed, whole, beyond_planes)
     return required, np.any([required[name] > held[name] for name in names], axis=0)
 
 

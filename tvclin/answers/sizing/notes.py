@@ -44,6 +44,11 @@ def flight_times(times: Collection[float]) -> str:
     )
 
 
+def hundredths(time: float, *, up: bool) -> str:
+    """Return a flight time [s] rounded up or down to hundredths, as options name it."""
+    return f"{(np.ceil if up else np.floor)(100.0 * time) / 100.0:.10g}"
+
+
 def _unknown(found: Sizing) -> list[str]:
     begin, end = found.schedule.span
     place = found.schedule.place

@@ -30,14 +30,16 @@ class PlacedWind:
     """A wind in a flight: in its own time, whose zero is at a flight time [s].
 
     What stands for an unknown wind is calm; `why` it is, where the reason is not that a sounding
-    ends. `whole` is a wind that blows to both sides with what blows to the other one, `pressure`
-    flight times [s] and the dynamic pressure there over that in calm air, where it is known.
+    ends. `fixed` says whether this wind meets every flight time, as a sounding without a window.
+    `whole` is a wind that blows to both sides with what blows to the other one, `pressure` flight
+    times [s] and the dynamic pressure there over that in calm air, where it is known.
     """
 
     history: History
     zero: float
     known: bool = True
     why: str = ""
+    fixed: bool = False
     whole: History | None = None
     pressure: tuple[FloatArray, FloatArray] | None = None
 
@@ -91,7 +93,13 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         values = both(both.probe_times())
         two_sided = values.min() < 0.0 < values.max()
         met = None if wind.pressure is None else (wind.wind.time, wind.pressure)
-        return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None, pressure=met)
+        return PlacedWind(
+            wind(vehicle),
+            0.0,
+            fixed=wind.window is None and wind.gust is None,
+            whole=both if two_sided else None,
+            pressure=met,
+        )
     history = given(wind, vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError(

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.record import TRIM, Sizing
-from tvclin.answers.sizing.total import total_deflection
-from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, rows_of
+from tvclin.answers.sizing.total import SAME, flight_end, total_deflection
+from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, at_time, rows_of
 from tvclin.answers.sizing.total_record import Line as Part
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
@@ -66,10 +66,7 @@ class ControllabilityRatio(Shown):
         whole = degrees("ratio.takes", self.takes.total)
         rows.append((("trim and all that adds up",), (SUMS,), whole))
         rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
-        at = (
-            "" if self.takes.time is None else f" at its worst flight time, {self.takes.time:.5g} s"
-        )
-        return Table(f"Controllability ratio{at}", HEAD, tuple(rows))
+        return Table(f"Controllability ratio{at_time(self.takes, 'its')}", HEAD, tuple(rows))
 
     @property
     def verdict(self) -> Line:
@@ -152,7 +149,10 @@ def controllability_ratio(
         )
         found.append(ControllabilityRatio(total, most))
     worst = min(found, key=lambda one: one.ratio)
-    return replace(worst, takes=replace(worst.takes, not_sized=sizing.not_sized(TRIM)))
+    others = min((one.ratio for one in found if one.takes.time != worst.takes.time), default=0.0)
+    end = flight_end(sizing, worst.takes.time) if worst.ratio < (1.0 - SAME) * others else ""
+    takes = replace(worst.takes, not_sized=sizing.not_sized(TRIM), end=end)
+    return replace(worst, takes=takes)
 
 
 def _trims(sizing: Sizing, gusts: FloatArray) -> Iterator[tuple[float, float, float]]:

@@ -99,6 +99,11 @@ class Sizing(Tabled):
         known there, ``(n, m)``; None where no sign was asked about.
     stop : Stop or None
         For both planes, what the nozzle can do; deflections are in its measure.
+    arises : dict of str to ndarray
+        By name of the requirements with varying parameters, for winds that meet every flight time
+        as one and the same, as a sounding without a window: their number is one for the flight,
+        repeated in each row, and this the flight time [s] at which it arises, ``(m,)``: of a dead
+        band its exit, of trim and the minimum that of the largest trim. NaN for other winds.
     concurrent : ConcurrentTrim or None
         Trim of winds that are fixed in flight time, each angle with the vehicle of its own time.
     """
@@ -124,6 +129,7 @@ class Sizing(Tabled):
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
     unsigned: BoolArray | None = None
+    arises: Mapping[str, FloatArray] = field(default_factory=dict)
     concurrent: ConcurrentTrim | None = None
 
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
@@ -151,6 +157,7 @@ class Sizing(Tabled):
         return {
             **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
             **picked(self, "required_deg"),
+            **(picked(self, "arises_s") if self.arises else {}),
             **planes,
             **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
             **picked(self, "single_pole_edge_s=edge worst"),
@@ -232,6 +239,17 @@ class Sizing(Tabled):
         with np.errstate(invalid="ignore"):
             return np.fmax.reduce(values, axis=1)
 
+    def arising(self, name: str) -> FloatArray:
+        """Return `arises` of a requirement [s], ``(m,)``; NaN where it has a number for each time.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        one_of("name", name, self.required)
+        return np.asarray(self.arises.get(name, np.full(len(self.winds), np.nan)))
+
     def not_sized(self, name: str) -> tuple[str, ...]:
         """Return in words where a requirement is not known in every wind; nothing if it is.
 
@@ -259,7 +277,9 @@ class Sizing(Tabled):
             if np.all(np.isnan(part)):
                 continue
             i, j = np.unravel_index(int(np.nanargmax(part)), part.shape)
-            found[name] = Worst(float(part[i, j]), float(self.times[i]), self.winds[winds[int(j)]])
+            arises = float(self.arising(name)[winds[int(j)]])
+            time = float(self.times[i]) if np.isnan(arises) else arises
+            found[name] = Worst(float(part[i, j]), time, self.winds[winds[int(j)]])
         return found
 
     def _columns(self) -> Columns:

@@ -46,8 +46,11 @@ def by_sign(found: Sizing, pulses: int, case_at: Callable[[float, int], Case]) -
         for one, factor in factors.items()
         if not np.isnan(factor).all()
     }
+    arises = dict(found.arises)
+    if name in arises:
+        arises |= dict.fromkeys(signed, arises[name])
     if not (why and signed):
-        return replace(found, required=found.required | signed)
+        return replace(found, required=found.required | signed, arises=arises)
     said = f"what the sign of a pulse changes is not known at {why}"
     required, notes = found.required | signed, (*found.notes, said)
-    return replace(found, required=required, unsigned=unsigned, notes=notes)
+    return replace(found, required=required, arises=arises, unsigned=unsigned, notes=notes)

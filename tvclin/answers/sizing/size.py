@@ -184,11 +184,13 @@ def _sized(
     ]
     required = _columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
-    said = _said(asked.times, needs)
+    said, arises = _said(asked.times, needs), {}
     if varying is not False:
         try:
             mode = _growing(schedule, model, plane, placed)
-            required |= _varying_columns(mode, placed, needs, bands, told)
+            along = _along(mode, placed, needs, bands, told)
+            required |= {f"{name}{VARYING}": one for name, one in _columns(along, bands).items()}
+            arises = _arises(placed, along, bands)
             required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
             said += _missing(required, bands)
         except InputError as error:
@@ -203,6 +205,7 @@ def _sized(
         edge=np.array(edges),
         said=tuple(dict.fromkeys(said)),
         notes=(),
+        arises=arises,
         **_circumstances(schedule, plane, vehicles, placed),
     )
 
@@ -257,8 +260,11 @@ def _varying(
     """With varying parameters; for K < 1 what exceeds (4b) is taken in the frozen proportion."""
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
-        return VaryingNeed(needs, np.full(bands.shape, needs), needs)
+        none = np.full(bands.shape, np.nan)
+        return VaryingNeed(needs, np.full(bands.shape, needs), needs, np.nan, none)
     along = met(wind)
+    if wind.fixed:
+        return along
     beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
     required = np.maximum(along.required * beyond, along.minimum)
     if frozen.paired:
@@ -285,27 +291,57 @@ def _growing(
     return GrowingMode(schedule, model, plane, (first, last))
 
 
-def _varying_columns(
+def _whole_flight(
+    mode: GrowingMode, wind: PlacedWind, along: VaryingNeed, bands: FloatArray
+) -> VaryingNeed:
+    """One need for the flight: the frozen proportion is that of the vehicle at each exit."""
+    beyond = np.ones(bands.shape)
+    for k in np.flatnonzero((bands < 1.0) & np.isfinite(along.times)).tolist():
+        plant = mode.schedule.plants(along.times[k], mode.model, mode.plane)
+        frozen = frozen_need(plant, wind.in_flight, bands[k : k + 1], LAWS[0], wind.whole)
+        beyond[k] = frozen.beyond[0]
+    return replace(along, required=np.maximum(along.required * beyond, along.minimum))
+
+
+def _along(
     mode: GrowingMode,
     placed: list[list[PlacedWind]],
     frozen: list[list[FrozenNeed]],
     bands: FloatArray,
     told: Callable[[VaryingNeed], VaryingNeed],
-) -> dict[str, FloatArray]:
+) -> list[list[VaryingNeed]]:
+    """The needs with varying parameters, by flight times and winds."""
     along: dict[bytes, VaryingNeed] = {}  # without a window one wind meets every flight time
 
     def met(wind: PlacedWind) -> VaryingNeed:
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            along[key] = need_in_parts(mode, wind.in_flight, bands, wind.whole, wind.pressure)
+            need = need_in_parts(mode, wind.in_flight, bands, wind.whole, wind.pressure)
+            along[key] = _whole_flight(mode, wind, need, bands) if wind.fixed else need
         return along[key]
 
-    needs = [
+    return [
         [told(_varying(met, wind, need, bands)) for wind, need in zip(*row, strict=True)]
         for row in zip(placed, frozen, strict=True)
     ]
-    return {f"{name}{VARYING}": values for name, values in _columns(needs, bands).items()}
+
+
+def _arises(
+    placed: list[list[PlacedWind]], along: list[list[VaryingNeed]], bands: FloatArray
+) -> dict[str, FloatArray]:
+    """Flight times [s] at which the numbers of fixed winds arise, by names, ``(m,)`` each."""
+    fixed = np.array([[wind.fixed for wind in row] for row in placed])
+    if not fixed.any():
+        return {}
+    first = fixed.argmax(axis=0)
+    one = [along[i][j] for j, i in enumerate(first.tolist())]
+    names = {TRIM: [x.trim_time for x in one], MINIMUM: [x.trim_time for x in one]}
+    names |= {f"K = {K:g}": [x.times[k] for x in one] for k, K in enumerate(bands)}
+    return {
+        f"{name}{VARYING}": np.where(fixed.any(axis=0), times, np.nan)
+        for name, times in names.items()
+    }
 
 
 def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tvclin.answers.sizing.record import IN_A, STEADY, VARYING, Sizing
+from tvclin.base.arrays import BoolArray
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 
 _MARKS = {
@@ -15,6 +16,8 @@ _MARKS = {
     "?": "a wind is not known",
 }
 """What the marks of flight times mean in a table of the worst winds."""
+_OFF = "{} off by [%]"
+"""Head of the column with the error of a frozen requirement."""
 
 
 def marks_line(s: Sizing) -> str:
@@ -35,8 +38,9 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     """Return by flight time what one wind asks for, of its place, or the worst wind of each time.
 
     First with parameters that vary while the wind blows, where the sizing has them, and in head and
-    tail winds; then with those of each flight time; and for both planes what each by itself asks
-    for of the requirement that is counted.
+    tail winds: of a wind that is fixed in the flight one number each, with the time at which it
+    arises. Then with those of each flight time; and for both planes what each by itself asks for of
+    the requirement that is counted.
     """
     frozen = [name for name in s.required if ", " not in name]
     first = _first(s)
@@ -57,22 +61,56 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
         return Table(f"{caption} [deg]{of}", head, rows)
 
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
-    tables = [of_names("Required deflection", keys, first, doubts, marks)]
+    fixed = _fixed(s, first) if wind is None else _fixed(s, first)[[wind]]
+    whole = fixed.all()
+    tables = [] if whole else [of_names("Required deflection", keys, first, doubts, marks)]
+    if whole and fixed.size == 1:
+        tables = [whole_flight(s, wind or 0)]
     if s.freezing_error:
         name = f"K = {s.dead_bands[0]:g}"
         off = [[_off(s, name, i, wind)] for i in range(s.times.size)]
-        caption = "The same with the vehicle frozen at each flight time"
-        times = [_time(time) for time in s.times]
-        tables.append(of_names(caption, times, frozen, (f"{name} off by [%]",), off))
+        caption, last = "The same with the vehicle frozen at each flight time", [_OFF.format(name)]
+        if whole:
+            caption = "Required deflection with the vehicle frozen at each flight time"
+            off = [[*one, *more] for one, more in zip(off, marks, strict=True)]
+            last += doubts
+        times = keys if whole else [_time(time) for time in s.times]
+        tables.append(of_names(caption, times, frozen, last, off))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
         head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
         calm = next(
             (counted.removesuffix(x) for x in IN_A.values() if counted.endswith(x)), counted
         )
-        by = tuple(_by_planes(s, calm, i, wind) for i in range(s.times.size))
+        by = tuple(_by_planes(s, calm, i, wind) for i in _differing(s, calm, wind))
         tables.append(Table(f"{calm} by planes [deg]{of}", tuple(head), by))
     return tables
+
+
+def whole_flight(s: Sizing, wind: int) -> Table:
+    """Return each requirement of a wind that is fixed in the flight, and when it arises [s]."""
+    name, rows = s.winds[wind], []
+    for requirement, worst in s.worst_in(name).items():
+        if not np.isnan(s.arising(requirement)[wind]):
+            key = f"flight.whole.{wind}.{requirement}"
+            size, when = degrees(key, worst.deflection), significant(f"{key}.time", worst.time, 4)
+            rows.append(((_short(requirement),), size, when))
+    head = ("requirement", "[deg]", "arises at [s]")
+    return Table(f"Required deflection over the whole flight: {name}", head, tuple(rows))
+
+
+def _fixed(s: Sizing, names: Sequence[str]) -> BoolArray:
+    """Which winds have one number for the whole flight of all of these requirements, ``(m,)``."""
+    return np.all([~np.isnan(s.arising(name)) for name in names], axis=0)
+
+
+def _differing(s: Sizing, name: str, wind: int | None) -> Sequence[int]:
+    """Indices of the flight times at which a requirement differs: the first of a fixed wind."""
+    fixed = ~np.isnan(s.arising(name))
+    known = np.isfinite(s.required[name])
+    if not (fixed.all() if wind is None else fixed[wind]):
+        return range(s.times.size)
+    return [int(np.argmax(known.any(axis=1) if wind is None else known[:, wind]))]
 
 
 def by_wind(s: Sizing, counted: str) -> Table:
@@ -82,19 +120,26 @@ def by_wind(s: Sizing, counted: str) -> Table:
     for j, wind in enumerate(s.winds):
         worst = s.worst_in(wind)
         largest = {k: degrees(f"largest.{j}.{k}", one.deflection) for k, one in worst.items()}
-        when = _time(worst[counted].time) if counted in worst else ("-",)
+        when = significant("", worst[counted].time, 5) if counted in worst else ("-",)
         rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), when))
     head = ("wind", *map(_short, names), f"{counted}: time [s]")
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
 
-def each_wind(s: Sizing, counted: str) -> Table:
-    """Return one requirement by flight time, with a column for each wind."""
+def each_wind(s: Sizing, counted: str) -> list[Table]:
+    """Return one requirement by flight time, with a column for each wind that has a row for each.
+
+    Nothing where there are fewer than two such winds.
+    """
+    several = np.flatnonzero(np.isnan(s.arising(counted))).tolist()
+    if len(several) < 2:
+        return []
     rows = [
-        (_time(time), *(degrees(f"each.{i}.{j}", need) for j, need in enumerate(needs)))
+        (_time(time), *(degrees(f"each.{i}.{j}", needs[j]) for j in several))
         for i, (time, needs) in enumerate(zip(s.times, s.required[counted], strict=True))
     ]
-    return Table(f"{counted} in each wind [deg]", ("time [s]", *s.winds), tuple(rows))
+    head = ("time [s]", *(s.winds[j] for j in several))
+    return [Table(f"{counted} in each wind [deg]", head, tuple(rows))]
 
 
 def _first(s: Sizing) -> list[str]:
@@ -105,7 +150,11 @@ def _first(s: Sizing) -> list[str]:
 
 
 def _required(s: Sizing, names: Sequence[str], wind: int | None) -> list[tuple[Line, ...]]:
-    found = {k: s.at_times(k) if wind is None else s.required[k][:, wind] for k in names}
+    by_time = {k: np.where(np.isnan(s.arising(k)), s.required[k], np.nan) for k in names}
+    found = {
+        k: np.fmax.reduce(by_time[k], axis=1) if wind is None else s.required[k][:, wind]
+        for k in names
+    }
     return [
         tuple(degrees(f"{_key(i, wind)}.{k}", found[k][i]) for k in names)
         for i in range(s.times.size)
@@ -151,8 +200,9 @@ def _by_planes(s: Sizing, counted: str, i: int, wind: int | None) -> tuple[Line,
     """What each plane asks for at a flight time, in one wind or in that which is worst for both."""
     both, key = s.required[counted][i], f"{_key(i, wind)}.planes"
     j = int(np.argmax(np.nan_to_num(both, nan=-1.0))) if wind is None else wind
+    arises = float(s.arising(counted)[j])
     return (
-        _time(s.times[i]),
+        _time(s.times[i]) if np.isnan(arises) else significant("", arises, 4),
         degrees(f"{key}.both", both[j]),
         *(degrees(f"{key}.{k}", one.required[counted][i, j]) for k, one in s.alone.items()),
         number(f"{key}.missing_percent", 100.0 * s.pitch_misses[counted][i, j], 1),

@@ -29,6 +29,11 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 
+SAME = 1e-9
+"""Relative difference below which two totals count as equal."""
+_TIME_TOLERANCE = 1e-6
+"""Difference [s] below which two flight times count as equal."""
+
 
 def total_deflection(
     vehicle: Vehicle,
@@ -141,12 +146,11 @@ def worst_total(
     part = number("dispersion", dispersion, nonnegative)
     if rate_limit is not None:
         rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
-    winds = sizing.at_times(name)
+    winds = _needs(sizing, name)
     not_sized = sizing.not_sized(name)
-    if np.all(np.isnan(winds)):
+    if not winds:
         reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
         return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
-    times = sizing.times[known := ~np.isnan(winds)]
     totals = [
         _at_rate(
             total_deflection(
@@ -160,11 +164,43 @@ def worst_total(
             _fastest(sizing, t),
             rate_limit,
         )
-        for t, wind in zip(times.tolist(), winds[known].tolist(), strict=True)
+        for t, wind in winds
     ]
     worst = max(totals, key=lambda one: (one.too_slow, one.total))
     needed = max(one.needed_rate for one in totals)
-    return replace(worst, not_sized=not_sized, needed_rate=needed)
+    others = max((one.total for one in totals if one.time != worst.time), default=np.inf)
+    end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
+    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
+
+
+def _needs(sizing: Sizing, name: str) -> list[tuple[float, float]]:
+    """Flight times [s], and what the worst wind of each asks for [rad].
+
+    A wind that is fixed in the flight asks once, at the time at which that arises.
+    """
+    arises, required = sizing.arising(name), sizing.required[name]
+    fixed = np.isfinite(arises)
+    by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
+    found = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))
+    if fixed.any():
+        once = np.fmax.reduce(required[:, fixed], axis=0)
+        first, last = sizing.schedule.span
+        found += zip(np.clip(arises[fixed], first, last).tolist(), once.tolist(), strict=True)
+    return [(time, wind) for time, wind in found if not np.isnan(wind)]
+
+
+def flight_end(sizing: Sizing, time: float | None) -> str:
+    """Return in words which end of a flight a worst time [s] is; empty between the ends."""
+    if time is None:
+        return ""
+    for word, beyond, k in (("first", "before", 0), ("last", "after", -1)):
+        if np.isclose(time, sizing.schedule.span[k], rtol=0.0, atol=_TIME_TOLERANCE):
+            return f"the {word} of the schedule: more may be needed {beyond}"
+        if np.any(np.isclose(time, sizing.known_times[:, k], rtol=0.0, atol=_TIME_TOLERANCE)):
+            return f"the {word} at which a wind is known: more may be needed {beyond}"
+        if sizing.times.size > 1 and time == np.sort(sizing.times)[k]:
+            return f"the {word} that is sized: more may be needed {beyond}"
+    return ""
 
 
 def _at_rate(

@@ -75,6 +75,9 @@ class DeflectionTotal(Shown):
         where it is known throughout.
     rate_limit : float or None
         Of the nozzle [rad/s].
+    end : str
+        Which end of the flight that time is, in words, beyond which the total may be larger; empty
+        between the ends.
     needed_rate : float
         The least deflection rate [rad/s], at the limit or else at any; NaN where it is not known.
     """
@@ -86,6 +89,7 @@ class DeflectionTotal(Shown):
     not_sized: tuple[str, ...] = ()
     rate_limit: float | None = None
     needed_rate: float = 0.0
+    end: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
@@ -100,6 +104,7 @@ class DeflectionTotal(Shown):
         if self.rate_limit is not None:
             number("rate_limit", self.rate_limit, between(*RATES), "rad/s")
         instance("needed_rate", self.needed_rate, float, "in rad/s")
+        text("end", self.end)
 
     _keys = "time_s total_deg reserve limit_deg required_deg"
 
@@ -200,8 +205,15 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
         needed = degrees("total.required", total.required)
         rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
     known = " of those that are known" if total.not_sized else ""
-    at = "" if total.time is None else f" at the worst flight time{known}, {total.time:g} s"
-    return Table(f"All that takes deflection{at}", HEAD, tuple(rows))
+    return Table(f"All that takes deflection{at_time(total, 'the', known)}", HEAD, tuple(rows))
+
+
+def at_time(total: DeflectionTotal, whose: str, known: str = "") -> str:
+    """Return the worst flight time of a total as the end of a caption, with the end that it is."""
+    if total.time is None:
+        return ""
+    end = f", {total.end}" if total.end else ""
+    return f" at {whose} worst flight time{known}, {total.time:.5g} s{end}"
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:

@@ -54,12 +54,16 @@ class VaryingNeed:
     `trim` is the largest |B(t) alpha_w(t)|, without drift; `required` what the control needs at
     each dead band, ``(k,)``: for K = 1 of a law that lets go, for the others what (4b) asks for;
     NaN for a wind that changes its sign. `minimum` is the least peak that leaves nothing of the
-    fastest growing part, the whole wind being known.
+    fastest growing part, the whole wind being known. `trim_time` is the flight time [s] of the
+    largest trim, and `times` those at which the dead bands are left with the required limits,
+    ``(k,)``.
     """
 
     trim: float
     required: FloatArray
     minimum: float
+    trim_time: float
+    times: FloatArray
 
 
 def varying_need(
@@ -78,24 +82,30 @@ def varying_need(
     minimum = abs(float(course.future(wind.onset) / mode.farthest(wind.onset)))
     side = -float(np.sign(moment[np.argmax(trim)]))
     blows = -side * moment
-    if np.any(blows < -_LEAST * trim.max()):
-        required = np.full(dead_bands.shape, np.nan)
-    else:
+    required = exits = np.full(dead_bands.shape, np.nan)
+    if not np.any(blows < -_LEAST * trim.max()):
         driver = side * course.trim(times)
-        required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
+        required, exits = np.transpose(
+            [_boundary(course, times, driver, side, K) for K in dead_bands]
+        )
         paired = leading_pole(_held(mode, times))[1]  # there the dead band must never be left
+        inside = np.where(paired, driver, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            kept = np.where(paired, driver, 0.0).max() / dead_bands
-        required = np.where(dead_bands < 1.0, np.fmax(required, kept), required)
+            kept = inside.max() / dead_bands
+        longer = (dead_bands < 1.0) & ((kept > required) | np.isnan(required))
+        exits = np.where(longer, times[np.argmax(inside)], exits)
+        required = np.where(longer, np.fmax(required, kept), required)
         flown, most = _flown(course, times, (side,)), np.abs(driver).max()
         if whole is not None:
             both, at = _Course.of(mode, whole), _times(whole)
             flown = max(flown, _flown(both, at, (side, -side)))
             most = max(most, np.abs(both.trim(at)).max())
-        required = np.where(dead_bands == 1.0, np.maximum(required, flown), required)
+        larger = (dead_bands == 1.0) & (flown[0] > required)
+        required = np.where(larger, flown[0], required)
+        exits = np.where(larger, flown[1], exits)
         with np.errstate(divide="ignore"):  # so large a limit is never met
             required = np.minimum(required, most / dead_bands)
-    return VaryingNeed(float(trim.max()), required, minimum)
+    return VaryingNeed(float(trim.max()), required, minimum, float(times[np.argmax(trim)]), exits)
 
 
 def need_in_parts(
@@ -120,7 +130,7 @@ def need_in_parts(
     if len(parts) == 1 or not np.any(np.isnan(found.required)):
         return replace(found, required=in_air(mode, wind, found))
     ends = [mode.span[0], *(part.span[0] for part in parts[1:]), mode.span[1]]
-    most = np.zeros(dead_bands.shape)
+    most, exits = np.zeros(dead_bands.shape), np.full(dead_bands.shape, found.trim_time)
     for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
         alone = GrowingMode(part, mode.model, mode.plane, (start, stop))
         blows, both = (
@@ -128,8 +138,10 @@ def need_in_parts(
         )
         if alone.grows and blows is not None and np.any(blows(blows.probe_times())):
             calm = varying_need(alone, blows, dead_bands, both)
-            most = np.maximum(most, in_air(alone, blows, calm))
-    return replace(found, required=most)
+            required = in_air(alone, blows, calm)
+            exits = np.where(required > most, calm.times, exits)
+            most = np.maximum(most, required)
+    return replace(found, required=most, times=exits)
 
 
 def _times(wind: History) -> FloatArray:
@@ -138,8 +150,8 @@ def _times(wind: History) -> FloatArray:
     return np.asarray(times[(times >= wind.onset) & (times < wind.end)])
 
 
-def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> float:
-    """The largest min(trim, demand) [rad] to a side: at one of the times, or where both meet.
+def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> tuple[float, float]:
+    """The largest min(trim, demand) [rad] to a side, and its time [s]: a given one or a crossing.
 
     Where trim is above it more than once and the path drifts, or drifts fast, the law is flown.
     """
@@ -154,18 +166,21 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
     paired = leading_pole(_held(mode, times))[1]  # there trim must never be limited
     both = [np.where(paired, s * trim, np.minimum(s * trim, s * demand)) for s in sides]
     most = float(np.max(both))
+    when = float(times[np.argmax(np.max(both, axis=0))])
     turns = np.flatnonzero((trim[:-1] - demand[:-1]) * (trim[1:] - demand[1:]) < 0.0)
     for k in turns.tolist():
         ends = np.stack([trim[k : k + 2], demand[k : k + 2]])
         if max(np.max(side * ends, axis=-1).min() for side in sides) > most:
             meets = brentq(over, float(times[k]), float(times[k + 1]), xtol=1e-12)
-            most = max(most, *(side * float(course.demand(meets)) for side in sides))
+            crossing = max(side * float(course.demand(meets)) for side in sides)
+            if crossing > most:
+                most, when = crossing, meets
     above = np.abs(trim) > most
     again = above[0] + np.sum(above[1:] & ~above[:-1]) > 1
     if mode.model == "fixed-path" or not (again or _drifts_fast(mode, times)):
-        return most
+        return most, when
     steps = flight_steps(mode, (float(course.wind.onset), float(course.wind.end)))
-    return float(trim_law_needs(mode, steps, course.wind(steps)[np.newaxis], most)[0])
+    return float(trim_law_needs(mode, steps, course.wind(steps)[np.newaxis], most)[0]), when
 
 
 def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
@@ -179,8 +194,8 @@ def _held(mode: GrowingMode, times: FloatArray) -> Plant:
 
 def _boundary(
     course: _Course, times: FloatArray, driver: FloatArray, side: float, K: float
-) -> float:
-    """The limit at which the dead band is left just when the limit, held from then on, is enough.
+) -> tuple[float, float]:
+    """The limit that just suffices when it is held from the exit of the dead band on, and its time.
 
     As in `switching`: only new heights of the driver leave it, and of several solutions the last
     has the largest limit.
@@ -188,17 +203,17 @@ def _boundary(
     from scipy.optimize import brentq
 
     if K == 0.0:
-        return side * float(course.demand(times[0]))
+        return side * float(course.demand(times[0])), float(times[0])
     highest = np.maximum.accumulate(driver)
     new = np.flatnonzero((driver >= highest * (1.0 - _SLACK)) & (driver > 0.0))
     demands = side * course.demand(times[new])
     short = np.flatnonzero(driver[new] < K * demands)
     last = int(short[-1]) if short.size else -1
     if last + 1 == new.size:
-        return max(float(highest[-1]) / K, float(driver.max()))
+        return max(float(highest[-1]) / K, float(driver.max())), float(times[np.argmax(driver)])
     begins = K * side * float(course.demand(times[0]))
     if last < 0 and (new[0] == 0 or driver[0] >= begins):
-        return float(demands[0])
+        return float(demands[0]), float(times[new[0]])
     before = 0 if last < 0 else int(new[last])
     floor, low, high = (
         max(float(driver[before]), 0.0),
@@ -208,7 +223,8 @@ def _boundary(
     def over(t: float) -> float:
         return max(side * float(course.trim(t)), floor) - K * side * float(course.demand(t))
 
-    return side * float(course.demand(brentq(over, low, high, xtol=1e-12)))
+    leaves = brentq(over, low, high, xtol=1e-12)
+    return side * float(course.demand(leaves)), leaves
 
 
 @dataclass(frozen=True, eq=False)
