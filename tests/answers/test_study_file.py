@@ -244,7 +244,6 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"study": {"vehicle": {"weigth_N": 1.0}}}, "in .study.vehicle.: 'weigth_N'; did you mean"),
         ({"campaign": {"cases": 5, "model": "drift"}, "study": HEAD | {"model": "drift"}}, "keep"),
         ({"campaign": {"cases": 0}}, "cases must be from 1"),
-        ({"wind": WIND | {"shape": "one-minus-cosine"}}, "shape of the wind of a study must be"),
         ({"question": {"limit_deg": 0.4}}, r"limit_deg stands in \[nozzle\], not in \[question\]"),
         (
             {"size": {"model": "drift"}},
@@ -486,3 +485,57 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
     with pytest.raises(tv.InputError) as error:
         tv.answers.load_campaign(path)
     assert str(error.value).split("\n") == lines
+
+
+def test_a_wind_is_given_by_its_speed_as_the_vehicle_meets_it_by_b1e() -> None:
+    booster = tv.load_vehicle("configuration-i")
+    found = plan(wind={"peak_speed_m_per_s": 40.0, "duration_s": 7.5}, size={"every_s": 25})
+    sine = 40.0 * np.sin(booster.attitude) / booster.velocity
+    assert np.sin(found.wind.peak) == pytest.approx(sine, rel=1e-14)
+    assert found.sizing.peak_speed == 40.0  # of each flight time its own angle
+    yaw = plan(study=HEAD | {"plane": "yaw"}, wind={"peak_speed_m_per_s": 40, "duration_s": 7.5})
+    assert np.sin(yaw.wind.peak) == pytest.approx(40.0 / booster.velocity, rel=1e-14)
+
+
+@pytest.mark.parametrize("peak", [{"peak_deg": 5.0}, {"peak_speed_m_per_s": 40.0}])
+def test_a_gust_alone_is_a_wind_of_its_shape(peak: dict[str, float]) -> None:
+    gust = peak | {"duration_s": 7.5}
+    found = parse_study({"study": HEAD, "gust": gust, "size": {"every_s": 25}})
+    wind = {"shape": "one-minus-cosine", **gust}
+    assert (found.wind, found.wind.gust) == (plan(wind=wind).wind, None)
+    assert found.sizing.peak_speed == peak.get("peak_speed_m_per_s")
+    assert found.sizing.gust_speed is None
+    campaign = {"vehicle": "configuration-i", "cases": 10}
+    assert parse_campaign({"campaign": campaign, "gust": gust}).wind == replace(found.wind)
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"wind": {"duration_s": 7}}, r"\[wind\] needs its peak: peak_deg, or peak_speed_m_per_s"),
+        ({"wind": WIND | {"peak_speed_kt": 60}}, "needs its peak.*keep one"),
+        ({"wind": [WIND, WIND | {"peak_speed_kt": 60}]}, "in the first .* alone"),
+        (
+            {"wind": [{"peak_speed_kt": 60, "duration_s": 7}, WIND], "size": {"every_s": 25}},
+            "all pulses have one speed",
+        ),
+        ({"gust": WIND | {"plateau_s": 1}}, r"plateau_s of a \[gust\] needs a \[wind\]"),
+        ({"gust": WIND | {"peak_time_s": 1}}, r"peak_time_s of a \[gust\] needs a \[wind\]"),
+    ],
+)
+def test_a_peak_that_is_not_clear_is_refused(tables: dict[str, object], said: str) -> None:
+    with pytest.raises(tv.InputError, match=said):
+        parse_study({"study": HEAD} | tables)
+
+
+def test_a_boundary_in_one_minus_cosine_is_that_of_its_samples() -> None:
+    """Straight lines between n samples are off by (pi/n)^2/2 of the peak at most."""
+    case = plan(wind=WIND | {"shape": "one-minus-cosine"})
+    time = np.linspace(0.0, 7.5, 401)
+    angle = 0.5 * np.radians(5.0) * (1.0 - np.cos(2.0 * np.pi * time / 7.5))
+    plant = case.plant
+    sampled = tv.boundary_limit(plant, tv.SampledWind(time=time, angle=angle), 1.0)
+    shape = tv.boundary_limit(plant, case.history, 1.0)
+    assert float(shape.limit) == pytest.approx(float(sampled.limit), rel=1e-4)
+    result = run("study", "configuration-i", "--wind", "one-minus-cosine")
+    assert "one-minus-cosine wind of 5 deg and 7.5 s" in result.output

@@ -17,18 +17,18 @@ from tvclin.answers.sizing.varying import varying_need
 from tvclin.answers.sizing.wind_sign import batch_factors, pressure_ratio, signed_need
 from tvclin.flights.condition import load_flight_condition
 
-PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
+SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-@pytest.mark.parametrize("shape", PULSES)
+@pytest.mark.parametrize("shape", SHAPES)
 def test_a_limit_held_from_the_onset_leaves_nothing_that_grows(configuration_i, shape, sign):
     """Theta'' = beta^2 r (theta - alpha_w) - (beta^2/B) delta, with r = q/q_n, to the end.
 
     The growing part then, theta' + beta (theta - delta/B), is linear in delta. Between its rows
     the engine interpolates r to about 1e-5.
     """
-    wind = PULSES[shape](peak=sign * np.radians(5), duration=7.5)
+    wind = SHAPES[shape](peak=sign * np.radians(5), duration=7.5)
     c = tv.Coefficients.from_vehicle(configuration_i)
     V, path = float(configuration_i.velocity), float(configuration_i.attitude)
 
@@ -77,13 +77,13 @@ def test_head_and_tail_winds_need_what_flights_need(name) -> None:
 
 
 @pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
-@pytest.mark.parametrize("shape", PULSES)
+@pytest.mark.parametrize("shape", SHAPES)
 def test_many_at_once_need_what_each_needs(configuration_i, shape, dead_band) -> None:
     """Trim and demand meet on one of 64 straight lines: within (beta T/64)^2/8 = 5e-4."""
     weights = configuration_i.weight * np.array([0.9, 1.0, 1.1])
     peaks, durations = np.radians([4.0, 5.0, 6.0]), np.array([7.5, 5.0, 6.0])
     vehicles = configuration_i.rigid.replace(weight=weights)
-    winds = PULSES[shape](peak=peaks, duration=durations)
+    winds = SHAPES[shape](peak=peaks, duration=durations)
     for sign, turn in (("head", -1.0), ("tail", 1.0)):
         found = batch_factors(vehicles, "drift-exact", "pitch", winds, dead_band, sign)
         for i, weight in enumerate(weights):

@@ -6,7 +6,7 @@ import pytest
 import tvclin as tv
 
 GUST = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
-PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
+SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
 
 
 def study(configuration_i, **given):
@@ -16,12 +16,12 @@ def study(configuration_i, **given):
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
-@pytest.mark.parametrize("shape", PULSES)
+@pytest.mark.parametrize("shape", SHAPES)
 def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> None:
     """The limit is that of eq (4b) at each time; the time is known to 1e-4 of the duration."""
     found = study(configuration_i, wind=shape, model=model)
     times = np.linspace(0.0, 7.5, 61)
-    wind = PULSES[shape](peak=np.radians(5), duration=7.5) + GUST.shift(times - 1.0)
+    wind = SHAPES[shape](peak=np.radians(5), duration=7.5) + GUST.shift(times - 1.0)
     plant = tv.Plant.from_vehicle(configuration_i, model)
     scanned = np.abs(tv.boundary_limit(plant, wind, switch="literal").deflection)
     middle = study(configuration_i, wind=shape, model=model, gust_at=3.75)

@@ -108,7 +108,7 @@ def test_without_limits_a_flight_is_the_linear_sampled_loop(compiled):
     wind = tv.RectangularWind(peak=PEAK, duration=6.0)
     law = tv.SaturatedLaw(Autopilot(**GAINS, **MORE))
     with pinned(compiled):
-        flown = tv.fly_many(plant, law, wind, deflection_limit=10.0, sample_rate=rate, until=9.0)
+        flown = tv.fly_many(plant, law, wind, deflection_limit=1.5, sample_rate=rate, until=9.0)
     assert float(flown.final_attitude) == pytest.approx(x[0], abs=1e-11 * PEAK)
     assert float(flown.saturated_time_fraction) == 0.0
 
@@ -139,7 +139,7 @@ def test_a_command_takes_effect_after_any_delay(samples, actuator, compiled):
             plant,
             LAWS["gains"](None),
             tv.RectangularWind(peak=PEAK, duration=6.0),
-            deflection_limit=10.0,
+            deflection_limit=1.5,
             actuator=actuator,
             sample_rate=rate,
             delay=samples / rate,
@@ -351,6 +351,8 @@ def test_a_stable_plant_flies_to_a_time_but_has_no_fate():
         ({"law": "trim"}, "law must be a Law"),
         ({"law": Autopilot(**GAINS, delay=0.1)}, "gains and filters only"),
         ({"deflection_limit": -1.0}, "deflection_limit must be positive"),
+        ({"deflection_limit": 4.0}, "deflection_limit must be a deflection within 90 degrees"),
+        ({"until": 5.0}, "until must not lie before the end of the wind"),
         ({"deflection_limit": np.ones(3), "rate_limit": np.ones(2)}, "broadcast"),
         ({"delay": -0.1}, "delay must be zero or positive"),
         ({"delay": 1e4}, "delay must be at most 10000 samples"),
@@ -379,3 +381,24 @@ def test_a_flight_that_leaves_all_numbers_is_lost_without_a_warning(compiled):
     assert found.status.tolist() == ["lost", "survived"]
     assert found.peak_attitude[0] == np.inf
     assert found.peak_deflection[0] == limits[0]
+
+
+def test_of_many_limits_one_that_no_nozzle_has_is_no_flight():
+    limits = np.array([0.1, np.pi / 2, 4.0])
+    law = LAWS["gains"](None)
+    found = tv.fly_many(plant_of(), law, WIND, deflection_limit=limits, sample_rate=50.0)
+    assert found.status.tolist() == ["survived", "no flight", "no flight"]
+
+
+def test_a_flight_beside_the_linear_theory_goes_on_to_the_end_of_its_wind():
+    vehicle, wind = tv.load_vehicle("configuration-i"), TriangularWind(peak=0.02, duration=7.5)
+    for engine in ("planar", "sixdof"):
+        with pytest.raises(InputError, match=r"timepts must reach the end of the wind, 7\.5 s"):
+            tv.flights.fly_beside(
+                vehicle,
+                tv.flights.ReportControl(),
+                wind,
+                [0.0, 5.0],
+                deflection_limit=0.005,
+                engine=engine,
+            )

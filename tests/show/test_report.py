@@ -25,7 +25,7 @@ from tvclin.show.report import basis, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of
 from tvclin.vehicle.file import template
-from tvclin.winds.shaped import PULSES, SHAPES
+from tvclin.winds.shaped import SHAPES
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
@@ -518,7 +518,7 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
 def test_a_pulse_without_a_closed_form_is_named_no_equation(
     plan: tv.answers.StudyPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
+    monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
     bare = tv.answers.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
     told = set(cells(basis.equations(find(bare))))

@@ -40,7 +40,7 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.shaped import SHAPES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = FileTable(
@@ -152,7 +152,7 @@ class Study(CaseNeed, Shown):
         >>> round(float(np.degrees(result.required_deflection)), 3), result.governs
         (0.412, 'the dynamic pressure in a head wind')
         """
-        one_of("wind", wind, PULSES)
+        one_of("wind", wind, SHAPES)
         blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
         nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
         given: Any = {"model": model, "plane": plane, "wind": blows, "nozzle": nozzle}
@@ -173,7 +173,7 @@ class Study(CaseNeed, Shown):
         Parameters
         ----------
         case : Case
-            One vehicle in a wind of straight lines.
+            One vehicle in a wind of one shape.
         dead_band : float
             K of the verdict, in [0, 1].
         switch : {"literal", "report"}
@@ -224,7 +224,7 @@ class Study(CaseNeed, Shown):
 
     @property
     def shape(self) -> str:
-        """Shape of the wind, a key of `winds.shaped.PULSES`."""
+        """Shape of the wind, a key of `winds.shaped.SHAPES`."""
         return self.blows.shape
 
     @property

@@ -12,7 +12,7 @@ from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, At, Given, Pl
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.winds.shaped import PULSES
+from tvclin.winds.shaped import SHAPES
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -44,7 +44,7 @@ def boundary(
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     name, plant, plane, own = _subject(vehicle, time, motion)
     wind = chosen(wind, own)
-    shape: Any = PULSES[one_of("--wind", wind, PULSES)]
+    shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
     # one unit of peak is enough: the boundary limit does not depend on it
     blows = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     limits = boundary_limit(plant, blows, K)

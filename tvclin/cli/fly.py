@@ -98,7 +98,7 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    within("--until", until, 1e-3, _LONGEST)
+    within("--until", until, 1.0, _LONGEST, "durations of the wind")
     within("--points", points, 2, 1_000_000)
     changes = [one.over for one in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid, time=time)

@@ -19,7 +19,7 @@ from tvclin.base.units import optional_unit
 from tvclin.boundary.stops import STOPS
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
-from tvclin.winds.shaped import PULSES
+from tvclin.winds.shaped import SHAPES
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -200,7 +200,7 @@ def _option(name: str, one: Declared, shown: Mapping[str, str], panel: str | Non
 
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
-SHAPE = asked(f"Shape of the wind: {listed(PULSES, 'or')}.", shown="triangular")
+SHAPE = asked(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular")
 STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"

@@ -20,7 +20,7 @@ from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.winds import file
 from tvclin.winds.file import heading_of
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.shaped import SHAPES, ShapedWind
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
@@ -103,7 +103,7 @@ class PulseOptions(GustOptions, _Pulse):
             peak = float(np.radians(number("--peak-deg", self.peak_deg, nonzero, "deg")))
         wind = replace(
             wind,
-            shape=wind.shape if shape is None else one_of("--wind", shape, PULSES),
+            shape=wind.shape if shape is None else one_of("--wind", shape, SHAPES),
             duration=lasts,
             peak=peak,
             heading=chosen(self._heading, wind.heading),

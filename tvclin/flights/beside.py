@@ -21,6 +21,7 @@ from tvclin.base.errors import (
     shown,
     single,
     small_angle,
+    times_row,
 )
 from tvclin.base.lines import Line, Table, degrees, least
 from tvclin.boundary.limit import boundary_limit
@@ -175,7 +176,7 @@ def fly_beside(
     wind : History
         One wind that ends.
     timepts : array_like
-        Times [s], ``(n,)``.
+        Times [s], ``(n,)``, the last not before the end of the wind.
     deflection_limit : float
         Largest deflection [rad].
     engine : {"planar", "sixdof"}
@@ -212,6 +213,9 @@ def fly_beside(
     limit = number(
         "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
     )
+    last, end = float(np.max(times_row("timepts", timepts))), float(wind.end)
+    if last < end - _AT_LIMIT * abs(end):
+        raise InputError(f"timepts must reach the end of the wind, {end:.6g} s; got {last:.6g} s")
     if boundary is None:
         least = linear_boundary(plant, control, wind)
     else:

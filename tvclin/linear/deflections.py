@@ -21,6 +21,7 @@ from tvclin.base.errors import (
     one_of,
     plain,
     shown,
+    small_angle,
     together,
     within,
 )
@@ -173,7 +174,7 @@ def trim_then_hold(
         When the limit has the sign of the wind moment instead of opposing it, and for a dead band
         outside [0, 1].
     """
-    limit = nonzero("limit", limit, "rad")
+    limit = small_angle("a deflection", nonzero)("limit", limit)
     dead_band = within("dead_band", dead_band, 0.0, 1.0)
     trim = trim_deflection(plant, wind)
     opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)

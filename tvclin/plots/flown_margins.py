@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.base.errors import InputError, each, instance, number, positive
+from tvclin.base.errors import InputError, each, instance, number, positive, small_angle
 from tvclin.flights.closed_loop.boundary_map import BoundaryMap
 from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargins
 from tvclin.plots.curves import Column, Curves
@@ -103,7 +103,11 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
         raise InputError(f"a map needs two or more gains and delays; got {found.limit.shape}")
     if not np.any(np.isfinite(found.limit)):
         raise InputError("a map needs a finite boundary somewhere; got none")
-    level = None if limit is None else number("limit", limit, positive, "rad") / found.full_trim
+    level = (
+        None
+        if limit is None
+        else number("limit", limit, small_angle("a deflection", positive), "rad") / found.full_trim
+    )
     axes, place = new_axes(), (found.gains, found.delays)
     values = np.ma.masked_invalid(found.limit.T)
     lines = axes.contour(*place, values, levels=12, colors=COLOURS[0], linewidths=0.9)

@@ -25,9 +25,9 @@ SOUNDING = "sounding"
 """The key of a [[wind]] that stands over height."""
 WIND_TABLE = FileTable(
     "[wind]",
-    {**_PULSE, **_DIRECTION},
+    {**_PULSE, "peak_speed": "speed", **_DIRECTION},
     words=("shape", "file", "unit", SOUNDING),
-    required=("peak", "duration"),
+    required=("duration",),
 )
 SOUNDING_TABLE = FileTable(
     "[[wind]]",
@@ -41,18 +41,64 @@ GUST_TABLE = FileTable(
     required=("duration",),
 )
 _ANY_PEAK = 0.01
-"""Of a gust whose speed says its peak [rad]."""
+"""Placeholder [rad] of a peak that is given as a wind speed, until the vehicle is known."""
 _FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
 
 
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
-    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight."""
+    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight.
+
+    Without [wind] that is the gust of [gust] alone. Peaks given as a speed are those of `met_by`.
+    """
+    if is_gust_alone(document):
+        return [_gust_alone(document)]
     if "wind" not in document:
         raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
-    tables = [table for table in wind_tables(document) if SOUNDING not in table]
+    tables = _shaped_tables(document)
     if not tables:
         raise InputError("beside soundings a wind of one shape is needed: give one more [[wind]]")
+    if any(name.startswith("peak_speed_") for table in tables[1:] for name in table):
+        raise InputError("peak_speed_m_per_s stands in the first [[wind]] alone; give peak_deg")
     return [wind_of(table, folder) for table in tables]
+
+
+def is_gust_alone(document: Mapping[str, Any]) -> bool:
+    """Whether the gust of [gust] is the wind, and not on top of one, or of an archive's."""
+    return "gust" in document and not {"wind", "availability"} & document.keys()
+
+
+def peak_speed_of(document: Mapping[str, Any]) -> float | None:
+    """Return the peak speed [m/s] of the first wind of one shape; None where it has an angle."""
+    if is_gust_alone(document):
+        return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed")
+    if "wind" not in document:
+        return None
+    first = next((table for table in _shaped_tables(document) if "file" not in table), {})
+    return WIND_TABLE.read(first).get("peak_speed") if first else None
+
+
+def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The tables of winds that are no soundings."""
+    return [table for table in wind_tables(document) if SOUNDING not in table]
+
+
+def _gust_alone(document: Mapping[str, Any]) -> ShapedWind:
+    """The gust of [gust] as the wind itself, of the shape one-minus-cosine."""
+    given = _peaked(GUST_TABLE, GUST_TABLE.one(document))
+    for name in ("plateau", "peak_time"):
+        if name in given:
+            raise InputError(f"{GUST_TABLE.spelled(name)} of a [gust] needs a [wind] below it")
+    return ShapedWind("one-minus-cosine", **given)
+
+
+def _peaked(table: FileTable, given: Mapping[str, Any]) -> dict[str, Any]:
+    """What a table says of a wind, with a placeholder for a peak that is given as its speed."""
+    found = table.read(given)
+    if ("peak_speed" in found) == ("peak" in found):
+        raise InputError(
+            f"{table.heading} needs its peak: peak_deg, or peak_speed_m_per_s; keep one"
+        )
+    return {"peak": _ANY_PEAK} | {key: one for key, one in found.items() if key != "peak_speed"}
 
 
 def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -72,7 +118,7 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
         if unit is not None:
             one_of("unit in [wind]", unit, UNITS["angle"])
         return WindEnsemble(*_read_winds(folder / str(given["file"]), unit))
-    given = {"shape": "triangular"} | WIND_TABLE.read(table)
+    given = {"shape": "triangular"} | _peaked(WIND_TABLE, table)
     if "unit" in given:
         raise InputError("unit in [wind] stands without the file that it is of")
     directions = [given.pop(name, None) for name in _DIRECTION]
@@ -100,20 +146,24 @@ def heading_of(
     return direction - azimuth
 
 
-def with_gust(
+def met_by(
     document: Mapping[str, Any], wind: ShapedWind | WindEnsemble, vehicle: AnyVehicle, plane: str
 ) -> ShapedWind | WindEnsemble:
-    """Return a wind with the gust of [gust] on top, by its speed as met by a vehicle in a plane."""
-    if "gust" not in document:
+    """Return a wind with its peak, and the gust of [gust] on top, as a vehicle meets them.
+
+    Speeds are turned into angles in a plane by eq (B1e).
+    """
+    speed = peak_speed_of(document)
+    if speed is not None and isinstance(wind, ShapedWind):
+        wind = wind.of_speed(speed, whole_vehicle(vehicle, "the speed of a wind"), plane)
+    if "gust" not in document or is_gust_alone(document):
         return wind
     if isinstance(wind, WindEnsemble):
         raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
-    given = GUST_TABLE.read(GUST_TABLE.one(document))
-    speed, at = given.get("peak_speed"), given.get("peak_time")
-    if (speed is None) == ("peak" not in given):
-        raise InputError("[gust] needs its peak: peak_deg, or peak_speed_m_per_s; keep one")
-    gust = gust_of(given.get("peak", _ANY_PEAK), given["duration"], given.get("plateau", 0.0))
-    wind = replace(wind, gust=gust, gust_at=at)
+    table = GUST_TABLE.one(document)
+    given, speed = _peaked(GUST_TABLE, table), GUST_TABLE.read(table).get("peak_speed")
+    gust = gust_of(given["peak"], given["duration"], given.get("plateau", 0.0))
+    wind = replace(wind, gust=gust, gust_at=given.get("peak_time"))
     if speed is None:
         return wind
     return wind.gust_of_speed(speed, whole_vehicle(vehicle, "the speed of a gust"), plane)

@@ -26,8 +26,6 @@ SHAPES: dict[str, Callable[..., Any]] = {
     "rectangular": RectangularWind,
     "one-minus-cosine": OneMinusCosineGust,
 }
-PULSES = {name: SHAPES[name] for name in ("rectangular", "triangular")}
-"""The shapes that a study knows, of straight lines."""
 
 
 @dataclass(frozen=True)

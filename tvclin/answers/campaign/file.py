@@ -32,7 +32,7 @@ from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of, with_gust
+from tvclin.winds.file import GUST_TABLE, WIND_TABLE, met_by, winds_of
 from tvclin.winds.shaped import ShapedWind
 
 _OF_STUDIES = (
@@ -92,7 +92,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
-    wind = with_gust(document, wind, vehicle, plane)
+    wind = met_by(document, wind, vehicle, plane)
     nozzle = nozzle_of(document)
     if isinstance(wind, ShapedWind) and nozzle.stop is None:
         wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))

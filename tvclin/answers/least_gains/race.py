@@ -14,7 +14,7 @@ import numpy as np
 from tvclin.answers.least_gains.question import Question
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.flights.closed_loop.many import SURVIVED, fly_many
+from tvclin.flights.closed_loop.many import LARGEST_LIMIT, SURVIVED, fly_many
 from tvclin.winds.histories import History
 
 HIGHEST, LOWEST = 2.0, 0.02
@@ -94,7 +94,7 @@ def _survive(
         question.plant,
         law,
         winds,
-        deflection_limit=limits[..., np.newaxis] * question.trims.max(),
+        deflection_limit=np.minimum(limits[..., np.newaxis] * question.trims.max(), LARGEST_LIMIT),
         actuator=question.actuator,
         sample_rate=question.sample_rate,
         delay=question.delay,

@@ -37,7 +37,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 _APART = 1e-9
@@ -144,8 +144,6 @@ class SizingAsked:
         checked(self)
         if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
-        for pulse in self.others:
-            one_of("shape of a pulse", pulse.shape, PULSES)
 
     def counted(self, found: Sizing, sign: str | None = None) -> str:
         """Return the requirement that counts as the wind's, where none is named.

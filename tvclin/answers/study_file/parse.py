@@ -31,9 +31,11 @@ from tvclin.winds.file import (
     GUST_TABLE,
     SOUNDING,
     SOUNDING_TABLE,
+    is_gust_alone,
+    met_by,
+    peak_speed_of,
     wind_tables,
     winds_of,
-    with_gust,
 )
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.read import read_sounding
@@ -73,9 +75,9 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
-    """Return the wind of a study, with its gust."""
+    """Return the wind of a study as its vehicle meets it, with its gust."""
     wind, plane = winds_of(document, folder)[0], subject.get("plane", "pitch")
-    return with_gust(document, wind, subject["vehicle"], plane)
+    return met_by(document, wind, subject["vehicle"], plane)
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:
@@ -102,6 +104,13 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
     others = winds_of(document, folder)[1:]
+    if (speed := peak_speed_of(document)) is not None:
+        if others and "peak_speed" not in given:
+            raise InputError(
+                "on a flight all pulses have one speed: give peak_speed_m_per_s in [size], or"
+                " peak_deg in each [[wind]]"
+            )
+        given = {"peak_speed": speed} | given
     return SizingAsked(
         **_flight(document, folder),
         others=tuple(one for one in others if isinstance(one, ShapedWind)),
@@ -144,8 +153,8 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityAske
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:
     """The speed [m/s] of [gust]; None where it has an angle."""
-    given = GUST_TABLE.read(GUST_TABLE.one(document)) if "gust" in document else {}
-    return given.get("peak_speed")
+    on_top = "gust" in document and not is_gust_alone(document)
+    return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed") if on_top else None
 
 
 def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:

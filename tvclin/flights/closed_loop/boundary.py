@@ -42,7 +42,7 @@ from tvclin.flights.closed_loop.edges import (
     stopped_winds,
 )
 from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
-from tvclin.flights.closed_loop.many import SURVIVED, fly_many
+from tvclin.flights.closed_loop.many import LARGEST_LIMIT, SURVIVED, fly_many
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
@@ -193,7 +193,8 @@ def closed_loop_boundary(
 
     def survives(limits: FloatArray) -> NDArray[np.str_]:
         def status(one: History, some: BoolArray) -> NDArray[np.str_]:
-            return outcomes(wind=one, deflection_limit=limits[some] * scale).status
+            tried = np.minimum(limits[some] * scale, LARGEST_LIMIT)
+            return outcomes(wind=one, deflection_limit=tried).status
 
         return in_all(winds, status, limits.size, tell)
 

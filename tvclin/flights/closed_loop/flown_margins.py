@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.errors import InputError, number, positive
+from tvclin.base.errors import InputError, number, positive, small_angle
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -121,7 +121,7 @@ def flown_margins(
     (7.3, 10.86)
     """
     check_flight(plant, law, wind)
-    level = number("limit", limit, positive, "rad")
+    level = number("limit", limit, small_angle("a deflection", positive), "rad")
     if law.rate_noise[0]:
         raise InputError(
             "law must be without rate_noise: one random flight gives no margin; got"

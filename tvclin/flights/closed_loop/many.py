@@ -11,7 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import LATEST, between, broadcast, instance, number, numbers, positive
+from tvclin.base.errors import (
+    LATEST,
+    InputError,
+    between,
+    broadcast,
+    instance,
+    number,
+    numbers,
+    positive,
+    small_angle,
+)
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.afterwards import swings_on
@@ -35,8 +45,8 @@ from tvclin.winds.histories import History
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
-_WIDEST = 1e9
-"""A limit of so many radians, or more, is none."""
+LARGEST_LIMIT = float(np.nextafter(np.pi / 2, 0.0))
+"""Largest deflection limit [rad] of a flight: no nozzle turns by 90 degrees."""
 _RINGING = 1e-5
 """1/s; an oscillation that grows more slowly is held within rounding."""
 
@@ -112,7 +122,7 @@ def fly_many(
     wind : History
         One wind or a batch; each must end.
     deflection_limit, rate_limit : array_like
-        Largest deflection [rad] and deflection rate [rad/s], positive.
+        Largest deflection [rad], within 90 degrees, and deflection rate [rad/s], positive.
     actuator : Actuator, optional
         One or a batch. Without one the deflection follows its command at once.
     sample_rate : array_like
@@ -123,8 +133,8 @@ def fly_many(
     gain : array_like
         Factor on what a law asks for, positive, ahead of its switch and of the limit.
     until : float, optional
-        When the flights end [s]. Without it each ends when it is lost or saved, which needs one
-        or two real unstable poles.
+        When the flights end [s], not before the wind does. Without it each ends when it is lost or
+        saved, which needs one or two real unstable poles.
 
     Returns
     -------
@@ -134,14 +144,16 @@ def fly_many(
         so rings where an oscillation of its loop grows near rest, of bending or slosh most often,
         for then the nozzle will swing from stop to stop; and a flexible vehicle also where its
         nozzle, flown on in still air, does not come to rest between its limits. A case whose limit
-        is not positive, or whose wind is nothing, never ends or lasts for more than a million
-        samples, is "no flight", and so is one that could never be decided; the others go on.
+        is not positive or not within 90 degrees, or whose wind is nothing, never ends or lasts for
+        more than a million samples, is "no flight", and so is one that could never be decided; the
+        others go on.
 
     Raises
     ------
     InputError
-        For shapes that do not broadcast, a single limit that is not positive, a gain that is not,
-        a delay below zero, and samples in which the actuator turns more than a hundred times.
+        For shapes that do not broadcast, a single limit that is not positive or not within 90
+        degrees, a gain that is not positive, flights that end before their wind, a delay below
+        zero, and samples in which the actuator turns more than a hundred times.
 
     Notes
     -----
@@ -190,11 +202,17 @@ def fly_many(
     laws = law_batch(law, shape)
     stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
     if until is not None:
+        last = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
+        if stop < last:
+            raise InputError(
+                f"until must not lie before the end of the wind, {last:.6g} s: what blows later is"
+                f" not flown; got {stop:.6g} s"
+            )
         span = stop - float(np.min(wind.onset, initial=stop))
         check_span(0.0, span)
         check_samples(span, 1.0 / float(rate.max(initial=0.01)))
     factor, limit, most = (np.broadcast_to(a, shape) for a in (factor, limit, most))
-    good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(wind.end)
+    good = (limit > 0.0) & (limit <= LARGEST_LIMIT) & (most > 0.0) & np.isfinite(wind.end)
     good &= paces(plant) <= FASTEST * rate
     good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
     good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
@@ -245,8 +263,10 @@ def _flown_cases(f: Flights | None, good: BoolArray, rings: BoolArray) -> FlownC
 
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
-    """A single limit must be positive; among many a bad one is the matter of its case."""
+    """A single limit must be in its range; among many a bad one is the matter of its case."""
     array = numbers(name, value)
     if array.ndim or (name == "rate_limit" and array == np.inf):
         return array
-    return positive(name, value)
+    if name == "rate_limit":
+        return positive(name, value)
+    return small_angle("a deflection", positive)(name, value)

@@ -25,7 +25,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.winds.file import gust_of
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.shaped import SHAPES, ShapedWind
 
 IN_PLANE, FROM_SIDE = "in the plane", "from a direction"
 OWN, CANONICAL = "own gains", "canonical"
@@ -69,7 +69,7 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
         "plane": ("plane", [*PLANES, BOTH], plan.planes),
         "stop": ("stop of both", list(STOPS), stop if isinstance(stop, str) else next(iter(STOPS))),
         "model": ("model", list(MODELS), plan.model),
-        "shape": ("wind shape", list(PULSES), plan.shape),
+        "shape": ("wind shape", list(SHAPES), plan.shape),
         "direction": ("wind blows", [IN_PLANE, FROM_SIDE], direction),
         "sign": ("sign that counts", [WORST, *SIGNS, FROZEN], plan.sign or WORST),
         "law": ("law", list(CONTROLS), law),
