@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -99,6 +100,48 @@ def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     result = CliRunner().invoke(app, [*arguments, "--scheduler", "nonsense", "--workers", "2"])
     assert result.exit_code == 2
     assert "give --workers or --scheduler, not both" in result.stderr
+
+
+def test_a_scheduler_that_is_not_there_leaves_no_client_that_closes_for_ten_seconds(monkeypatch):
+    """A `Client` that could not connect waits as it is deleted, and prints what it fails with."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("tvclin.answers.campaign.executors._TIMEOUT", 0.2)
+    monkeypatch.setattr(distributed, "Client", pytest.fail)
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
+        for port, reason in (
+            (1, "(Timed out|no answer)"),
+            (silent.getsockname()[1], "no answer after 0.2 s"),
+        ):
+            address = f"tcp://127.0.0.1:{port}"
+            with pytest.raises(tv.InputError, match=f"at {address}: {reason}"), cluster(address):
+                pass
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the signal masks of POSIX")
+@pytest.mark.parametrize(
+    "seconds", [0.7, *(pytest.param(one, marks=pytest.mark.thorough) for one in (0.0, 0.3, 1.5))]
+)
+def test_control_c_while_workers_start_prints_no_traceback(tmp_path, seconds):
+    """The signal goes to all processes of a terminal, as here."""
+    file = tmp_path / "interrupted.py"
+    file.write_text(
+        "import os, signal\n"
+        "from time import sleep\n"
+        "from tvclin.answers.campaign.executors import processes\n"
+        "if __name__ == '__main__':\n"
+        "    try:\n"
+        "        with processes(2) as pool:\n"
+        "            calls = [pool.submit(sleep, 0.1) for _ in range(4)]\n"
+        f"            sleep({seconds})\n"
+        "            os.killpg(os.getpgrp(), signal.SIGINT)\n"
+        "            sleep(60)\n"
+        "    except KeyboardInterrupt:\n"
+        "        print('stopped')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, file], capture_output=True, text=True, check=True, start_new_session=True
+    )
+    assert (done.stdout, done.stderr) == ("stopped\n", "")
 
 
 def test_the_command_line_runs_on_workers(tmp_path):

@@ -1,12 +1,21 @@
 """Executors to run a campaign with: processes of this machine, or a Dask cluster that is there."""
 
+import asyncio
 import os
+import signal
 import warnings
-from collections.abc import Iterator
-from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import (
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process, resource_tracker
-from threading import Thread
+from threading import Event, Thread
+from typing import Any
 
 from tvclin.base.errors import InputError, imported, whole_number
 from tvclin.kernels.threads import VARIABLE
@@ -15,6 +24,8 @@ _TIMEOUT = 5.0
 """Seconds in which a scheduler must answer."""
 _MOST_WORKERS = 4096
 _STDERR = 2
+_interrupted = Event()
+"""Whether Ctrl-C came, in a worker."""
 
 
 @contextmanager
@@ -23,7 +34,8 @@ def processes(workers: int) -> Iterator[Executor]:
     if not 1 <= whole_number("workers", workers) <= _MOST_WORKERS:
         raise InputError(f"workers must be from 1 to {_MOST_WORKERS}; got {workers}")
     context = get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker) as pool:
+    resource_tracker.ensure_running()  # its start would let Ctrl-C through again
+    with _Processes(workers, mp_context=context, initializer=_begin_worker) as pool:
         try:
             yield pool
         except BaseException:
@@ -41,9 +53,11 @@ def cluster(address: str) -> Iterator[Executor]:
     """
     distributed = imported("distributed", "a scheduler needs distributed", "campaign")
     try:
+        with ThreadPoolExecutor(1) as thread:  # a notebook has its own event loop
+            thread.submit(asyncio.run, _connect(distributed, address)).result()
         client = distributed.Client(address, timeout=_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        reason = " ".join(str(error).split())
+        reason = " ".join(str(error).split()) or f"no answer after {_TIMEOUT:g} s"
         raise InputError(f"there is no Dask scheduler at {address}: {reason}") from None
     with client:
         try:
@@ -53,6 +67,52 @@ def cluster(address: str) -> Iterator[Executor]:
                 f"the workers or the scheduler at {address} were lost; what was finished is kept,"
                 " go on with: tvclin campaign resume"
             ) from None
+
+
+class _Processes(ProcessPoolExecutor):
+    """Processes that Ctrl-C (SIGINT) interrupts in their tasks alone.
+
+    One that is interrupted while it starts, or waits for a task, would print a traceback.
+    """
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        with _interrupts("SIG_BLOCK"):  # a process inherits the mask of the one that spawns it
+            return super().submit(_interruptible, fn, *args, **kwargs)
+
+
+def _interruptible(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+    """Call a function in a worker, where Ctrl-C interrupts it and all that follow."""
+    if _interrupted.is_set():
+        raise KeyboardInterrupt
+    try:
+        with _interrupts("SIG_UNBLOCK"):
+            return function(*arguments, **options)
+    except KeyboardInterrupt:
+        _interrupted.set()
+        raise
+
+
+@contextmanager
+def _interrupts(change: str) -> Iterator[None]:
+    """Block SIGINT, or unblock it, in this thread; on Windows there is no such mask."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(getattr(signal, change), {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+async def _connect(distributed: Any, address: str) -> None:
+    """Connect to a scheduler and close that again; a `Client` that fails hangs as it is deleted."""
+
+    async def connect() -> None:
+        connection = await distributed.comm.connect(address, timeout=_TIMEOUT)
+        await connection.close()
+
+    await asyncio.wait_for(connect(), _TIMEOUT)  # also where another server says nothing
 
 
 def _begin_worker() -> None:
