@@ -114,6 +114,42 @@ def test_a_model_without_modes_gives_way_to_the_exact_one_and_is_told() -> None:
     assert told.stdout == exact.stdout
 
 
+ONE_MODE = """
+[[bending]]
+frequency_Hz = 9
+damping = 0.01
+modal_mass_kg = 20000
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.05
+attitude_slope_per_m = 0.05
+rate_slope_per_m = 0.05
+"""
+
+
+def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
+    """A vehicle file whose mode is that of a row misses the criteria as the row does."""
+    file = tmp_path / "one.toml"
+    file.write_text(vehicle_text("configuration-i")[0] + ONE_MODE)
+    loop = ("--natural-frequency", "1.5", "--delay-ms", "10", "--sample-rate", "100")
+    asked = (str(file), *loop, "--notch-hz", "9,0.05,0.5", "--mode-gain-db", "10")
+    nominal, moved = run("margins", *asked), run("margins", *asked, "--detuned", "--json")
+    assert (nominal.exit_code, moved.exit_code) == (0, 1)
+    document = json.loads(moved.stdout)
+    found = document["detuned"]
+    assert document["criteria"]["met"]
+    missed = [row["change"] for row in found["rows"] if not row["met"]]
+    assert missed
+    assert found["met"] is False
+    lower = ONE_MODE.replace("frequency_Hz = 9", f"frequency_Hz = {0.8 * 9.0}")
+    file.write_text(vehicle_text("configuration-i")[0] + lower)
+    assert "bending 1 x 0.8" in missed
+    assert run("margins", *asked).exit_code == 1
+    file.write_text(vehicle_text("configuration-i")[0] + ONE_MODE)
+    shown = " ".join(run("margins", *asked, "--detuned").output.split())
+    assert f"with detuned modes: NOT MET in {len(missed)} of {len(found['rows'])} rows" in shown
+    assert "Criteria classic, changed by the command line: MET" in shown
+
+
 @pytest.mark.thorough
 def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
@@ -159,7 +195,7 @@ def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     Path("my.toml").write_text(vehicle_text("configuration-i")[0] + "\n" + tables)
     Path("all.toml").write_text(study)
     sessions = re.findall(r"```console\n\$ tvclin (.*?)\n(.*?)```", page, re.DOTALL)
-    codes = (1, 0, 1, 0, 0)
+    codes = (1, 1, 1, 0, 0)
     for (command, shown), code in zip(sessions, codes, strict=True):
         result = run(*command.split())
         printed = [" ".join(line.split()) for line in result.output.splitlines()]

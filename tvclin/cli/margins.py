@@ -51,7 +51,8 @@ def margins(
     detuned: bool = switch(
         "--detuned",
         "Also print the margins with the frequency of each mode off by up to 20 percent,"
-        " with half its damping, and with the signs of its slopes at the sensors reversed.",
+        " with half its damping, and with the signs of its slopes at the sensors reversed; the"
+        " criteria judge these too.",
     ),
     box: Box = None,
     motion: Given = MOTION,
@@ -68,7 +69,8 @@ def margins(
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: its
-    margins are printed as a whole and for each mode. --rigid leaves all that out.
+    margins are printed as a whole and for each mode. --rigid leaves all that out. With --detuned
+    the criteria judge the margins with each change of a mode too.
 
     --flown flies through the wind with the limit --limit-deg, and prints how much gain,
     effectiveness and delay may change before a flight is lost. The criteria judge the linear
@@ -113,8 +115,9 @@ class _Answer:
 
     @property
     def met(self) -> bool:
-        """Whether the criteria are met, in the box too."""
-        return self.found.met and (self.in_box is None or self.in_box.met)
+        """Whether the criteria are met, with detuned modes and in the box too."""
+        more = (self.moved and self.moved.all_met, self.in_box and self.in_box.met)
+        return self.found.met and False not in more
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
@@ -135,6 +138,7 @@ class _Answer:
         if self.moved is not None:
             print_tables(self.moved.table())
             say_lines(self.moved.said)
+            say(f"Criteria {self.found.asked.name} with detuned modes: {self.moved.verdict}")
         if self.in_wind is not None:
             _print_flown(self.in_wind, case, self.wind)
         if self.in_box is not None:

@@ -32,6 +32,9 @@ _SEARCHED, _HALVED = 41, 20
 """So many factors on a frequency are tried between the least and the largest, and how often the
 interval is halved in which the loop becomes unstable."""
 
+_NAMED = 3
+"""Changes named in a verdict, at the most."""
+
 
 @dataclass(frozen=True, eq=False)
 class Edge:
@@ -73,6 +76,21 @@ class Detuned:
     edges: tuple[Edge, ...]
     plants: FlexiblePlant
 
+    @property
+    def all_met(self) -> bool:
+        """Whether each row has all that is asked for."""
+        return bool(np.all(self.met))
+
+    @property
+    def verdict(self) -> str:
+        """MET, or NOT MET with the number of changes that miss the criteria and the first few."""
+        missed = [name for name, met in zip(self.changes, self.met, strict=True) if not met]
+        if not missed:
+            return "MET"
+        more = ", ..." if len(missed) > _NAMED else ""
+        shown = ", ".join(missed[:_NAMED])
+        return f"NOT MET in {len(missed)} of {len(self.changes)} rows ({shown}{more})"
+
     def row(self, change: str) -> int:
         """Return the place of a row by what is changed in it."""
         return self.changes.index(one_of("change", change, self.changes))
@@ -86,7 +104,11 @@ class Detuned:
             **picked(self, "first met"),
         }
         rows = zip(*columns.values(), strict=True)
-        return {"rows": [dict(zip(columns, row, strict=True)) for row in rows], "edges": self.edges}
+        return {
+            "rows": [dict(zip(columns, row, strict=True)) for row in rows],
+            "edges": self.edges,
+            "met": self.all_met,
+        }
 
     def table(self) -> Table:
         """Return the margins of each row, what fails first in it, and whether criteria are met."""
