@@ -614,6 +614,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "gains": ("attitude", "rate"),
                 "crossover": 20.0,
                 "filters": (),
+                "attitude_filters": (),
+                "rate_filters": (),
                 "limits": False,
                 "stops": 0,
                 "sample_rate": 50.0,

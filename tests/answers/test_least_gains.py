@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag, expm
 
 import tvclin as tv
 from tests.turns import usual
@@ -39,7 +40,7 @@ def question(**changes):
         "filters": (),
         "limits": False,
         "stops": 0,
-        "sample_rate": 60.0,
+        "sample_rate": None,
     }
     return Question(**(asked | changes))
 
@@ -169,9 +170,10 @@ def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     found = tv.least_deflection_gains(
         plant(), wind, crossover=2.0, limits=True, sample_rate=60.0, **NOZZLE
     )
-    law = tv.SaturatedLaw(replace(found.autopilot, actuator=None, delay=0.0))
+    law = tv.SaturatedLaw.of(found.autopilot)
     flown = tv.closed_loop_boundary(plant(), law, wind, sample_rate=60.0, **NOZZLE)
-    peak = abs(found.autopilot.answer(plant(), wind).peak("deflection")[0])
+    steady = replace(found.autopilot, sample_rate=None)
+    peak = abs(steady.answer(plant(), wind).peak("deflection")[0])
     trim = float(plant().coefficients.B) * wind.peak
     assert found.meaning == "boundary"
     assert found.relative == pytest.approx(flown.limit, abs=1e-9)
@@ -180,12 +182,49 @@ def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     assert found.unseen >= found.deflection * (1.0 - 1e-9)
 
 
+def largest_z(autopilot, factor):
+    """The largest closed-loop pole z with a factor on all gains: a held command, late by a part."""
+    A, inputs = plant().matrices()[:2]
+    w, zeta, h, n = 8.0 * np.pi, 0.7, 1.0 / autopilot.sample_rate, len(A)
+    F = np.zeros((n + 3, n + 3))  # states, deflection, its rate, and the command that is held
+    F[:n, :n], F[:n, n] = A, inputs[:, 0]
+    F[n, n + 1], F[n + 1, n : n + 3] = 1.0, [-(w**2), -2.0 * zeta * w, w**2]
+    early, later = expm(F * autopilot.delay), expm(F * (h - autopilot.delay))
+    taken = np.eye(n + 4)  # the last is the command that the sample has asked for
+    taken[n + 2] = np.eye(n + 4)[n + 3]
+    asks = np.eye(n + 4)
+    asks[n + 3] = 0.0
+    asks[n + 3, :2] = factor * np.array([autopilot.attitude_gain, autopilot.rate_gain])
+    step = block_diag(later, 1.0) @ taken @ block_diag(early, 1.0) @ asks
+    return float(np.abs(np.linalg.eigvals(step)).max())
+
+
+def test_gains_of_a_sampled_autopilot_keep_their_margins_in_steps():
+    """A gain twice as high, or half as high, by the exponential matrices of one sample."""
+    found = tv.least_deflection_gains(plant(), triangles(4)[0], sample_rate=15.0, **NOZZLE)
+    assert found.autopilot.sample_rate == 15.0
+    assert "gain_increase_dB" in found.active
+    twice = 10.0 ** (6.0 / 20.0)
+    assert all(largest_z(found.autopilot, k) < 1.0 for k in (1.0, twice, 1.0 / twice))
+    assert largest_z(found.autopilot, 1.01 * twice) > 1.0
+
+
+def test_filters_of_every_place_are_those_of_the_gains_that_are_tried():
+    chains = {
+        "filters": (tv.vehicle.Filter.low_pass(60.0),),
+        "attitude_filters": (tv.vehicle.Filter.low_pass(50.0),),
+        "rate_filters": (tv.vehicle.Filter.lead_lag(3.0, 30.0),),
+    }
+    tried = question(**chains).autopilot(np.array([[0.5, 0.5]]))
+    assert {name: getattr(tried, name) for name in chains} == chains
+
+
 def test_the_race_finds_the_boundary_of_each_row():
-    asked = question(limits=True, stops=2)
+    asked = question(limits=True, stops=2, sample_rate=60.0)
     points = np.array([[0.45, 0.5], [0.5, 0.6], [0.4, 0.55]])
     found = needs(asked, points, np.inf, 60)
     for point, one in zip(points, found, strict=True):
-        law = tv.SaturatedLaw(replace(asked.autopilot(point), actuator=None, delay=0.0))
+        law = tv.SaturatedLaw.of(asked.autopilot(point))
         flown = tv.closed_loop_boundary(
             asked.plant, law, asked.winds[0], sample_rate=60.0, cuts=2, **NOZZLE
         )

@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.answers.findings import find
+from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.cli.app import app
 
 STUDY = """
@@ -35,6 +36,31 @@ def test_gains_are_sought_and_their_winds_listed():
     assert len(least["each_deg"]) == 3
     assert least["deflection_deg"] >= document["peak_deflection_deg"] * (1.0 - 1e-9)
     assert "crossover" in least["active"]
+
+
+def test_gains_are_sought_for_the_samples_and_filters_that_are_given():
+    """What `margins` says of the gains, given with the same samples, is what was designed for."""
+    loop = ("--sample-rate", "25", "--delay-ms", "20", "--notch-hz", "9,0.05,0.5")
+    found = run("autopilot", "--least", "--crossover", "2", *loop, "--json")
+    assert found.exit_code == 0
+    document = json.loads(found.stdout)
+    assert document["criteria"]["met"]
+    own = document["autopilot"]
+    gains = ("--attitude-gain", repr(own["attitude_gain"]), "--rate-gain", repr(own["rate_gain_s"]))
+    judged = json.loads(run("margins", *gains, *loop, "--json").stdout)
+    assert judged["criteria"]["met"]
+    assert own["sample_rate_Hz"] == judged["autopilot"]["sample_rate_Hz"] == 25.0
+
+
+def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
+    file = tmp_path / "least.toml"
+    lag = '[[autopilot.filter]]\nkind = "low-pass"\non = "rate"\nfrequency_rad_per_s = 60\n'
+    file.write_text(STUDY + "sample_rate_Hz = 25\n" + lag)
+    case = tv.load_study(file)
+    found = autopilot_asked(case, case.history, tv.CRITERIA["classic"])
+    assert found.sample_rate == 25.0
+    assert len(found.rate_filters) == 1
+    assert tv.CRITERIA["classic"].are_met(found.margins(case.plant))
 
 
 def test_a_study_file_asks_for_them(tmp_path):

@@ -27,18 +27,19 @@ def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
 def least_asked(
     case: Case, winds: History | Sequence[History], criteria: Criteria, **options: Any
 ) -> LeastGains:
-    """Return the gains for the least nozzle with the nozzle, delay and filters of a case.
+    """Return the gains for the least nozzle with the nozzle, delay, samples and filters of a case.
 
     `InputError` for gains and numbers of other rules beside it, and as `least_deflection_gains`.
     """
     asked = case.asked
+    chains: dict[str, Any] = asked.chains
     given = [
         name
         for name in (
             *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
-            *("integral_gain", "attitude_filters", "rate_filters", "sample_rate"),
+            "integral_gain",
         )
-        if getattr(asked, name) not in (None, (), 0.0)
+        if getattr(asked, name) not in (None, 0.0)
     ]
     if given:
         raise InputError(
@@ -52,6 +53,7 @@ def least_asked(
         actuator=case.nozzle.actuator,
         delay=asked.delay,
         crossover=asked.crossover,
-        filters=asked.filters,
+        sample_rate=asked.sample_rate,
+        **chains,
         **options,
     )

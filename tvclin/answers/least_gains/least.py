@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -65,9 +66,11 @@ def least_deflection_gains(
     delay: float = 0.0,
     crossover: float | None = None,
     filters: tuple[Filter, ...] = (),
+    attitude_filters: tuple[Filter, ...] = (),
+    rate_filters: tuple[Filter, ...] = (),
     limits: bool = False,
     stops: int = 0,
-    sample_rate: float = 100.0,
+    sample_rate: float | None = None,
 ) -> LeastGains:
     """Return the gains that need the least deflection of all that have the margins asked for.
 
@@ -88,15 +91,17 @@ def least_deflection_gains(
     crossover : float, optional
         The highest that a gain crossover may be [rad/s]: it stands for what bends and is not in
         the plant.
-    filters : tuple of Filter
-        Behind the sum of the feedbacks.
+    filters, attitude_filters, rate_filters : tuple of Filter
+        Behind the sum of the feedbacks, on the attitude and on the rate.
     limits : bool
         Whether the deflection is the least limit with which the winds are survived, flown, in
         place of the largest of the linear loop.
     stops : int
         With limits, so many sudden ends of each wind must be survived as well.
-    sample_rate : float
-        Of flights [Hz].
+    sample_rate : float, optional
+        Samples of the autopilot in a second [Hz]: its margins are then those of the sampled loop.
+        Without one the margins are of a continuous autopilot, and flights sample it at 100 Hz. The
+        largest deflections of the linear loop are those of the continuous one, either way.
 
     Returns
     -------
@@ -140,6 +145,8 @@ def least_deflection_gains(
         delay=delay,
         crossover=crossover,
         filters=filters,
+        attitude_filters=attitude_filters,
+        rate_filters=rate_filters,
         limits=limits,
         stops=stops,
         sample_rate=sample_rate,
@@ -193,7 +200,7 @@ def _worth(
 def _peaked(question: Question, points: FloatArray, goal: float) -> FloatArray:
     """The peak of each row of the linear loop, over the largest trim."""
     del goal
-    rows = question.autopilot(points)
+    rows = replace(question.autopilot(points), sample_rate=None)
     after = _SETTLED / float(np.nanmax(np.real(unstable_modes(question.plant.rigid).poles)))
     peaks = [deflection_peaks(rows, question.plant, w, after) for w in question.winds]
     return np.asarray(np.max(peaks, axis=0) / question.trims.max())
@@ -201,7 +208,7 @@ def _peaked(question: Question, points: FloatArray, goal: float) -> FloatArray:
 
 def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
     """The exact peak in each wind [rad]."""
-    answer = autopilot.in_winds(question.plant)
+    answer = replace(autopilot, sample_rate=None).in_winds(question.plant)
     return np.array([abs(answer(wind).peak("deflection")[0]) for wind in question.winds])
 
 
@@ -215,7 +222,7 @@ def _boundaries(question: Question, autopilot: Autopilot, stops: int) -> FloatAr
             wind,
             actuator=question.actuator,
             delay=question.delay,
-            sample_rate=question.sample_rate,
+            sample_rate=question.flown_rate,
             cuts=stops,
         ).deflection
         for wind in question.winds

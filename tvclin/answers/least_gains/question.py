@@ -24,10 +24,13 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.margins.bands import band_margins
 from tvclin.control.margins.criteria import Criteria, Requirement
-from tvclin.control.margins.record import MARGINS, Margins, loop_margins
+from tvclin.control.margins.record import MARGINS, Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.linear.flexible_modes import named_modes
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 
@@ -38,6 +41,8 @@ MISSES = 10.0
 """What gains that miss a criterion are worth, over full trim, and by how much they miss it more."""
 _UNSTABLE = 100.0
 """What an unstable loop lacks: more than any other."""
+_FLOWN_RATE = 100.0
+"""Sample rate of flights [Hz] of an autopilot without one."""
 _LEAST_STIFFNESS, _LEAST_RATE = 1.01, 0.05
 """Least (a0 + b0)/B and a1 beta/B."""
 
@@ -57,21 +62,16 @@ class Question:
     delay: float
     crossover: float | None
     filters: tuple[Filter, ...]
+    attitude_filters: tuple[Filter, ...] = ()
+    rate_filters: tuple[Filter, ...] = ()
     limits: bool
     stops: int
-    sample_rate: float
+    sample_rate: float | None
 
     def __post_init__(self) -> None:
         check_plant(self.plant)
         single("plant", self.plant.batch)
-        winds = each("winds", self.winds, History, "such as TriangularWind")
-        if not winds:
-            raise InputError("winds must be one or more; got none")
-        for one in winds:
-            single("wind", one.batch)
-            ending("wind", one.end)
-            number("the peak of a wind", abs(float(one.peak)), positive, "rad")
-        object.__setattr__(self, "winds", winds)
+        object.__setattr__(self, "winds", _checked_winds(self.winds))
         instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
         given = self.gains if isinstance(self.gains, list | tuple) else ()
         free = tuple(one for one in given if isinstance(one, str))
@@ -84,10 +84,11 @@ class Question:
         if not isinstance(self.actuator, Actuator | None):
             raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
         single("actuator", () if self.actuator is None else self.actuator.batch)
-        rate = number("sample_rate", self.sample_rate, positive, "Hz")
+        if self.sample_rate is not None:
+            rate = number("sample_rate", self.sample_rate, positive, "Hz")
+            object.__setattr__(self, "sample_rate", rate)
         if flag("limits", self.limits):
-            check_sample_rate(rate, self.actuator)
-        object.__setattr__(self, "sample_rate", rate)
+            check_sample_rate(self.flown_rate, self.actuator)
         object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
         if self.crossover is not None:
             most = number("crossover", self.crossover, positive, "rad/s")
@@ -109,6 +110,16 @@ class Question:
                 " infinite: give one of these"
             )
         _ = self.autopilot(np.full((1, len(free)), 0.5))  # checks actuator, delay and filters
+
+    @property
+    def chains(self) -> dict[str, Any]:
+        """The filters of the autopilot, by their place in it."""
+        return {name: getattr(self, name) for name in CHAINS}
+
+    @property
+    def flown_rate(self) -> float:
+        """The sample rate of flights [Hz]."""
+        return self.sample_rate or _FLOWN_RATE
 
     @property
     def fastest(self) -> float:
@@ -149,7 +160,8 @@ class Question:
             alpha_gain=B * stiffness * share,
             actuator=self.actuator,
             delay=self.delay,
-            filters=self.filters,
+            sample_rate=self.sample_rate,
+            **self.chains,
         )
 
     def point(self, autopilot: Autopilot) -> FloatArray:
@@ -181,7 +193,8 @@ class Question:
         Zero or less where all criteria are met; ``(n,)``.
         """
         rows = self.autopilot(points)
-        found = loop_margins(rows.exact_loop(self.plant))
+        loop = rows.exact_loop(self.plant)
+        found = margins_of(loop.findings(delays=self._of_delay), loop.batch)
         every = [np.full(len(points), -np.inf)]
         every += [
             lacking(one, getattr(found, one.margin))
@@ -198,17 +211,35 @@ class Question:
         return np.asarray(lacks)
 
     @property
+    def _of_delay(self) -> bool:
+        """Whether a delay margin is required."""
+        return any(one.margin == "delay_margin" for one in self.criteria.requirements)
+
+    @property
     def _of_modes(self) -> tuple[Requirement, ...]:
         return tuple(one for one in self.criteria.requirements if one.margin not in MARGINS)
 
     def _lacks_of_modes(self, points: FloatArray) -> FloatArray:
         assert isinstance(self.plant, FlexiblePlant)
-        bands = self.autopilot(points).band_margins(self.plant)
+        loop = self.autopilot(points).exact_loop(self.plant)
+        bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
         for one in replace(self.criteria, requirements=self._of_modes).judge(bands):
             surplus = np.asarray(one.surplus) / max(one.requirement.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst
+
+
+def _checked_winds(winds: Any) -> tuple[History, ...]:
+    """Return winds, one or more, each of which ends and has a peak."""
+    checked = each("winds", winds, History, "such as TriangularWind")
+    if not checked:
+        raise InputError("winds must be one or more; got none")
+    for one in checked:
+        single("wind", one.batch)
+        ending("wind", one.end)
+        number("the peak of a wind", abs(float(one.peak)), positive, "rad")
+    return checked
 
 
 def lacking(asked: Requirement, value: Any) -> FloatArray:

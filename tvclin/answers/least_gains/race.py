@@ -88,7 +88,7 @@ def _survive(
         attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
         rate_gain=rows.rate_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
         alpha_gain=rows.alpha_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
-        filters=rows.filters,
+        **question.chains,
     )
     flown = fly_many(
         question.plant,
@@ -96,7 +96,7 @@ def _survive(
         winds,
         deflection_limit=np.minimum(limits[..., np.newaxis] * question.trims.max(), LARGEST_LIMIT),
         actuator=question.actuator,
-        sample_rate=question.sample_rate,
+        sample_rate=question.flown_rate,
         delay=question.delay,
     )
     return np.all(flown.status == SURVIVED, axis=-1)

@@ -161,12 +161,14 @@ class BandMargins(Shown):
     _keys = "whole_loop=whole.status rigid_body=rigid mode=modes"
 
 
-def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMargins:
+def band_margins(
+    loop: Loop, names: tuple[str, ...], poles: AnyArray, *, delays: bool = True
+) -> BandMargins:
     """Return the margins of a loop by band.
 
     `loop`: held as matrices, one or a batch ``(...)``. `names`: names of the modes. `poles`: upper
-    pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop. `InputError` for a
-    loop that is held as polynomials.
+    pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop. `delays`: as of
+    `Loop.findings`. `InputError` for a loop that is held as polynomials.
     """
     instance("loop", loop, Loop, "see Autopilot.exact_loop")
     if not isinstance(loop.form, StateLoop):
@@ -176,7 +178,7 @@ def band_margins(loop: Loop, names: tuple[str, ...], poles: AnyArray) -> BandMar
     count = len(loop.form.case)
     own = np.broadcast_to(poles, (*loop.batch, len(names))).reshape(count, len(names))
     terms = Terms.of(loop, own)
-    found = loop.findings()
+    found = loop.findings(delays=delays)
     ends = followed(terms)
     numbers = [_rigid(terms, found)]
     numbers += [_mode(terms, found, k, ends[:, k]) for k in range(len(names))]

@@ -227,8 +227,13 @@ class Loop:
         found = self._values(frequencies.reshape(1, -1))
         return found.reshape((*self.batch, *frequencies.shape))
 
-    def findings(self) -> LoopFindings:
-        """Return verdict, crossings and peaks of the loops on one axis."""
+    def findings(self, *, delays: bool = True) -> LoopFindings:
+        """Return verdict, crossings and peaks of the loops on one axis.
+
+        `delays`: whether the delay margins of sampled loops are computed, most of their work; they
+        are NaN if not.
+        """
+        del delays  # of a continuous loop they are no work
         return loop_findings(self.form)
 
     def in_plane(self, s: AnyArray) -> AnyArray:

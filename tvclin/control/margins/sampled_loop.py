@@ -74,8 +74,8 @@ class SampledLoop(Loop):
         """Poles z of the closed loop, ``(..., n)``; inside the unit circle it is stable."""
         return self._z(self.form.closed_poles()).reshape((*self.batch, -1))
 
-    def findings(self) -> LoopFindings:
-        """Return verdict, crossings and peaks at frequencies of the s plane, of ``(k,)`` loops."""
+    def findings(self, *, delays: bool = True) -> LoopFindings:
+        """Return verdict, crossings and peaks at frequencies of the s plane, as of `Loop`."""
         found = super().findings()
         half = 0.5 * self.period.reshape(-1)
 
@@ -89,7 +89,9 @@ class SampledLoop(Loop):
         return replace(
             found,
             gain_frequencies=omega,
-            delays=self._delays(omega, found.phases, found.stable),
+            delays=self._delays(omega, found.phases, found.stable)
+            if delays
+            else np.full_like(omega, np.nan),
             phase_frequencies=turned(found.phase_frequencies),
             peaks=peaks,
         )
