@@ -18,6 +18,7 @@ from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, beyond_linear
 from tvclin.winds.shaped import ShapedWind
 
 _LEAST_SIZE, _LARGEST_SIZE = 0.01, 1e9
@@ -33,7 +34,7 @@ class CaseNeed:
     `requirement` is what a limit must be in the dynamic pressure of calm air, `sign_factors` what
     is required of a head and of a tail wind over that, empty where the wind blows across the path,
     or, as `sign_unknown` says, that is not known. `planes` is what a wind with a direction asks of
-    both.
+    both. All these are NaN, or empty, in a wind `beyond` linear aerodynamics.
     """
 
     case: Case
@@ -153,19 +154,44 @@ class CaseNeed:
         return float(blows.peak)
 
     @property
+    def wind_angle(self) -> float:
+        """Largest angle [rad] at which the wind meets the flight: of a direction, its vector."""
+        return abs(float((self.planes or self.history).peak))
+
+    @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(self.wind_angle)
+
+    @property
+    def peak_bound(self) -> float:
+        """Largest survivable peak [rad] that is known, with its sign, as of `judged_peak`.
+
+        There the wind angle is `MAX_LINEAR_ANGLE`; a limit that survives it may survive more.
+        """
+        return self.judged_peak * (MAX_LINEAR_ANGLE / self.wind_angle)
+
+    @property
     def judged(self) -> dict[str, Any]:
         """Whether the limit is enough, and what peak it survives; None without one."""
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
+        if self.beyond:
+            size = MAX_LINEAR_ANGLE / self.wind_angle
+            known = replace(self.case, wind=_scaled(self.slanting or self.blows, size))
+            within = case_need(known, self.dead_band).judged
+            return {"sufficient": None, "survivable_peak": within["survivable_peak"]}
         size = limit / needed if needed else np.inf
         if not self.in_calm_air and 0.0 < size < np.inf:
             size = survived_size(
                 limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
             )
+        bound = self.peak_bound
+        peak = bound if np.isinf(size) else self.judged_peak * size
         return {
             "sufficient": bool(covers(limit, needed)),
-            "survivable_peak": self.judged_peak * size,
+            "survivable_peak": float(np.copysign(min(abs(peak), abs(bound)), bound)),
         }
 
     @property
@@ -196,8 +222,26 @@ def case_need(case: Case, dead_band: float = 1.0) -> CaseNeed:
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), blows.history({})
     required = required_deflection(plant, history, K)
+    if beyond_linear(float((planes or history).peak)):
+        required, planes = _unknown(required), planes and _unknown_planes(planes)
     factors, unknown = _factors(case, history, required, K)
     return CaseNeed(case, K, blows, required, planes, factors, unknown)
+
+
+def _unknown(required: RequiredDeflection) -> RequiredDeflection:
+    """Requirement [rad] of a wind beyond linear aerodynamics: no number but that over trim."""
+    return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
+
+
+def _unknown_planes(planes: PlanesNeeded) -> PlanesNeeded:
+    """Requirement [rad] of both planes in such a wind."""
+    return replace(planes, deflection=np.nan, alone=dict.fromkeys(planes.alone, np.nan))
+
+
+def _scaled(wind: ShapedWind, factor: float) -> ShapedWind:
+    """Wind with its peak and its gust times a factor."""
+    gust = None if wind.gust is None else wind.gust * factor
+    return replace(wind, peak=wind.peak * factor, gust=gust)
 
 
 def pulse_of(case: Case) -> ShapedWind:

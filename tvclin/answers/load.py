@@ -17,7 +17,8 @@ from tvclin.boundary.fronts.loads import load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.many import SURVIVED
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
-from tvclin.flights.flexible import FATES
+from tvclin.flights.flexible import FATES, NOT_KNOWN
+from tvclin.winds.linear_range import beyond_linear
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +108,7 @@ class FlownLoad(Shown):
     law, status : str
         The name of the law, and what became of its flight, as of `fly_many`.
     load, time : float
-        The load [rad], and when [s]; infinite of a flight that is lost.
+        The load [rad], and when [s]; infinite of a flight that is lost, NaN where it is not known.
     bound : float or None
         What the structure bears [rad].
     """
@@ -148,6 +149,8 @@ class FlownLoad(Shown):
         limit, most = case.nozzle.limit, None if bound is None else bound.bound
         if limit is None:
             raise InputError("case must have a deflection limit, the stop of its nozzle")
+        if beyond_linear(float(case.history.peak)):
+            return cls(name, NOT_KNOWN, np.nan, np.nan, most)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         if not flight.times.size:
             return cls(name, flight.status, np.inf, np.nan, most)
@@ -157,15 +160,17 @@ class FlownLoad(Shown):
         return cls(name, flight.status, float(felt[worst]), float(flight.times[worst]), most)
 
     @property
-    def enough(self) -> bool:
-        """Whether the law survives within the bound."""
+    def enough(self) -> bool | None:
+        """Whether the law survives within the bound; None beyond linear aerodynamics."""
+        if self.status == NOT_KNOWN:
+            return None
         return self.status == SURVIVED and (self.bound is None or self.load <= self.bound)
 
     @property
     def words(self) -> str:
         """What becomes of the flight, in words."""
         fate = f"{self.law} {FATES[self.status]} with this limit"
-        if np.isinf(self.load):
+        if not np.isfinite(self.load):
             return fate
         felt = f"{fate}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"
         if self.bound is None:

@@ -13,6 +13,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, listed, significant, text
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.record import DIGITS, factor_to
+from tvclin.winds.linear_range import ATTACK, beyond_linear
 
 _HEAD = ", with the dynamic pressure at the peak of a head wind throughout"
 
@@ -118,7 +119,18 @@ def calm_air_notes(found: Findings) -> Iterator[str]:
             yield f"{listed(calm)}: {words}"
 
 
+_IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight")
+"""Questions whose answers rest on the wind of the study."""
+
+
 def _asked(found: Findings) -> Iterator[Question]:
+    """Questions with their answers: none that rests on a wind beyond linear aerodynamics."""
+    for one in _answered(found):
+        beyond = found.study.beyond if one.name in _IN_THE_WIND else ""
+        yield Question(one.name, None, (beyond,)) if beyond else one
+
+
+def _answered(found: Findings) -> Iterator[Question]:
     limit = found.study.limit
     if limit is not None:
         yield _wind(found)
@@ -253,6 +265,8 @@ def _autopilot(found: Findings, limit: float) -> Question:
     if not c.margins.stable:
         whose = "" if found.flexible is None else " of the flexible vehicle"
         return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
+    if beyond := beyond_linear(c.peak_angle_of_attack * found.study.of_both, ATTACK):
+        return Question(name, None, (beyond,))
     peak = without_stop(found)
     turns = degrees("asked.autopilot", peak, unit="deg")
     free: Line = ("without a stop it would turn the nozzle by ", *turns)

@@ -12,6 +12,7 @@ is none of these too low for
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,6 +35,7 @@ from tvclin.boundary.limit import (
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, beyond_linear
 
 TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"
@@ -185,6 +187,8 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
     """
     capability = _capability(limit)
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    if beyond := beyond_linear(float(np.max(np.abs(wind.peak)))):
+        warnings.warn(beyond, stacklevel=2)
     enough = np.asarray(covers(capability, needed))
     return enough if enough.ndim else bool(enough)
 
@@ -199,9 +203,9 @@ def survivable_peak(
 ) -> Any:
     """Return the largest peak [rad] of a wind of this shape that a given limit survives.
 
-    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind. Infinite
-    where no deflection is needed. The theory is linear; read a value of many degrees as
-    "more than the small-angle model can say".
+    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind, and at
+    most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a peak of 30
+    deg may survive more, or not.
 
     Parameters
     ----------
@@ -217,8 +221,10 @@ def survivable_peak(
     """
     capability = _capability(limit)
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
-    with np.errstate(divide="ignore"):
-        return plain(np.asarray(wind.peak * (capability / needed)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        peak = np.abs(wind.peak) * (capability / needed)
+    peak = np.where(needed == 0.0, MAX_LINEAR_ANGLE, np.minimum(peak, MAX_LINEAR_ANGLE))
+    return plain(np.copysign(peak, wind.peak))
 
 
 def _capability(limit: ArrayLike) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, Self
 
 import numpy as np
@@ -28,7 +29,7 @@ from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
-from tvclin.boundary.limit import BoundaryLimit, boundary_limit
+from tvclin.boundary.limit import ROUNDING, BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop
@@ -40,8 +41,10 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import linear_notes
 from tvclin.winds.shaped import SHAPES, ShapedWind
 
+_SURVIVES = "the limit survives peaks of up to"
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = FileTable(
     "[study]", {"time": "time"}, ("vehicle", "model", "plane", "dead_band", "switch", "sign")
@@ -72,9 +75,11 @@ class Study(CaseNeed, Shown):
     dead_bands : ndarray
         K, falling; the dead band of the verdict is among them.
     sufficient : bool or None
-        Whether the limit is at or above what is required.
+        Whether the limit is at or above what is required; None without a limit, and in a wind
+        `beyond` 30 deg, of which linear aerodynamics says nothing.
     survivable_peak : float or None
-        The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`.
+        The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`. Up
+        to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
     forecast_free : dict of str to ForecastFreeLimit
         For the models of `boundaries` that have one, the least deflection of any law that does
         not know when the wind will stop.
@@ -199,27 +204,34 @@ class Study(CaseNeed, Shown):
         modes = {name: unstable_modes(each) for name, each in plants.items()}
         needed = _needed(shown, history, dead_bands, switch)
         rests = plant, history, need.requirement, need.dead_band
-        notes = (
-            *slow_or_paired(*rests),
-            *left_out(plant, modes),
-            *forecast_trusted(*rests[2:], needed["forecast_free"].get(plant.model)),
-            *undamped(*rests),
-            *doubts(case.vehicle),
-            *gust_placed(pulse_of(case), need.blows),
-            *along_the_path(need),
-            *words_of(need.planes, case.plane, need.in_both, need.in_calm_air),
+        judged = need.judged
+        survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
+        free, calm = needed["forecast_free"].get(plant.model), need.in_calm_air
+        every = (
+            linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
+            slow_or_paired(*rests),
+            left_out(plant, modes),
+            () if need.beyond else forecast_trusted(*rests[2:], free),
+            () if need.beyond else undamped(*rests),
+            doubts(case.vehicle),
+            gust_placed(pulse_of(case), need.blows),
+            () if need.beyond else along_the_path(need),
+            () if need.beyond else words_of(need.planes, case.plane, need.in_both, calm),
         )
+        trim = abs(float(coefficients.B * history.peak))
+        if need.beyond:
+            needed, trim = _unknown(needed), np.nan
         return cls(
             **vars(need),
-            **need.judged,
+            **judged,
             **needed,
             coefficients=coefficients,
             wind=replace(need.blows, gust=None).history({}),
             switch=switch,
             modes=modes,
-            trim_deflection=abs(float(coefficients.B * history.peak)),
+            trim_deflection=trim,
             dead_bands=dead_bands,
-            notes=notes,
+            notes=tuple(chain.from_iterable(every)),
         )
 
     @property
@@ -246,6 +258,13 @@ class Study(CaseNeed, Shown):
         if self.in_both:
             return f"of the wind's vector in both planes{gust}"
         return f"of the wind's part in the {self.plane} plane{gust}"
+
+    @property
+    def survives_bound(self) -> bool | None:
+        """Whether the survivable peak is a lower bound, `peak_bound`; None without a limit."""
+        if self.survivable_peak is None:
+            return None
+        return abs(self.survivable_peak) >= abs(self.peak_bound) * (1.0 - ROUNDING)
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:
@@ -286,7 +305,8 @@ class Study(CaseNeed, Shown):
                 "model dead_band switch sign required_deflection_deg governed_by=governs"
                 " requirements_deg=requirement.needs frozen_deflection_deg sign_factors limit_deg"
                 " sufficient"
-                " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of",
+                " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of"
+                " survivable_peak_is_bound=survives_bound",
             ),
         }
 
@@ -301,6 +321,15 @@ def _needed(
         "forecast_free": _where_defined(forecast_free_limit, plants, wind),
         "minima": {name: optimum.peak for name, optimum in best.items()},
     }
+
+
+def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
+    """What each model needs in a wind beyond linear aerodynamics: no angle, limits over trim."""
+    without = {
+        key: {k: replace(one, deflection=one.deflection * np.nan) for k, one in needed[key].items()}
+        for key in ("boundaries", "forecast_free")
+    }
+    return without | {"minima": dict.fromkeys(needed["minima"], np.nan)}
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:

@@ -19,6 +19,7 @@ from tvclin.base.lines import (
     upper_pole,
 )
 from tvclin.boundary.limit import BOUNDARY, ROUNDING
+from tvclin.winds.linear_range import BEYOND_LINEAR
 
 LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
 """What stands below the boundaries of every control."""
@@ -117,7 +118,8 @@ def boundaries(s: Study) -> Table:
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     if s.limit is not None and not s.in_both and s.model in s.boundaries:
         peaks = _survived(s, s.limit, [survived for _, survived in judged.values()])
-        survived = [degrees(f"survived.{k}", one) for k, one in enumerate(peaks)]
+        bound = abs(s.peak_bound)
+        survived = [survivable(f"survived.{k}", one, bound) for k, one in enumerate(peaks)]
         head = (*head, "limit survives [deg]")
         rows = [(*row, one) for row, one in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
@@ -156,7 +158,7 @@ def _judged(s: Study) -> dict[str, tuple[float, float]]:
         return {}
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
     if not np.isclose(abs(row), s.frozen_deflection, rtol=ROUNDING):
-        peak = abs(float(s.history.peak)) * (s.limit or np.nan) / s.frozen_deflection
+        peak = abs(s.judged_peak) * (s.limit or np.nan) / s.frozen_deflection
         found["calm air" if s.sign_factors else "required"] = (s.frozen_deflection, peak)
     for sign, need in s.sign_needs.items():
         found[f"{sign} wind"] = (need, met if s.counts[0] == sign else np.nan)
@@ -169,16 +171,25 @@ def verdict(s: Study) -> Iterator[Line]:
     left = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{left}{air}), {_governed(s)}"
-    yield ("Required deflection: ", *needed, basis)
+    yield (
+        "Required deflection: ",
+        *((f"NOT KNOWN: {s.beyond}",) if s.beyond else (*needed, basis)),
+    )
     if s.limit is None or s.survivable_peak is None:
         return
-    word = "SUFFICIENT" if s.sufficient else "NOT SUFFICIENT"
+    word = {True: "SUFFICIENT", False: "NOT SUFFICIENT", None: "NOT KNOWN"}[s.sufficient]
     line: Line = ("Limit ", *degrees("verdict.limit", s.limit, unit="deg"), f": {word}; ")
-    if np.isinf(s.survivable_peak):
-        yield (*line, "it survives any wind of this shape")
-        return
     survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
-    yield (*line, "it survives peaks up to ", *survived, f", {s.peak_of}" if s.peak_of else "")
+    line = (*line, "it survives peaks up to ", *survived)
+    of = f", {s.peak_of}" if s.peak_of else ""
+    yield (*line, f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of)
+
+
+def survivable(name: str, peak: float, bound: float) -> Line:
+    """Return a survivable peak [rad] in degrees, marked at the bound of what is known."""
+    if peak >= bound * (1.0 - ROUNDING):
+        return ("≥ ", *degrees(name, bound))
+    return degrees(name, peak)
 
 
 def _in_units(one: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:

@@ -25,6 +25,7 @@ from tvclin.cli.wind import WindOptions
 from tvclin.control.comparison.duration import WorstDuration, worst_duration
 from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.linear_range import ATTACK, beyond_linear, linear_notes
 from tvclin.winds.shaped import ShapedWind
 
 _SHORTEST, _LONGEST = 0.2, 8.0
@@ -53,7 +54,8 @@ def autopilot(
 
     --plot draws deflection and attitude of a stable loop; with --least, what a disk margin costs.
 
-    Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
+    Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not, or that is not
+    known, at angles of more than 30 deg; 2: bad input.
     """
     changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
@@ -85,9 +87,24 @@ class _Found:
         return None if self.case.nozzle.limit is None else degrees(self.case.nozzle.limit)
 
     @property
-    def within(self) -> bool:
-        """Whether the limit is enough in this wind; true without one."""
-        return self.limit is None or degrees(self.compared.peak_deflection) <= self.limit
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
+        return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on the comparison, and on its wind angle and angle of attack."""
+        attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
+        angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
+        return (*angle, *self.compared.notes)
+
+    @property
+    def within(self) -> bool | None:
+        """Whether the limit is enough in this wind; true without one, None if it is not known."""
+        if self.limit is None:
+            return True
+        return None if self.beyond else degrees(self.compared.peak_deflection) <= self.limit
 
     @cached_property
     def criteria_met(self) -> bool:
@@ -135,7 +152,7 @@ class _Found:
             },
             "limit_deg": self.limit,
             "within_limit": None if self.limit is None else self.within,
-            **picked(self, "met notes=compared.notes"),
+            **picked(self, "met notes"),
             **({} if self.sought is None else {"least": self.sought}),
         }
 
@@ -147,7 +164,7 @@ class _Found:
             print_tables(found.deflections("Largest deflection in this wind"))
             print_tables(quantities("In this wind", [*found.motions(), *self._more()]))
             print_bounds(found.autopilot, found.plant)
-            say_notes(found.notes)
+            say_notes(self.notes)
             self._judge()
         else:
             say(f"NO NUMBERS: {found.margins.reason}")
@@ -160,6 +177,7 @@ class _Found:
         if self.limit is None:
             return
         word = "ENOUGH" if self.within else "NOT ENOUGH for this autopilot"
+        word = f"NOT KNOWN: {self.beyond}" if self.within is None else word
         worst = self.worst
         if worst is not None and self.within and self.limit < degrees(worst.peak_deflection):
             word += f" in this wind, but not in one of {worst.duration:.3g} s"

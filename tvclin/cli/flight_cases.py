@@ -190,7 +190,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
 def _ends(case: FlightCase, flight: FlightBeside) -> Iterator[str]:
     """Whether the flight survives, and what is odd about it."""
-    words = {True: "SURVIVED", False: "NOT SURVIVED"}
+    words = {True: "SURVIVED", False: "NOT SURVIVED", None: "NOT KNOWN"}
     yield f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         yield (

@@ -96,7 +96,8 @@ def fly(
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
     is flown with a sampled law, beside the rigid one. --rigid leaves all that out.
 
-    Exit code 0: survived; 1: not survived; 2: bad input.
+    Exit code 0: survived; 1: not survived, or that is not known, in a wind of more than 30 deg; 2:
+    bad input.
     """
     within("--until", until, 1.0, _LONGEST, "durations of the wind")
     within("--points", points, 2, 1_000_000)

@@ -7,9 +7,10 @@ import numpy as np
 
 from tvclin.base.documents import picked
 from tvclin.cli.options import ShownCurves
-from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.wind import wind_words
 from tvclin.flights.beside import PEAKS, FlightBeside
+from tvclin.winds.linear_range import linear_notes
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,13 @@ class Compared:
             say("\n".join(self.heads))
             print_tables(self.flight.table(self.title, self.columns, self.boundary))
             say("\n".join(self.ends))
-        return self.flight.survived
+            say_notes(self.notes)
+        return bool(self.flight.survived)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on the wind angle."""
+        return linear_notes(float(self.case.wind.peak))
 
     def _peaks(self) -> dict[str, list[float]]:
         """The largest of each over the wind, of both [deg]."""
@@ -72,6 +79,7 @@ class Compared:
             **picked(self, "limit_deg survived=flight.survived"),
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "boundary_deg": None if ends is None else self.both(ends),
+            "notes": self.notes,
             **self.facts,
         }
 

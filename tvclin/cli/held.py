@@ -16,6 +16,7 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.verdict import Verdict, judge
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import beyond_linear, linear_notes
 
 _LARGEST = 700.0
 """Floating-point numbers end a little above e^709."""
@@ -58,16 +59,27 @@ class Held:
     def followed(self, length: float) -> tuple[Extremes, Shown]:
         """Return the extremes of the attitude in a length [s], and how much of it is shown."""
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
-        shown = shown_until(*motion, length, lets_go=self.sufficient and lets_go)
+        enough = bool(covers(self.limit, self.required))
+        shown = shown_until(*motion, length, lets_go=enough and lets_go)
         found = extremes(*motion, shown.time)
         if shown.back_at_zero is not None:
             found = replace(found, back_at_zero=shown.back_at_zero)
         return found, shown
 
     @property
-    def sufficient(self) -> bool:
-        """Whether the limit is at or above what is required."""
-        return bool(covers(self.limit, self.required))
+    def sufficient(self) -> bool | None:
+        """Whether the limit is at or above what is required; None beyond linear aerodynamics."""
+        return None if self.beyond else bool(covers(self.limit, self.required))
+
+    @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(float(self.wind.peak))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on the wind angle."""
+        return linear_notes(float(self.wind.peak))
 
 
 def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:

@@ -25,6 +25,7 @@ from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.flexible import AnyPlant, plant_of
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import linear_notes
 from tvclin.winds.shaped import ShapedWind
 
 
@@ -99,6 +100,7 @@ class _Found:
             **picked(self, "peak_deg duration_s"),
             "flexible": self.plant.structure is not None,
             "cuts": cuts,
+            "notes": linear_notes(self.peak),
             "sample_rate_Hz": self.rate,
             "trim_deflection_deg": max(trims.values()),
             "trials": [
@@ -119,7 +121,7 @@ class _Found:
         print_tables(*needed(self.trials, self.beside), loads(self.trials))
         say(LEGEND)
         say(tried(self.trials))
-        say_notes(doubts(self.trials))
+        say_notes((*linear_notes(self.peak), *doubts(self.trials)))
 
 
 def _beside_boundaries(plan: StudyPlan) -> StudyPlan:

@@ -48,7 +48,8 @@ def loads(
 
     With --law also the load in the flight of the law, with the limit as a stop.
 
-    Exit code 0: enough, or not asked; 1: not enough, or a law exceeds it; 2: bad input.
+    Exit code 0: enough, or not asked; 1: not enough, or a law exceeds it, or that is not known, in
+    a wind of more than 30 deg; 2: bad input.
     """
     from tvclin import plots
 
@@ -72,7 +73,7 @@ def loads(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown},
         lambda: _print(title, front, flown),
-        front.enough is not False and all(one.enough for one in flown),
+        (front.enough is True or front.limit is None) and all(one.enough for one in flown),
     )
 
 

@@ -80,13 +80,15 @@ def nozzle(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+    limited = case.nozzle.limit is not None or case.nozzle.rate_limit is not None
+    unknown = limited and bool(front.beyond)
     lost = front.enough is False or (flown is not None and not flown.verdict.enough)
     note_calm_air(case)
     answer(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown),
-        not lost,
+        not lost and not unknown,
     )
 
 

@@ -9,11 +9,12 @@ from tvclin.answers.optimum import KnownWind
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, ShownCurves, Source, asked
-from tvclin.cli.output import print_json, print_tables, say
+from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import linear_notes
 
 if TYPE_CHECKING:
     from tvclin.plots.curves import Curves
@@ -46,10 +47,12 @@ def optimum(
         lambda: _curves(plant, found.deflection, wind, title),
         lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
+    notes = linear_notes(float(wind.peak))
     if shown.as_json:
-        print_json(blows.document(case) | found.as_dict())
+        print_json(blows.document(case) | found.as_dict() | {"notes": notes})
     else:
         print_tables(found.table(title))
+        say_notes(notes)
     if found.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)

@@ -22,7 +22,7 @@ from tvclin.cli.options import (
     Until,
     asked,
 )
-from tvclin.cli.output import answer, print_tables, say
+from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
 from tvclin.linear.loads import response_table
@@ -96,10 +96,11 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
     caption = f"{case.case.vehicle.name}: exact response"
     whole = _covers_the_wind(case, shown)
     print_tables(response_table(caption, found, case.loads if whole else None))
-    word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
+    word = {True: "SUFFICIENT", False: "NOT SUFFICIENT", None: "NOT KNOWN"}[case.sufficient]
     part = f", {case.limit / case.required:.4g} times that" if case.required else ""
     needed = f"Required {np.degrees(case.required):.3f} deg by {case.governs}"
     say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {word}")
+    say_notes(case.notes)
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
@@ -128,7 +129,7 @@ def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
     return {
         **picked(case, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
         "wind": {"shape": case.name, **picked(case.wind, "peak_deg duration_s=end")},
-        **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
+        **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient notes"),
         "shown_until": picked(shown, "time_s why"),
         "attitude": found,
         "peak_angle_of_attack": picked(case.loads, keys) if whole else None,

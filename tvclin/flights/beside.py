@@ -39,6 +39,7 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import beyond_linear
 
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
@@ -63,8 +64,9 @@ class FlightBeside:
         ``(5, n)``; NaN after a flight has left the range of its model, the linear one 90 degrees.
     wind : History
         The wind angle [rad].
-    survived, predicted : bool
-        Whether the flight survives the wind, and whether the linear theory says so.
+    survived, predicted : bool or None
+        Whether the flight survives the wind, and whether the linear theory says so; None in a wind
+        `beyond` linear aerodynamics, which both rest on.
     let_go : tuple of float
         When the limit of the report's control, which would be held for ever, is let go [s], flown
         and linear: as the attitude is back at zero, if there it survives. Infinite if it is not
@@ -75,8 +77,8 @@ class FlightBeside:
     flown: FloatArray
     linear: FloatArray
     wind: History
-    survived: bool
-    predicted: bool
+    survived: bool | None
+    predicted: bool | None
     let_go: tuple[float, float]
 
     def peaks(self, name: str) -> tuple[float, float]:
@@ -98,9 +100,14 @@ class FlightBeside:
         return float(flown), float(linear)
 
     @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(float(self.wind.peak))
+
+    @property
     def fates(self) -> tuple[str, str]:
         """What becomes of both, in words."""
-        words = {True: "survives", False: "is lost"}
+        words = {True: "survives", False: "is lost", None: "is not known to survive"}
         return words[self.survived], words[self.predicted]
 
     @property
@@ -236,7 +243,16 @@ def fly_beside(
         _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
         for each, survivor in ((rows, survived), (linear, predicted))
     )
-    return FlightBeside(times, rows, linear, wind, survived, predicted, (ends[0], ends[1]))
+    known = not beyond_linear(float(wind.peak))
+    return FlightBeside(
+        times=times,
+        flown=rows,
+        linear=linear,
+        wind=wind,
+        survived=survived if known else None,
+        predicted=predicted if known else None,
+        let_go=(ends[0], ends[1]),
+    )
 
 
 def _let_go(

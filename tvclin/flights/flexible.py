@@ -16,13 +16,17 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import SURVIVED, FlownCases, fly_many
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import beyond_linear
 
+NOT_KNOWN = "not known"
+"""Status of a flight in a wind beyond linear aerodynamics."""
 FATES = {
     "survived": "survives",
     "lost": "is lost",
     "rings": "is brought back, and its nozzle keeps oscillating",
     "undecided": "is neither lost nor settled",
     "no flight": "cannot be flown",
+    NOT_KNOWN: "is not known to survive",
 }
 """What became of a flight, as of `FlownCases`, in words."""
 
@@ -59,7 +63,8 @@ def fly_sampled(
     and delay.
     """
     many: list[FlownCases] = [fly_many(one, law, wind, **nozzle) for one in (plant, plant.rigid)]
-    status = [str(one.status) for one in many]
+    beyond = beyond_linear(float(wind.peak))
+    status = [NOT_KNOWN if beyond else str(one.status) for one in many]
     times = np.asarray(timepts, dtype=float)
     rows = [_rows(one, law, wind, times, nozzle) for one in (plant, plant.rigid)]
     return SampledFlight(
@@ -67,8 +72,8 @@ def fly_sampled(
         flown=rows[0],
         linear=rows[1],
         wind=wind,
-        survived=status[0] == SURVIVED,
-        predicted=status[1] == SURVIVED,
+        survived=None if beyond else status[0] == SURVIVED,
+        predicted=None if beyond else status[1] == SURVIVED,
         let_go=(np.inf, np.inf),
         status=(status[0], status[1]),
         peak_rates=(float(many[0].peak_deflection_rate), float(many[1].peak_deflection_rate)),

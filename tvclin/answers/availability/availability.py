@@ -30,8 +30,8 @@ from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.soundings.archive import Soundings
-from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""
@@ -224,7 +224,7 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     if np.any(early):
         where.append(f"from {flight.place(times[early, 1].min())} on")
     if where:
-        count, most = int(np.sum(late | early)), np.degrees(LARGEST_ANGLE)
+        count, most = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
         told.append(
             f"{' and '.join(where)} the wind of {count} of {len(times)} soundings meets the flight"
             f" at more than {most:.3g} deg, somewhere there, of which linear aerodynamics says"

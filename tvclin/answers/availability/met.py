@@ -15,8 +15,9 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.soundings.archive import Soundings, gathered
-from tvclin.winds.soundings.passage import LARGEST_ANGLE, checked_flight, longest_run
+from tvclin.winds.soundings.passage import checked_flight, longest_run
 
 Winds = tuple[FloatArray, FloatArray]
 """Knots [s], and the wind angles [rad] there, each ``(n, k)``; straight lines between them."""
@@ -70,9 +71,12 @@ class FlownPath:
         return np.sort(np.concatenate([times, more], axis=1), axis=1)
 
     def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
-        """Return angles [rad], eq (B1e), of winds [m/s] at times; at most `LARGEST_ANGLE`."""
+        """Return angles [rad], eq (B1e), of winds [m/s] at times; at most `MAX_LINEAR_ANGLE`."""
         across = 1.0 if plane == "yaw" else np.sin(np.interp(time, self.time, self.climb))
-        sine, most = wind * across / np.interp(time, self.time, self.speed), np.sin(LARGEST_ANGLE)
+        sine, most = (
+            wind * across / np.interp(time, self.time, self.speed),
+            np.sin(MAX_LINEAR_ANGLE),
+        )
         return np.asarray(np.arcsin(np.clip(sine, -most, most)))
 
 
@@ -150,12 +154,12 @@ class KnownWinds:
         """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
 
         That is the longest time in which the wind, with so many m/s more at a height, cannot meet
-        the flight at more than `LARGEST_ANGLE` from any side; NaN where that leaves out the largest
-        dynamic pressure.
+        the flight at more than `MAX_LINEAR_ANGLE` from any side; NaN where that leaves out the
+        largest dynamic pressure.
         """
         height = self.knots(path, held=False)
         wind = np.hypot(self.at(self.east, height), self.at(self.north, height)) + more(height)
-        steep = wind > np.sin(LARGEST_ANGLE) * np.interp(height, path.height, path.speed)
+        steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
         ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
         for i in np.flatnonzero(steep.any(axis=1)).tolist():
             run = longest_run(np.interp(height[i], path.height, path.time), ~steep[i])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.base.arrays import FloatArray
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -52,6 +53,11 @@ class Batch:
         """The winds of both planes; of one in which nothing blows zero."""
         winds = {name: one.wind for name, one in self.parts.items()}
         return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
+
+    @property
+    def wind_angle(self) -> FloatArray:
+        """Largest wind angle [rad], of both planes that of the vector, ``(n,)`` or one for all."""
+        return np.abs(np.asarray((self.vectors if self.parts else self.wind).peak))
 
     @property
     def flying(self) -> AnyPlant:

@@ -24,6 +24,7 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import BEYOND_LINEAR, within_linear
 from tvclin.winds.shaped import WindEnsemble
 
 _TOGETHER = 4096
@@ -32,6 +33,7 @@ _OF_A_CASE = (InputError, ArithmeticError, np.linalg.LinAlgError, RuntimeError)
 """What one case can raise: it is refused, overflows, is singular, or is not solved."""
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
 PAIRED = "two unstable poles are a pair or equal: the dead band must never be left"
+BEYOND = f"wind beyond linear aerodynamics, counted as not survived; {BEYOND_LINEAR}"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
@@ -156,6 +158,7 @@ def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, Any
             paired = np.any([leading_pole(plant)[1] for plant in plants], axis=0)
             status[which[np.broadcast_to(stable, which.shape)]] = STABLE
             status[which[np.broadcast_to(paired, which.shape)]] = PAIRED
+            status[which[np.broadcast_to(~within_linear(made.wind_angle), which.shape)]] = BEYOND
 
     def refused(case: np.intp, error: Exception) -> None:
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"

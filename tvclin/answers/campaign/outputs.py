@@ -24,9 +24,14 @@ from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import within_linear
 
 _FLOWN_TO = 5e-4
 """Boundaries are flown to this part of the largest trim deflection."""
+
+
+_IN_BEYOND = dict.fromkeys(("flight_survived", *in_planes("flight_survived").values()), 0.0)
+"""Of outputs that are no angle, the value in a wind beyond linear aerodynamics."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +57,21 @@ def columns(campaign: Campaign) -> dict[str, str]:
 def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
     """Return the outputs of a batch that are computed together or alone, ``(n,)`` each.
 
-    `InputError` when one of the cases cannot be answered.
+    In a wind beyond linear aerodynamics no deflection is known to be enough: it is infinite, and a
+    flight counts as lost. `InputError` when one of the cases cannot be answered.
     """
     found: dict[str, Any] = {}
     for name in campaign.outputs:
         if REGISTRY[name].alone(campaign) == alone:
             with naming(f"output {name}"):
                 found |= REGISTRY[name].work(campaign, batch)
-    return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
+    shape, beyond = (batch.count,), ~within_linear(batch.wind_angle)
+    return {
+        name: np.broadcast_to(values, shape)
+        if name.startswith("margin_")
+        else np.where(np.broadcast_to(beyond, shape), _IN_BEYOND.get(name, np.inf), values)
+        for name, values in found.items()
+    }
 
 
 def _of_planes(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.answers.campaign.batch import required_name
-from tvclin.answers.campaign.cases import divide, evaluate
+from tvclin.answers.campaign.cases import BEYOND, divide, evaluate
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
 from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.plan import Campaign
@@ -33,6 +33,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import within_linear
 from tvclin.winds.plane_wind import PlaneWind
 
 _QUICK_CASES, _VECTORS = 2000, 32
@@ -132,7 +133,14 @@ class DispersedStudy(Shown):
         return (
             f"Dispersed are {each}. The number is one standard deviation, of a uniform distribution"
             " half its width; a truncated one is normal and cut at three standard deviations."
+            f"{self._beyond}"
         )
+
+    @property
+    def _beyond(self) -> str:
+        """Sentence on cases beyond linear aerodynamics; empty without any."""
+        count = int(np.sum(self.status == BEYOND))
+        return f" In {count} of {self.status.size} cases: {BEYOND}." if count else ""
 
     @property
     def median(self) -> float:
@@ -202,7 +210,10 @@ def disperse_study(
     values = {name: found[name] for name in dispersions.parameters}
     if study.case.heading is not None:
         peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
-        deflection[good] *= study.factors_at(np.abs(peaks[good] / study.blows.peak))
+        sizes = np.abs(peaks / study.blows.peak)
+        deflection[good] *= study.factors_at(sizes[good])
+        vectors = good & ~within_linear(sizes * study.wind_angle)
+        deflection[vectors], found["status"][vectors] = np.inf, BEYOND
     counted, limit = deflection[good], study.limit
     enough = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(

@@ -21,8 +21,9 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import design_notes
 from tvclin.flights.closed_loop.many import SURVIVED
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
-from tvclin.flights.flexible import FATES
+from tvclin.flights.flexible import FATES, NOT_KNOWN
 from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.winds.linear_range import beyond_linear
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class FlownCard(Shown):
 
     `status` is what became of the flight, as of `fly_many`. The card is until 15 times the fast
     mode's time after the wind; None of a flight that is lost. Notes are of the design of the law,
-    and of what is left out of the card.
+    and of what is left out of the card. In a wind beyond linear aerodynamics nothing is known.
     """
 
     law: str
@@ -49,6 +50,8 @@ class FlownCard(Shown):
         assert limit is not None
         if data is not None:
             vehicle = whole_vehicle(case.vehicle, "the torque of a nozzle").rigid
+        if beyond := beyond_linear(float(case.history.peak)):
+            return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         said, cards, lost = tuple(design_notes(law)), [], []
         why = flight_reason(case.plant, flight.status)

@@ -120,6 +120,11 @@ class NozzleVerdict(Shown):
                 needs.append(Need(words, unit, need, there))
         return cls(tuple(sorted(needs, key=lambda one: -one.part)), lost, tuple(unknown))
 
+    @classmethod
+    def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
+        """Return the verdict on a nozzle of which nothing is known, and why, in words."""
+        return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
+
     @property
     def enough(self) -> bool | None:
         """Whether all flights are survived and no line is short; None where nothing is given."""

@@ -26,7 +26,8 @@ from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.air_met import in_air
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
-from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
+from tvclin.answers.sizing.notes import doubtful_winds
+from tvclin.answers.sizing.placing import PlacedWind, WindOf, angle_at, place_in
 from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.sizing.wind_sign import pressure_ratios
 from tvclin.base.arrays import FloatArray
@@ -136,6 +137,7 @@ def flight_card(
     points: list[CardPoint] = []
     signed = [pulse.heading is None for pulse in asked.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
+    angles = dict.fromkeys(winds, 0.0)
     every = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
     with repeated(len(every)):
         for done, (i, j, name) in enumerate(every, 1):
@@ -144,6 +146,7 @@ def flight_card(
             for one in placed.values():
                 if not one.known:
                     unknown.setdefault(name, {})[time] = one.why
+            angles[name] = max(angles[name], angle_at(placed, time))
             sign = j < len(signed) and signed[j]
             points += flying.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
@@ -159,7 +162,7 @@ def flight_card(
         points=tuple(points),
         duties=duties,
         verdict=_verdict(flying, points, duties, unjudged),
-        notes=tuple(_notes(flying, points, winds)),
+        notes=(*doubtful_winds(angles), *_notes(flying, points, winds)),
     )
 
 
@@ -318,6 +321,8 @@ def _verdict(
 ) -> NozzleVerdict:
     """What all flights and the theory of a known wind need, each in the measure of the stop."""
     nozzle = flying.case.nozzle
+    if unknown and not points:
+        return NozzleVerdict.unknown_of(nozzle, unknown)
     most = flying.case.hardware["rate_limit"]
     least, pole, limit = (
         np.array([getattr(one, name) for one in points]) for name in ("least", "pole", "limit")

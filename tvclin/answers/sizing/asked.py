@@ -37,8 +37,8 @@ from tvclin.base.errors import (
 )
 from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
@@ -278,7 +278,7 @@ class SizingAsked:
             try:
                 return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
             except NotKnownError:
-                return float(LARGEST_ANGLE)
+                return MAX_LINEAR_ANGLE
 
         return controllability_ratio(
             found,

@@ -17,7 +17,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, part_in
-from tvclin.winds.soundings.passage import not_steep
 from tvclin.winds.soundings.profile import WindProfile
 
 
@@ -102,8 +101,6 @@ class FlightWinds:
             pulse = pulse.of_speed(self.peak_speed, vehicle, self.case.plane)
         if self.gust_speed is not None:
             pulse = pulse.gust_of_speed(self.gust_speed, vehicle, self.case.plane)
-        if self.peak_speed is not None or self.gust_speed is not None:
-            not_steep(abs(pulse.peak) + abs(float(pulse.gust.peak) if pulse.gust else 0.0))
         return pulse
 
     def _met(self, pulse: ShapedWind) -> WindOf:

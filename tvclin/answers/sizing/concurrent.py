@@ -21,8 +21,8 @@ from tvclin.boundary.stops import Stop
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 _TIMES_IN_INTERVAL = 33
 """Even times between two flight times, besides the samples, at which B alpha_w is evaluated."""
@@ -114,4 +114,4 @@ def _gust(wind: Any, vehicle: Vehicle) -> float:
     try:
         return abs(float(gust_at(gust, vehicle).peak))
     except NotKnownError:
-        return float(LARGEST_ANGLE)
+        return MAX_LINEAR_ANGLE

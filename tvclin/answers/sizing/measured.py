@@ -14,9 +14,10 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, checked_linear
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.sampled import SampledWind
-from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along, not_steep
+from tvclin.winds.soundings.passage import angles_along
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane
 
@@ -102,7 +103,7 @@ class MeasuredWind:
         if self.gust is None:
             return around
         gust = gust_at(self.gust, vehicle)
-        not_steep(abs(float(around(time))) + abs(float(gust.peak)))
+        checked_linear(abs(float(around(time))) + abs(float(gust.peak)))
         return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * side
 
 
@@ -219,7 +220,7 @@ def fly_through(
     left = profile if bias is None else profile - bias
     across = {"pitch": left.in_plane(azimuth), "yaw": left.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
-    met = {k: angles_along(schedule, left.height, across[k], k, LARGEST_ANGLE) for k in planes}
+    met = {k: angles_along(schedule, left.height, across[k], k, MAX_LINEAR_ANGLE) for k in planes}
     first, last = (f(time[k] for time, _ in met.values()) for f, k in ((max, 0), (min, -1)))
     most = max(float(np.abs(angle).max()) for _, angle in met.values())
     blows = {
@@ -276,7 +277,7 @@ def _steep(
         return ()
     return (
         f"{' and '.join(where)} the wind meets the flight at more than"
-        f" {np.degrees(LARGEST_ANGLE):.3g} deg, of which linear aerodynamics says nothing",
+        f" {np.degrees(MAX_LINEAR_ANGLE):.3g} deg, of which linear aerodynamics says nothing",
     )
 
 
@@ -284,13 +285,13 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
     """Return a gust of a wind speed [m/s], at the angle at which each vehicle meets it, eq (B1e).
 
     For both planes as if it came across, from where the angle is largest. Raise
-    `NotKnownError` for a vehicle that meets it at more than `LARGEST_ANGLE`.
+    `NotKnownError` for a vehicle that meets it at more than `MAX_LINEAR_ANGLE`.
     """
 
     def met(vehicle: Vehicle) -> History:
         across = plane if plane == "pitch" else "yaw"
         angle = float(angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
-        return gust * (not_steep(angle) / float(gust.peak))
+        return gust * (checked_linear(angle) / float(gust.peak))
 
     return met
 

@@ -1,10 +1,11 @@
 """What a reader of a sizing should know before believing its numbers."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.winds.linear_range import linear_notes
 
 _FEW = 2
 """Flight times that are named each."""
@@ -32,6 +33,11 @@ def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
         if times:
             notes.append(f"{wind} is not known at {flight_times(times)}: {times[min(times)]}")
     return notes
+
+
+def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
+    """Notes on winds, by name, whose largest angle [rad] at a flight time is doubtfully linear."""
+    return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
 
 
 def flight_times(times: Collection[float]) -> str:

@@ -12,6 +12,7 @@ from tvclin.base.errors import InputError, NotKnownError, instance, number, one_
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import checked_linear
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import TriangularWind
 
@@ -125,17 +126,34 @@ def place_in(
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time by planes: in one as `place`, or as vectors in both.
 
-    What is `NotKnownError` at this time is placed as an unknown one. The peak that meets the time
-    is that of the vector. `InputError` as `place`, and in both planes for a wind without a
-    direction.
+    What is `NotKnownError` at this time is placed as an unknown one, and so is a wind of more than
+    `MAX_LINEAR_ANGLE`. The peak that meets the time is that of the vector. `InputError` as `place`,
+    and in both planes for a wind without a direction.
     """
     try:
         if len(planes) == 1:
-            return {planes[0]: place(wind, vehicle, time, placing, window)}
-        return _in_both(wind, vehicle, time, placing, window)
+            placed = {planes[0]: place(wind, vehicle, time, placing, window)}
+        else:
+            placed = _in_both(wind, vehicle, time, placing, window)
+        checked_linear(peak_angle(placed))
+        return placed
     except NotKnownError as error:
         none = TriangularWind(peak=1.0, duration=1.0) * 0.0
         return dict.fromkeys(planes, PlacedWind(none, 0.0, known=False, why=str(error)))
+
+
+def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
+    """Largest size [rad] of a placed wind's angle: of both planes that of its vector."""
+    winds = {plane: one.history for plane, one in placed.items() if not one.calm}
+    if len(winds) < len(PLANES):
+        return max((abs(float(one.peak)) for one in winds.values()), default=0.0)
+    return float(PlaneWind(**winds).peak)
+
+
+def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
+    """Size [rad] of a placed wind's angle at a flight time [s]: of both planes of its vector."""
+    angles = [float(one.history(time - one.zero)) for one in placed.values()]
+    return float(np.linalg.norm(angles))
 
 
 def _in_both(

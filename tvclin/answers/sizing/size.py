@@ -14,8 +14,15 @@ from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.concurrent import concurrent_trim
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.notes import flight_times, notes_of, unknown_rows
-from tvclin.answers.sizing.placing import PlacedWind, WindOf, named_winds, place_in, placings
+from tvclin.answers.sizing.notes import doubtful_winds, flight_times, notes_of, unknown_rows
+from tvclin.answers.sizing.placing import (
+    PlacedWind,
+    WindOf,
+    angle_at,
+    named_winds,
+    place_in,
+    placings,
+)
 from tvclin.answers.sizing.record import (
     MINIMUM,
     NO_FORECAST,
@@ -150,8 +157,11 @@ def size(
     found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
     steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
     whys = [[wind[planes[0]].why for wind in row] for row in placed]
+    rows = zip(chosen.tolist(), placed, strict=True)
+    angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
+    doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
+    notes = (*steep, *unknown_rows(found, whys), *doubtful, *notes_of(found))
     own = concurrent_trim(schedule, chosen, named, where, planes, shape)
-    notes = (*steep, *unknown_rows(found, whys), *notes_of(found))
     return replace(found, concurrent=own, notes=notes)
 
 

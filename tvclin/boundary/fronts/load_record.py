@@ -13,6 +13,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
 from tvclin.base.lines import number as figure
 from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+from tvclin.winds.linear_range import beyond_linear, linear_notes
 
 PROVED = 1e-4
 """A limit so near to its bound, relative, is found."""
@@ -51,6 +52,9 @@ class LoadFront(Shown):
         The limit [rad] at that load, or whatever the load.
     needed_load : float
         The load [rad] that some control keeps to with that limit, or at any; infinite if none.
+    angle : float
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, what
+        is needed is NaN, and whether it is enough is not known.
     """
 
     loads: FloatArray
@@ -69,6 +73,7 @@ class LoadFront(Shown):
     load: float | None
     needed: float
     needed_load: float
+    angle: float = 0.0
 
     as_dict = keyed(
         "loads_deg limits_deg proofs_deg slopes holds bounds_deg least_deflection_deg its_load_deg"
@@ -92,11 +97,18 @@ class LoadFront(Shown):
     @property
     def enough(self) -> bool | None:
         """Whether the limit is on the front or above, of a control that knows the wind."""
-        return None if self.limit is None else self.limit >= self.needed
+        return None if self.limit is None or self.beyond else self.limit >= self.needed
+
+    @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(self.angle)
 
     @property
     def verdict(self) -> str:
         """Whether that is enough, in words."""
+        if self.beyond:
+            return f"NOT KNOWN: {self.beyond}"
         if self.enough is None:
             return "nothing is asked; give a limit and a load"
         if not self.enough:
@@ -139,6 +151,7 @@ class LoadFront(Shown):
     @property
     def notes(self) -> Iterator[str]:
         """What the reader of the front should know."""
+        yield from linear_notes(self.angle)
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"
         if self.bounds is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -96,7 +98,7 @@ def load_front(
     limits, proofs, slopes = np.array([each[a] for a in given.tolist()]).T
     blind = found.blind
     needed = found.least_deflection if borne is None else found.all_at(np.array([borne]))[0][0]
-    return LoadFront(
+    front = LoadFront(
         loads=given,
         limits=limits,
         proofs=proofs,
@@ -113,4 +115,6 @@ def load_front(
         load=borne,
         needed=needed,
         needed_load=found.least_load if most is None else found.needed_load(most),
+        angle=abs(float(wind.peak)),
     )
+    return replace(front, needed=np.nan, needed_load=np.nan) if front.beyond else front

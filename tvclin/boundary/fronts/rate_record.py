@@ -12,6 +12,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+from tvclin.winds.linear_range import beyond_linear, linear_notes
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,9 @@ class RateFront(Shown):
         The larger of limit and bound [rad], at the nozzle's rate or else at any.
     needed_rate : float
         The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
+    angle : float
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, what
+        is needed is NaN, and whether it is enough is not known.
     """
 
     rates: FloatArray
@@ -53,6 +57,7 @@ class RateFront(Shown):
     rate_limit: float | None
     needed: float
     needed_rate: float
+    angle: float = 0.0
 
     as_dict = keyed(
         "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
@@ -76,15 +81,22 @@ class RateFront(Shown):
 
     @property
     def enough(self) -> bool | None:
-        """Whether the nozzle's point is on the front or above; None where nothing is given.
+        """Whether the nozzle's point is on the front or above; None if nothing is given or known.
 
         Of a limit or a rate limit alone, whether the other can make it enough.
         """
+        if self.beyond:
+            return None
         if self.limit is None:
             return None if self.rate_limit is None else bool(np.isfinite(self.needed))
         if self.rate_limit is None:
             return bool(np.isfinite(self.needed_rate))
         return self.limit >= self.needed
+
+    @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(self.angle)
 
     @property
     def _known(self) -> bool:
@@ -97,6 +109,8 @@ class RateFront(Shown):
     @property
     def verdict(self) -> str:
         """Whether that is enough, in words."""
+        if self.beyond:
+            return f"NOT KNOWN: {self.beyond}"
         if self.enough is None:
             return "nothing is asked; give a limit and a rate limit"
         if not self.enough:
@@ -128,6 +142,7 @@ class RateFront(Shown):
     @property
     def notes(self) -> Iterator[str]:
         """What the reader of the front should know."""
+        yield from linear_notes(self.angle)
         if self.least_deflection == 0.0:
             yield "no unstable pole feels the wind: neither angle nor rate is needed"
         elif self.bounds is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -110,7 +110,7 @@ def rate_front(
     at = usual if given is None else given
     limits = np.array([case.known(float(rate)) for rate in at])
     bounds = None if blind is None else np.maximum(ramped_deflection(blind, case.pole, at), limits)
-    return RateFront(
+    front = RateFront(
         rates=at,
         limits=limits,
         bounds=bounds,
@@ -126,7 +126,9 @@ def rate_front(
             if most is not None
             else max(least_rate, case.pole * (blind or 0.0))
         ),
+        angle=abs(float(wind.peak)),
     )
+    return replace(front, needed=np.nan, needed_rate=np.nan) if front.beyond else front
 
 
 @dataclass(frozen=True, eq=False)

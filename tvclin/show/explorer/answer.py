@@ -18,6 +18,7 @@ from tvclin.flights.flexible import FATES
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
+from tvclin.winds.linear_range import linear_notes
 
 _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"
@@ -126,6 +127,7 @@ def _notes(choices: Choices, need: CaseNeed) -> list[str]:
     plan, calm = choices.plan, need.in_calm_air
     both = [_BOTH.format(plan.plane)] if need.in_both else []
     return [
+        *linear_notes(need.wind_angle),
         *doubts(plan.vehicle),
         *gust_placed(choices.wind, need.blows),
         *along_the_path(need),
@@ -144,6 +146,8 @@ def _verdict(c: Choices, need: CaseNeed | None, fate: str | None, known: bool) -
     if need is None:
         said = "No answer for these choices." if known else "What this wind needs is computed ..."
         return f"{said}{flown}"
+    if need.beyond:
+        return f"Not known: {need.beyond}.{flown}"
     have, required = float(np.degrees(c.limit)), need.required_deflection
     if not required:
         return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"

@@ -20,11 +20,13 @@ from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import fly_many
+from tvclin.flights.flexible import NOT_KNOWN
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.show.explorer.choices import CONTROLS, REPORT
 from tvclin.winds.histories import History
+from tvclin.winds.linear_range import beyond_linear
 from tvclin.winds.shaped import ShapedWind
 
 LONGEST = 30.0
@@ -127,6 +129,8 @@ def fate(plan: StudyPlan, law: str) -> str | None:
     """Return what becomes of the flight of a law, as of `FlownCases`; None of what is no law."""
     if law == REPORT:
         return None
+    if beyond_linear(float(plan.history.peak)):
+        return NOT_KNOWN
     return str(fly_many(plan.plant, _law(plan, law), plan.history, **_nozzle(plan)).status)
 
 

@@ -20,6 +20,7 @@ from tvclin.show.report.blocks import (
     as_sentence,
     checks,
 )
+from tvclin.winds.linear_range import DOUBTFUL
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
 _BY_SHAPE = {
@@ -38,7 +39,7 @@ def assumptions(found: Findings) -> Section:
         for name, one in s.boundaries.items()
         for status in dict.fromkeys(str(status) for status in one.status if status != "ok")
     ]
-    odd += [note for note in s.notes if OUTLASTS not in note]
+    odd += [note for note in s.notes if OUTLASTS not in note and DOUBTFUL not in note]
     odd += [*calm_air_notes(found), *found.warnings]
     if found.comparison is not None:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))

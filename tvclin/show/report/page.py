@@ -82,6 +82,7 @@ def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Finding
 
 def _render(found: Findings, template: "Template") -> str:
     made = [section for make in SECTIONS if (section := make(found)) is not None]
+    assumed = rests.rests(found)
     given = {} if found.plan.document is None else asdict(found.plan.document)
     return template.render(
         document={name: value for name, value in given.items() if value},
@@ -90,7 +91,8 @@ def _render(found: Findings, template: "Template") -> str:
         verdict=verdict.sentence(found),
         basis=verdict.basis(found),
         facts=verdict.facts(found),
-        rests=rests.rests(found),
+        rests=assumed,
+        doubts=rests.doubts_counted(assumed, made),
         sections=[*made, basis.glossary(made)],
         seal=found.seal,
     )

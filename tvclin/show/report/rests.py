@@ -1,6 +1,6 @@
 """On what the verdict rests: each assumption, and where it stops holding."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,18 +10,37 @@ from tvclin.answers.sizing.record import STEADY, VARYING
 from tvclin.answers.study import outlasts_one_pole
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.show.report.blocks import Check
+from tvclin.show.report.blocks import Check, Checks, Section
 from tvclin.show.report.verdict import SURVIVES
 from tvclin.vehicle.vehicle import Vehicle
-
-_LINEAR = float(np.radians(10.0))
-"""Angles of attack [rad] up to which a slender body's forces are about linear."""
+from tvclin.winds.linear_range import (
+    BEYOND_LINEAR,
+    MAX_CERTAIN_ANGLE,
+    beyond_linear,
+    doubtfully_linear,
+)
 
 
 def rests(found: Findings) -> tuple[Check, ...]:
     """Return what the verdict assumes, and whether that holds here."""
     makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _nozzle)
     return tuple(check for make in makers for check in make(found))
+
+
+def doubts_counted(checks: Sequence[Check], sections: Sequence[Section]) -> str:
+    """Sentence with the number of doubtful assumptions in the head, and of notes in sections."""
+    blocks = [one for section in sections for one in section.blocks if isinstance(one, Checks)]
+    notes = _doubtful(check for block in blocks for check in block.each)
+    doubtful = _doubtful(checks)
+    are = "is" if doubtful == 1 else "are"
+    head = f"{doubtful or 'None'} of these {len(checks)} assumptions {are} doubtful here"
+    others = "1 more doubt is" if notes == 1 else f"{notes} more doubts are"
+    return f"{head}; {others} in the sections below." if notes else f"{head}."
+
+
+def _doubtful(checks: Iterable[Check]) -> int:
+    """Number of doubtful assumptions."""
+    return sum(one.state == "doubt" for one in checks)
 
 
 def _wind(found: Findings) -> Iterator[Check]:
@@ -59,10 +78,12 @@ def _linear(found: Findings) -> Iterator[Check]:
     at = degrees("rests.angle_of_attack", met, 1, "deg")
     line: Line = ("Forces are linear in the angle of attack, which reaches ", *at, " here")
     state, survived = "ok", abs(s.survivable_peak or 0.0)
-    edge = f"{np.degrees(_LINEAR):g} deg"
-    if met > _LINEAR:
+    edge = f"{np.degrees(MAX_CERTAIN_ANGLE):g} deg"
+    if beyond_linear(met):
+        state, line = "doubt", (*line, f"; {BEYOND_LINEAR}")
+    elif doubtfully_linear(met):
         state, line = "doubt", (*line, f"; beyond about {edge} they are not")
-    elif _LINEAR < survived < np.inf:
+    elif doubtfully_linear(survived):
         state = "doubt"
         line += (f'. Beyond about {edge} they are not: read "{SURVIVES}" as {edge}',)
     yield Check(state, (*line, "."))
@@ -115,15 +136,15 @@ def _frozen(found: Findings) -> Iterator[Check]:
     changes = float(s.change[i, j])
     percent = number("rests.change_percent", 100.0 * changes, 1, "%")
     by: Line = (" at the worst flight time beta or B changes by up to ", *percent)
+    state = "doubt" if changes > STEADY else "ok"
     if not counted:
-        state = "doubt" if changes > STEADY else "ok"
         yield Check(state, (f"{still};", *by, ", which is not counted."))
         return
     varying, frozen = float(each[j]), float(s.required[kept][i, j])
     needs = degrees("rests.varying", varying, unit="deg")
     would = degrees("rests.frozen", frozen, unit="deg")
     line: Line = (still, ". The whole flight counts their change:", *by, "; the wind needs ")
-    yield Check("ok", (*line, *needs, " with it, and ", *would, " without."))
+    yield Check(state, (*line, *needs, " with it, and ", *would, " without."))
 
 
 def _rigid(found: Findings) -> Iterator[Check]:
@@ -151,4 +172,12 @@ def _nozzle(found: Findings) -> Iterator[Check]:
         there = significant("rests.rate_limit", np.degrees(has), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "
         counts = ". The questions of the rate and of flights do."
-        yield Check("ok", (words, *there, counts, *asks))
+        state = "doubt" if _too_fast(found, has) else "ok"
+        yield Check(state, (words, *there, counts, *asks))
+
+
+def _too_fast(found: Findings, rate_limit: float) -> bool:
+    """Whether theory or the autopilot takes more than the rate limit [rad/s] of the nozzle."""
+    c, front = found.comparison, found.rates
+    turns = 0.0 if c is None else c.peak_deflection_rate * found.study.of_both
+    return turns > rate_limit or (front is not None and front.needed_rate > rate_limit)

@@ -12,6 +12,7 @@ from tvclin.answers.questions import (
 )
 from tvclin.answers.study import Study
 from tvclin.answers.study_notes import TRUSTS
+from tvclin.answers.study_tables import survivable
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section
@@ -54,6 +55,8 @@ def sentence(found: Findings) -> Line:
 def _needed(study: Study) -> Line:
     """What the wind needs, where no limit is in question."""
     need = study.required_deflection
+    if study.beyond:
+        return (f"Not known: {study.beyond}.",)
     if not need:
         return (_NOTHING,)
     if np.isinf(need):
@@ -114,7 +117,7 @@ def basis(found: Findings) -> Line:
         line += (f" The whole flight counts all that the nozzle has to do{kept}.",)
     if found.flight is not None and found.plan.sizing is not None:
         line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.warnings)
-    if found.dispersed is None or found.dispersed.success is None:
+    if s.beyond or found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 2, "%")
     return (
@@ -160,7 +163,8 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     if s.limit is not None and s.survivable_peak is not None:
         survived = abs(s.survivable_peak)
         survived = np.fmin(survived, abs(s.judged_peak) * found.autopilot_survives)
-        rows.append((SURVIVES, degrees("facts.survivable_peak", survived, unit="deg")))
+        peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
+        rows.append((SURVIVES, (*peak, " deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append(("ideal trim takes", trim))

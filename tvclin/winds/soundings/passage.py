@@ -7,23 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.base.errors import InputError, NotKnownError, directions, positive, within
+from tvclin.base.errors import InputError, directions, positive, within
 from tvclin.winds.speed import angle_from_speed
 
 _FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
 _FAR = 1e9
-LARGEST_ANGLE = np.radians(30.0)
-"""At a larger wind angle [rad] no slope of a normal force holds: what it asks is not known."""
-
-
-def not_steep(angle: float) -> float:
-    """Return a wind angle [rad]; raise `NotKnownError` above `LARGEST_ANGLE`."""
-    if abs(angle) > LARGEST_ANGLE * (1.0 + 1e-12):
-        raise NotKnownError(
-            f"the wind meets the flight at {np.degrees(abs(angle)):.3g} deg, and above"
-            f" {np.degrees(LARGEST_ANGLE):.3g} deg linear aerodynamics says nothing"
-        )
-    return angle
 
 
 class Flown(Protocol):
