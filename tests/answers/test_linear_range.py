@@ -120,6 +120,14 @@ def test_the_pure_functions_say_where_they_leave_the_linear_range() -> None:
     assert np.degrees(tv.survivable_peak(plant, wide, np.radians(12.0))) == pytest.approx(-30.0)
 
 
+def test_no_deflection_is_enough_in_a_box_that_reaches_beyond_the_range() -> None:
+    options = ("--box", "wind_peak_deg=5..31", "--json")
+    _, said = run("margins", "configuration-i", *options)
+    worst = json.loads(said)["box"]["required_deflection_rad"]
+    assert worst["value"] is None
+    assert np.degrees(worst["at"]["wind_peak"]) == pytest.approx(31.0)
+
+
 @pytest.mark.parametrize("deg", [10.0, 10.1])
 @pytest.mark.parametrize(
     "command",

@@ -59,9 +59,9 @@ class FlownFront(Shown):
 
     @property
     def enough(self) -> dict[str, bool] | None:
-        """Whether the nozzle is enough for each law; None where limit or rate is not given."""
+        """Whether the nozzle is enough for each law; None if that is not asked, or not known."""
         needed, limit = self.needed, self.front.limit
-        if needed is None or limit is None:
+        if needed is None or limit is None or self.front.beyond:
             return None
         return {name: limit >= value for name, value in needed.items()}
 

@@ -27,6 +27,7 @@ from tvclin.linear.models import usual_model
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.linear_range import within_linear
 from tvclin.winds.shaped import ShapedWind
 
 PROVED, SEARCHED = "corners (proved)", "searched"
@@ -97,7 +98,8 @@ class WorstCase(Shown):
     stable : bool
         Whether every loop that was tried is stable.
     deflection : Worst or None
-        The required deflection [rad], in size; None without a wind.
+        The required deflection [rad], in size; None without a wind, and infinite in one of more
+        than 30 deg, in which no deflection is known to be enough.
     tried : int
         How many loops were tried.
     """
@@ -121,7 +123,7 @@ class WorstCase(Shown):
             rows.append(((label,), *both, *one.place))
         if self.deflection is not None:
             one = self.deflection
-            both = (lines.degrees("", x, unit="deg") for x in (one.nominal, one.value))
+            both = (lines.least(lines.degrees("", x, unit="deg")) for x in (one.nominal, one.value))
             rows.append((("required deflection",), *both, *one.place))
         head = ("", "nominal", "worst", "at", "how")
         return lines.Table("Worst case in the box", head, tuple(rows))
@@ -296,10 +298,10 @@ class _Case:
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             assert self.wind is not None
-            found = required_deflection(
-                self.plant(values), self.wind.history(dict(values)), dead_band
-            )
-            return np.asarray(-np.abs(found.deflection), float)
+            wind = self.wind.history(dict(values))
+            found = required_deflection(self.plant(values), wind, dead_band)
+            known = within_linear(wind.peak)
+            return np.where(known, -np.abs(found.deflection), -np.inf)
 
         return value
 

@@ -39,6 +39,7 @@ from tvclin.plots.style import (
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.linear_range import BEYOND_LINEAR
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -204,6 +205,7 @@ def _study_curves(study: Study, durations: FloatArray) -> Curves:
     gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
     words = f"{shape} winds of {peak:.3g} deg{gust}"
     words = f"{study.vehicle.name}: {words}" if study.vehicle.name else words
+    words = f"{words}; {BEYOND_LINEAR}" if study.beyond else words
     return Curves("study", words, "wind duration [s]", durations, tuple(columns))
 
 
