@@ -449,3 +449,32 @@ def test_a_wind_too_long_to_be_flown_needs_the_whole_of_trim(configuration_i):
     wind = tv.TriangularWind(peak=np.radians(5), duration=1e5)
     trim = abs(float(tv.trim_deflection(plant, wind).peak))
     assert abs(tv.required_deflection(plant, wind).deflection) == pytest.approx(trim, rel=1e-5)
+
+
+def test_in_long_winds_the_boundary_that_governs_is_named_by_its_exit_and_flights_need_it() -> None:
+    """A trim law that holds the attitude is lost one percent below, and survives one above."""
+    vehicle = tv.Vehicle(
+        weight=6.0e6,
+        moment_of_inertia=6.0e7,
+        normal_force_slope=1.6e6,
+        thrust=8.5e6,
+        aerodynamic_arm=6.5,
+        control_arm=14.0,
+        axial_force=1.8e5,
+        velocity=470.0,
+        attitude=np.radians(52.0),
+    )
+    plant = tv.Plant.from_vehicle(vehicle)
+    law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle, "fixed-path"))
+    for duration, part, on_wind in ((50.0, 0.842, 0.804), (100.0, 0.815, 0.491)):
+        wind = tv.TriangularWind(peak=np.radians(4.0), duration=duration)
+        found = tv.required_deflection(plant, wind, 1.0)
+        limits = abs(found.deflection) * np.array([0.99, 1.01])
+        flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=100.0)
+        assert flown.status.tolist() == ["lost", "survived"]
+        assert found.limit == pytest.approx(part, abs=5e-4)
+        report = tv.boundary_limit(plant, wind, 1.0)
+        literal = tv.boundary_limit(plant, wind, 1.0, "literal")
+        assert report.limit == pytest.approx(on_wind, abs=5e-4)
+        assert found.limit == pytest.approx(literal.limit, rel=1e-12)
+        assert found.governs == "the boundary of the control with the exit on trim"

@@ -123,7 +123,7 @@ def test_the_verdict_counts_the_worst_of_head_tail_and_calm_air() -> None:
     needs = {name: np.degrees(one.required_deflection) for name, one in asked.items()}
     assert needs == pytest.approx({"head": 0.4116, "tail": 0.3062, "frozen": 0.3508}, abs=1e-4)
     assert short.required_deflection == asked["head"].required_deflection
-    assert asked["frozen"].governs == "the boundary of the control"
+    assert asked["frozen"].governs == "the boundary of the control with the exit on trim"
 
 
 @pytest.mark.parametrize("sign", usual(["head", "tail", "frozen", None], 0, 2))

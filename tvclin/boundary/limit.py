@@ -48,7 +48,7 @@ PAIR = (
     "two unstable poles are a pair or equal, and each has its own condition (4b), which no limit"
     " meets for both; this limit is so large that the dead band is never left"
 )
-BOUNDARY = "the boundary of the control"
+BOUNDARY = "the boundary of the control with the exit on trim"
 MINIMUM = "the minimum over all unstable poles"
 AFTER_TRIM = "the minimum over all unstable poles after trim"
 NO_FORECAST = "the bound without a forecast"

@@ -304,12 +304,10 @@ def _growing(
 def _whole_flight(
     mode: GrowingMode, wind: PlacedWind, along: VaryingNeed, bands: FloatArray
 ) -> VaryingNeed:
-    """One need for the flight: the frozen proportion is that of the vehicle at each exit."""
-    beyond = np.ones(bands.shape)
-    for k in np.flatnonzero((bands < 1.0) & np.isfinite(along.times)).tolist():
-        plant = mode.schedule.plants(along.times[k], mode.model, mode.plane)
-        frozen = frozen_need(plant, wind.in_flight, bands[k : k + 1], LAWS[0], wind.whole)
-        beyond[k] = frozen.beyond[0]
+    """One need for the flight; the frozen proportion is that at the peak of trim, as of a pulse."""
+    plant = mode.schedule.plants(along.trim_time, mode.model, mode.plane)
+    frozen = frozen_need(plant, wind.in_flight, bands, LAWS[0], wind.whole)
+    beyond = np.where((bands == 1.0) | np.isnan(frozen.beyond), 1.0, frozen.beyond)
     return replace(along, required=np.maximum(along.required * beyond, along.minimum))
 
 
