@@ -152,12 +152,13 @@ def test_calls_alike_without_a_compiler_are_warned_of_at_the_first():
 def test_numba_told_to_compile_nothing_is_as_if_it_were_not_installed(monkeypatch, value, disabled):
     """Numba hands functions back then, to which arrays of records are no objects."""
     pytest.importorskip("numba")
+    monkeypatch.setattr(choice, "_plain_work", choice._PlainWork())
     monkeypatch.setenv("NUMBA_DISABLE_JIT", value)
     assert choice.available() is not disabled
     if disabled:
         with choice.pinned(True):
-            assert choice.swiftest(small_roots, 1e9) is small_roots
-        with pytest.warns(UserWarning, match=r"without numba.*as with it: unset NUMBA_DISABLE_JIT"):
+            assert choice.swiftest(small_roots, 1.0) is small_roots
+        with pytest.warns(UserWarning, match=r"without numba.* with it: unset NUMBA_DISABLE_JIT"):
             assert choice.swiftest(small_roots, 80.0) is small_roots
 
 
