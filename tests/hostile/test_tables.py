@@ -15,7 +15,7 @@ from tvclin.winds.file import wind_of
 TABLES = (
     "Altitude,1450\nTime (s),Height (m),Speed (m/s),Direction (°)\n0,5,3,270\n9,99,4,280\n",
     "Altitude MSL (feet);Speed (kn);Dir (deg);U (kn);V (kn)\n0;3,2;270;3,2;0\n99;4;270;4;0\n",
-    '"height_m","speed_m_per_s","direction_deg","Remarks"\n"0","4","270","a"\n"99","9","280","b, c"',
+    '"height_m","speed_m_per_s","direction_deg","Remarks"\n"0","4","270","a"\n"9","9","280","b, c"',
     "altitude,speed,direction,stddev\n1234,12,45,1\n3234,22,65,1\n",
     "Time (s)\tw (rad)\n0\t0\n1.5\t0.1\n2\t0\n",
     "time_s,weight_N\n1,2\n2,3\n",
