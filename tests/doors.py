@@ -650,6 +650,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "LayeredGust": Door(tv.winds.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
         "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
+        "Loop.findings": Door(tv.Loop([1.0], [1.0, 1.0]).findings, {"delays": False}),
         "Loop.from_matrices": Door(
             tv.Loop.from_matrices,
             {"A": [[-1.0]], "B": [[1.0]], "C": [[2.0]], "D": 0.0, "delay": 0.1},

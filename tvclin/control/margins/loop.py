@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
-from tvclin.base.errors import InputError, broadcast, finite, nonnegative, within
+from tvclin.base.errors import InputError, broadcast, finite, flag, nonnegative, within
 from tvclin.numerics.delayed_poles import rightmost_poles
 from tvclin.numerics.loop_margins import LoopFindings, loop_findings
 from tvclin.numerics.rational import Rational
@@ -230,10 +230,13 @@ class Loop:
     def findings(self, *, delays: bool = True) -> LoopFindings:
         """Return verdict, crossings and peaks of the loops on one axis.
 
-        `delays`: whether the delay margins of sampled loops are computed, most of their work; they
-        are NaN if not.
+        Parameters
+        ----------
+        delays : bool
+            Whether the delay margins of a sampled loop are computed, most of its work; they are NaN
+            if not. Those of a continuous loop always are.
         """
-        del delays  # of a continuous loop they are no work
+        flag("delays", delays)
         return loop_findings(self.form)
 
     def in_plane(self, s: AnyArray) -> AnyArray:

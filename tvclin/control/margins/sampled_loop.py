@@ -76,7 +76,7 @@ class SampledLoop(Loop):
 
     def findings(self, *, delays: bool = True) -> LoopFindings:
         """Return verdict, crossings and peaks at frequencies of the s plane, as of `Loop`."""
-        found = super().findings()
+        found = super().findings(delays=delays)
         half = 0.5 * self.period.reshape(-1)
 
         def turned(nu: FloatArray) -> FloatArray:
