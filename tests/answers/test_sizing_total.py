@@ -186,3 +186,15 @@ def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehic
     assert found.ratio == pytest.approx(limit / abs(trim[most]), rel=2e-3)
     assert found.takes.time == pytest.approx(t[most], abs=0.3)
     assert "where the winds are known" in found.words
+
+
+def test_a_wind_beyond_linear_aerodynamics_has_no_trim_in_the_controllability_ratio():
+    """What is 12 deg about 50 s is 40 deg about 70 s, where nothing is sized."""
+    wind = tv.SampledWind(time=[45, 50, 55, 65, 70, 75], angle=np.radians([0, 12, 0, 0, 40, 0]))
+    found = tv.size(SCHEDULE, wind, times=[50.0, 70.0], placing="flight", window=10.0)
+    ratio = tv.answers.controllability_ratio(found, np.radians(5.0))
+    assert np.isnan(found.required["trim"][1, 0])
+    assert ratio.takes.time < 60.0
+    assert "where the winds are known" in ratio.words
+    B = abs(tv.Coefficients.from_vehicle(SCHEDULE.at(50.0)).B)
+    assert ratio.ratio == pytest.approx(np.radians(5.0) / (B * np.radians(12.0)), rel=5e-3)

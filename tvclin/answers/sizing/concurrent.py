@@ -15,13 +15,12 @@ import numpy as np
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind, gust_at
 from tvclin.answers.sizing.placing import PEAK, WindOf, given
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import NotKnownError
 from tvclin.boundary.stops import Stop
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.plane_wind import PlaneWind
 
 _TIMES_IN_INTERVAL = 33
@@ -48,20 +47,26 @@ def concurrent_trim(
     placing: Mapping[str, str],
     planes: tuple[str, ...],
     stop: Stop,
+    known: BoolArray,
 ) -> ConcurrentTrim:
-    """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``."""
+    """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
+
+    `known` says where a wind can be sized, ``(n, m)``: where it cannot although it blows, as beyond
+    linear aerodynamics, its trim is NaN.
+    """
     ordered = np.sort(times)
     edges = np.concatenate([ordered[:1], 0.5 * (ordered[1:] + ordered[:-1]), ordered[-1:]])
     found = np.full((times.size, len(winds), 2), np.nan)
     for j, (name, wind) in enumerate(winds.items()):
-        known = -np.inf, np.inf
+        first, last = -np.inf, np.inf
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
-            known = wind.known
+            first, last = wind.known
         elif placing[name] == PEAK:
             continue
         for i, k in enumerate(np.argsort(np.argsort(times)).tolist()):
-            low, high = max(edges[k], known[0]), min(edges[k + 1], known[1])
-            if low <= high:
+            low, high = max(edges[k], first), min(edges[k + 1], last)
+            steep = not known[i, j] and first <= times[i] <= last
+            if low <= high and not steep:
                 vehicle = schedule.at(float(times[i]))
                 found[i, j] = _largest(schedule, wind, vehicle, planes, stop, (low, high))
     return ConcurrentTrim(found[..., 0], found[..., 1])
@@ -107,11 +112,11 @@ def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
 
 
 def _gust(wind: Any, vehicle: Vehicle) -> float:
-    """Return the peak angle [rad] of the gust of a measured wind."""
+    """Return the peak angle [rad] of the gust of a measured wind; NaN where it is not known."""
     gust = getattr(wind, "gust", None)
     if gust is None:
         return 0.0
     try:
         return abs(float(gust_at(gust, vehicle).peak))
     except NotKnownError:
-        return MAX_LINEAR_ANGLE
+        return float("nan")

@@ -161,7 +161,7 @@ def size(
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
     doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
     notes = (*steep, *unknown_rows(found, whys), *doubtful, *notes_of(found))
-    own = concurrent_trim(schedule, chosen, named, where, planes, shape)
+    own = concurrent_trim(schedule, chosen, named, where, planes, shape, found.known)
     return replace(found, concurrent=own, notes=notes)
 
 
