@@ -210,7 +210,7 @@ def test_of_two_rows_at_one_time_the_later_counts(sample, tmp_path) -> None:
     first = LINES[at - 1].replace("196.503", "150")
     found = read(written(tmp_path, [*LINES[: at - 1], first, *LINES[at - 1 :]]))
     same(found, sample, 0.0)
-    assert any("1 rows at the time of the next row" in note for note in found.notes)
+    assert any("1 row at the time of the next row" in note for note in found.notes)
 
 
 def test_rows_before_the_rod_is_cleared_are_left_out(tmp_path) -> None:

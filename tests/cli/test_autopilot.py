@@ -245,27 +245,30 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["margins", "--design", "guess"], "design must be one of canonical, poles"),
-        (["margins", "--design", "poles"], "design poles needs natural_frequency, in rad/s"),
-        (["margins", "--rate-gain", "1"], "need attitude_gain and rate_gain, both"),
+        (["margins", "--design", "guess"], "--design must be one of canonical, poles"),
+        (["margins", "--design", "poles"], "design poles needs --natural-frequency, in rad/s"),
+        (["margins", "--rate-gain", "1"], "need --attitude-gain and --rate-gain, both"),
         (["margins", "--attitude-gain", "1", "--design", "lqr"], "not both"),
         (["margins", "--delay-ms", "-1"], "--delay-ms must be zero or positive"),
         (["margins", "--criteria", "none"], "--criteria must be one of classic, aircraft"),
         (["margins", "--chart", "smith"], "--chart must be one of nichols"),
-        (["margins", "--natural-frequency", "0"], "natural_frequency must be positive"),
+        (["margins", "--natural-frequency", "0"], "--natural-frequency must be positive"),
         (
             ["autopilot", "--attitude-gain", "1e200", "--rate-gain", "1"],
-            "attitude_gain must be zero or 1e-30 to 1e+09 in size; got 1e+200",
+            "--attitude-gain must be zero or 1e-30 to 1e+09 in size; got 1e+200",
         ),
         (
             ["margins", "--natural-frequency", "1e200"],
-            "natural_frequency must be between 1e-09 and",
+            "--natural-frequency must be between 1e-09 and",
         ),
         (
             ["margins", "--natural-frequency", "1", "--actuator-frequency", "1e200"],
             "natural_frequency must be between 1e-09 and 1e+09",
         ),
-        (["margins", "--natural-frequency", "1", "--delay-ms", "1e-200"], "delay must be zero or"),
+        (
+            ["margins", "--natural-frequency", "1", "--delay-ms", "1e-200"],
+            "--delay-ms must be zero or",
+        ),
         (["autopilot", "--limit-deg", "0"], "--limit-deg must be"),
         (["laws", "--wind", "storm"], "--wind must be one of triangle"),
     ],
@@ -331,32 +334,3 @@ def test_an_autopilot_says_by_what_it_is_judged() -> None:
     assert asked["phase_margin_deg"][1] != "the command line"  # it was not changed
     words = "(aero margin 4 dB, gain increase 4 dB, phase margin 30 deg, delay margin 20 ms)"
     assert words in " ".join(printed.output.split())
-
-
-@pytest.mark.parametrize("vehicle", ["configuration-i", "made-up-launcher"])
-def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_proposed_are_enough(
-    vehicle,
-):
-    shown = CliRunner().invoke(app, ["margins", vehicle])
-    told = re.search(r"gains that satisfy the criteria classic: (--\S+ \S+),", shown.stdout)
-    better = CliRunner().invoke(app, ["margins", vehicle, *told[1].split()])
-
-    assert (shown.exit_code, better.exit_code) == (1, 0)
-    assert "textbook gains" in shown.stdout
-    assert "textbook gains" not in better.stdout
-    assert "gains that satisfy" not in better.stdout
-
-
-def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_numbers(tmp_path):
-    head = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 2\nduration_s = 7.5\n'
-    loop = head + '[criteria]\nname = "classic"\n[autopilot]\ndesign = "lqr"\n'
-    nozzle = "[nozzle]\nactuator_frequency_rad_per_s = 25.1\n"
-    said = "an actuator of 25.1 rad/s and damping 0.7 is assumed"
-    for table, assumed in ((loop, True), (loop + nozzle, False), (head, False)):
-        (tmp_path / "s.toml").write_text(table)
-        shown = CliRunner().invoke(app, ["study", f"{tmp_path}/s.toml"])
-        assert (said in shown.stdout) is assumed
-
-    options = ["--actuator-frequency", "25.1"]
-    assert said in CliRunner().invoke(app, ["margins"]).stdout
-    assert said not in CliRunner().invoke(app, ["margins", *options]).stdout

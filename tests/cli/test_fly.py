@@ -196,7 +196,7 @@ def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle):
         (["--engine", "seven"], "--engine must be one of planar, sixdof"),
         (["--law", "bang"], "--law must be one of report, autopilot, trim"),
         (["--law", "trim", "--dead-band", "0.5"], "--dead-band belongs to"),
-        (["--dead-band", "1.5"], "dead_band must be between 0 and 1"),
+        (["--dead-band", "1.5"], "--dead-band must be between 0 and 1"),
         (["--limit-deg", "0"], "--limit-deg must be positive"),
         (["--plane", "roll"], "plane must be one of"),
         (["--until", "0"], "--until must be between"),

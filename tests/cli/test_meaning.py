@@ -44,7 +44,7 @@ def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
         # one of several options of nearly one name
         (("study", "--peak-deg", 0), "--peak-deg must be other than zero; got 0 deg"),
         (("study", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
-        (("size", "--peak-speed", 0), "peak_speed must be other than zero; got 0 m/s"),
+        (("size", "--peak-speed", 0), "--peak-speed must be other than zero; got 0 m/s"),
         (("autopilot", "--actuator-damping", -1), "--actuator-damping must be positive; got -1"),
     ],
 )

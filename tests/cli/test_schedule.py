@@ -217,7 +217,7 @@ def test_damage_is_refused_in_one_sentence(tmp_path: Path, what: str) -> None:
 
 AERODYNAMICS = FOLDER / "rasaero-aerodynamics.csv"
 ASKED: dict[str, tuple[tuple[object, ...], str]] = {
-    "no ground": ((*GIMBAL, *SLOPE), "give ground, the elevation of the launch site"),
+    "no ground": ((*GIMBAL, *SLOPE), "give --ground-m, the elevation of the launch site"),
     "no slope": (
         (*GIMBAL, *GROUND),
         r"no column Normal force coefficient derivative; Normal force coefficient \(\) is the"
@@ -238,7 +238,7 @@ ASKED: dict[str, tuple[tuple[object, ...], str]] = {
     ),
     "gimbal in cm": (
         (*SLOPE, *GROUND, "--gimbal-station-m", "295"),
-        r"gimbal_station must be in m .* got 295 m \(is it in cm",
+        r"--gimbal-station-m must be in m .* got 295 m \(is it in cm",
     ),
     "the flight as its own table": (
         (*GIMBAL, *GROUND, "--cn-alpha", OPENROCKET),
@@ -247,13 +247,13 @@ ASKED: dict[str, tuple[tuple[object, ...], str]] = {
     **{
         f"ground at {site} m": (
             (*GIMBAL, *SLOPE, f"--ground-m={site}"),
-            rf"ground must be between -450 and 9000; got {site} m",
+            rf"--ground-m must be between -450 and 9000; got {site} m",
         )
         for site in ("-500", "20000")
     },
-    "ground that is no number": ((*GIMBAL, *SLOPE, "--ground-m=nan"), "ground must be finite"),
-    "start beyond": ((*GIVEN, "--from", "9"), "no thrust between start and stop"),
-    "one row for all": ((*GIVEN, "--most-rows", "1"), "most_rows must be 2 or more"),
+    "ground that is no number": ((*GIMBAL, *SLOPE, "--ground-m=nan"), "--ground-m must be finite"),
+    "start beyond": ((*GIVEN, "--from", "9"), "no thrust between --from and --to"),
+    "one row for all": ((*GIVEN, "--most-rows", "1"), "--most-rows must be 2 or more"),
 }
 
 

@@ -64,6 +64,11 @@ _SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+def plural(count: int, noun: str) -> str:
+    """Return a count with its noun: 1 row, 2 rows."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def listed(names: Iterable[str], word: str = "and") -> str:
     """Return names with commas between, and a word before the last."""
     *others, last = names
@@ -109,7 +114,7 @@ def least(limit: Line) -> Line:
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     """Return a number with so many significant digits."""
-    mantissa, _, power = f"{float(value):.{digits}g}".partition("e")
+    mantissa, _, power = f"{float(value) + 0.0:.{digits}g}".partition("e")  # no minus before a zero
     shown = f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
     return _shown(name, value, shown, unit)
 

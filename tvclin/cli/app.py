@@ -52,7 +52,7 @@ class _Late(Mapping[str, Any]):
         command = function_of(name)
         if not isinstance(command, typer.Typer):
             command = grouped(command) if name in _LIGHT else _strict(grouped(command))
-        return _made(name, command)
+        return _named(_made(name, command))
 
 
 def _made(name: str, command: Any) -> Any:
@@ -63,6 +63,25 @@ def _made(name: str, command: Any) -> Any:
     else:
         app.command(name, rich_help_panel=NAMES[name])(command)
     return _unwrapped(typer.main.get_group(app).commands[name])
+
+
+def _named(command: Any) -> Any:
+    """Return a command, and those below it, whose messages name options, not arguments."""
+    for below in getattr(command, "commands", {}).values():
+        _named(below)
+    run, options = command.callback, command.params
+
+    @wraps(run)
+    def call(*given: Any, **values: Any) -> Any:
+        try:
+            return run(*given, **values)
+        except ValueError as error:
+            from tvclin.cli.option_names import named  # late: most runs have no fault
+
+            raise named(error, options, values) from None
+
+    command.callback = None if run is None else call
+    return command
 
 
 def _listed(name: str) -> Any:
@@ -122,10 +141,7 @@ class Commands(TyperGroup):
         """Run a command."""
         from tvclin.base.warned import warned
 
-        def tell(sentence: str) -> None:
-            _say(f"Warning: {sentence}")
-
-        with _in_one_sentence(), warned(tell, machine=tell):
+        with _in_one_sentence(), warned(lambda sentence: _say(f"Warning: {sentence}")):
             return super().invoke(ctx)
 
 

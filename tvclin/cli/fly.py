@@ -61,13 +61,25 @@ class WhatFlies:
             one_of("--engine", self.engine, (*ENGINES, "linear"))
         one_of("--law", self.law or REPORT, [REPORT, *LAWS])
 
-    def on(self, case: StudyPlan, along: bool, gains: Given) -> tuple[str, str, Any]:
-        """Return engine, law and dead band for a case, and say what they leave out of it."""
+    def on(
+        self, case: StudyPlan, along: bool, flies: FlownLaw, rate_limit: Given, rigid: bool
+    ) -> tuple[str, str, Any]:
+        """Return engine, law and dead band for a case, and say what they leave out of its file.
+
+        Options of another engine or law are refused first.
+        """
         bends = whole_vehicle(case.vehicle, "a flight").structure is not None
         engine = self.engine or ("linear" if bends and not along else "planar")
         law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
         if law != AUTOPILOT:
-            gains.only_with(f"--law {AUTOPILOT}")
+            flies.gains.only_with(f"--law {AUTOPILOT}")
+        if engine == "linear":
+            only_with("--engine planar or sixdof", along_trajectory=along)
+        else:
+            unused = rigid and self.engine is not None
+            only_with("--engine linear", **vars(flies.loop), rigid=unused)
+            for group in (flies.samples, rate_limit):
+                group.only_with("--engine linear")
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
         note_left_out(case, "fly", *aside, *["fly --engine planar"] * (engine != "linear"))
         return engine, law, chosen(self.dead_band, case.dead_band if law == REPORT else None)
@@ -103,19 +115,15 @@ def fly(
     within("--points", points, 2, 1_000_000)
     changes = [one.over for one in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid, time=time)
-    engine, *law = what.on(case, along_trajectory, flies.gains)
+    engine, *law = what.on(case, along_trajectory, flies, rate_limit, rigid)
     name = blows.name(case)
     case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
     start, length = float(case.history.onset), until * float(case.history.end - case.history.onset)
     if engine == "linear":
-        only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         with waiting("flying"):
             flying = LinearCase(case, name, *law)
             found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        only_with("--engine linear", **vars(flies.loop), rigid=rigid and what.engine is not None)
-        for group in (flies.samples, rate_limit):
-            group.only_with("--engine linear")
         condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
         one = flight_case(Flying(case, name, *law), engine, condition, length)
         with waiting("flying"):

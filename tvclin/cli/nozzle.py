@@ -80,21 +80,16 @@ def nozzle(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+    limited = case.nozzle.limit is not None or case.nozzle.rate_limit is not None
+    unknown = limited and bool(front.beyond)
+    lost = front.enough is False or (flown is not None and not flown.verdict.enough)
     note_calm_air(case)
     answer(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown),
-        _enough(case, front, flown),
+        not lost and not unknown,
     )
-
-
-def _enough(case: StudyPlan, front: RateFront, flown: FlownCard | None) -> bool:
-    """Whether the nozzle is known to be enough, where that is in question."""
-    limited = case.nozzle.limit is not None or case.nozzle.rate_limit is not None
-    unknown = limited and bool(front.beyond)
-    lost = front.enough is False or (flown is not None and not flown.verdict.enough)
-    return not lost and not unknown
 
 
 def _front(case: StudyPlan) -> RateFront:

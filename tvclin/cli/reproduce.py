@@ -18,6 +18,7 @@ def reproduce(
     """
     from tvclin.base.errors import install
     from tvclin.base.files import called
+    from tvclin.base.lines import plural
     from tvclin.plots.flown import chosen_engine
     from tvclin.show.reproduce import DIFFERENCES
     from tvclin.show.reproduce import reproduce as write_everything
@@ -31,6 +32,7 @@ def reproduce(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
             f" JSBSim, {install('sixdof')}."
         )
-    say(f"Wrote {len(written)} files into {called(output)}. Where they differ from the print:")
+    files = plural(len(written), "file")
+    say(f"Wrote {files} into {called(output)}. Where they differ from the print:")
     for figure, words in DIFFERENCES.items():
         say(f"{figure}: {words}")

@@ -6,6 +6,7 @@ import numpy as np
 
 from tvclin.answers.availability.record import Availability
 from tvclin.base.errors import InputError, instance
+from tvclin.base.lines import plural
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
 from tvclin.vehicle.coefficients import IN_WORDS
@@ -62,7 +63,7 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
     planes = IN_WORDS[found.plane]
     if not several:
         planes += f", towards {azimuths[0]:.4g} deg"
-    words = f"{len(found.soundings)} soundings of {where}, {planes}"
+    words = f"{plural(len(found.soundings), 'sounding')} of {where}, {planes}"
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
     title = called(found.judge.flight.vehicle.name or name, f"launch availability: {words}")
     heading = "flown, towards" if several else ""

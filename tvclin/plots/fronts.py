@@ -12,6 +12,7 @@ from tvclin.answers.least_gains.front import GainsFront
 from tvclin.answers.load import FlownLoad
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, instance
+from tvclin.base.lines import plural
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.control.laws.registry import LAWS
@@ -151,7 +152,7 @@ def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
         raise InputError("fronts must be over the same disk margins")
     columns, styles = [], dict(_MARGINS)
     for k, one in enumerate(every):
-        label = f"{len(one.gains)} gains, {_MEANS[one.meaning]}"
+        label = f"{plural(len(one.gains), 'gain')}, {_MEANS[one.meaning]}"
         columns.append(Column(label, _broken(one.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [Column(name, np.full(disk.shape, value)) for name, value in every[0].limits.items()]

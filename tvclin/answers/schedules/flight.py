@@ -8,6 +8,7 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, number
+from tvclin.base.lines import plural
 from tvclin.base.sheet import Column
 
 _BURNING = 0.05
@@ -127,20 +128,23 @@ def _left_out(
 ) -> list[str]:
     """What to say of the rows that were not taken."""
     time = flight["time"][index]
-    notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {last - first} rows"]
+    taken = plural(last - first, "row")
+    notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {taken}"]
     if first:
-        notes.append(f"{first} rows before it left out: on the launch rod, or without thrust")
+        notes.append(
+            f"{plural(first, 'row')} before it left out: on the launch rod, or without thrust"
+        )
     if last < time.size:
         notes.append(
-            f"{time.size - last} rows after it left out: thrust below"
+            f"{plural(time.size - last, 'row')} after it left out: thrust below"
             f" {100 * _BURNING:g} percent of its largest from {time[last]:g} s on"
         )
         again = np.nan_to_num(flight["thrust"][index[last:]]) > 0.5 * max(flight["thrust"][index])
         if np.any(again):
             notes.append(
-                f"the thrust comes back at {time[last + int(np.argmax(again))]:g} s; read that burn"
-                " with start"
+                f"the thrust comes back at {time[last + int(np.argmax(again))]:g} s: that burn is"
+                " read with start (--from) at that time"
             )
     if np.any(twice):
-        notes.append(f"{int(np.sum(twice))} rows at the time of the next row left out")
+        notes.append(f"{plural(int(np.sum(twice)), 'row')} at the time of the next row left out")
     return notes

@@ -102,8 +102,7 @@ def read_rasaero(
         for key, (kind, name) in _NEEDED.items()
     }
     columns["altitude"] = above_sea(columns["altitude"], sheet.text.source, ground)
-    omitted: list[str] = []
-    climb = sheet.optional("climb", "Vel-V", "speed", omitted)
+    climb, omitted = sheet.optional("climb", "Vel-V", "speed")
     flight = Flight(
         source=sheet.text.source,
         places=sheet.places,

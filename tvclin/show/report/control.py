@@ -3,7 +3,6 @@
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Line, degrees, number, quantities
@@ -74,15 +73,11 @@ def _autopilot(found: Findings) -> list[Block]:
     assert c is not None
     plant = c.plant
     margins = c.margins if f is None else f.bands.whole
-    met = bool(found.criteria.are_met(found.margins or c.margins))
-    verdict = "met" if met else "not met"
-    notes = [
-        f" {note[0].upper()}{note[1:]}." for note in gain_notes(found.plan, found.criteria, met)
-    ]
+    verdict = "met" if found.criteria.are_met(found.margins or c.margins) else "not met"
     whose = "" if f is None else " of the flexible vehicle"
     words = (
         f'The criteria "{found.criteria.name}" are {verdict}. The loop is that of the'
-        f" {plant.model} model{whose}, without a stop.{''.join(notes)}"
+        f" {plant.model} model{whose}, without a stop."
     )
     blocks: list[Block] = [
         Paragraph((words,)),

@@ -22,6 +22,7 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
+from tvclin.base.lines import plural
 from tvclin.winds.soundings.profile import RANGES, WindProfile
 
 TOO_FEW = "it has fewer than two levels with a height and a wind"
@@ -167,7 +168,7 @@ class Soundings:
                 f" got {len(each)} that can be used"
             )
         east, north = total[:, often] / known[often]
-        source = f"the mean of {len(each)} soundings"
+        source = f"the mean of {plural(len(each), 'sounding')}"
         return WindProfile(height=height[often], east=east, north=north, source=source)
 
     @property

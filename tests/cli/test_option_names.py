@@ -1,0 +1,99 @@
+"""Messages of a command name its options, not the arguments of Python behind them."""
+
+import re
+from pathlib import Path
+
+import control
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.base.lines import plural, significant, text
+from tvclin.cli.app import app
+from tvclin.cli.option_names import in_options
+
+V = "configuration-i"
+OPENROCKET = "tests/schedules/openrocket.csv"
+EXPORT = ("schedule", "from", "openrocket", OPENROCKET, "-o", "out.csv")
+SITE = ("--gimbal-station-m", "2.95", "--cn-alpha-per-rad", "2", "--ground-m", "160")
+REFUSED = {
+    "--duration": ("study", V, "--duration", "1e12"),
+    "--peak-deg": ("study", V, "--peak-deg", "1e9"),
+    "--peak-speed": ("study", V, "--peak-speed", "1e9"),
+    "--gust": ("study", V, "--gust", "1e12", "1"),
+    "--gust-speed": ("study", V, "--gust-speed", "9", "1e12"),
+    "--gust-at": ("respond", V, "--gust", "1", "2", "--gust-at", "1e12"),
+    "--stop": ("study", V, "--stop", "nonsense"),
+    "--model": ("poles", V, "--model", "nonsense"),
+    "--start": ("optimum", V, "--start", "nan"),
+    "--horizon": ("optimum", V, "--horizon", "-1"),
+    "--rate-limit-deg": ("optimum", V, "--rate-limit-deg", "1e12"),
+    "--dead-band": ("fly", V, "--dead-band", "7"),
+    "--actuator-frequency": ("margins", V, "--actuator-frequency", "1e12"),
+    "--actuator-hz": ("margins", V, "--actuator-hz", "1e12"),
+    "--actuator-damping": ("margins", V, "--actuator-damping", "1e12"),
+    "--sample-rate": ("margins", V, "--sample-rate", "1e12"),
+    "--natural-frequency": ("margins", V, "--natural-frequency", "-1"),
+    "--rate-gain": ("margins", V, "--attitude-gain", "1"),
+    "--at": ("study", V, "--at", "1000"),
+    "--gimbal-station-m": (*EXPORT, *SITE[2:], "--gimbal-station-m", "0.01"),
+    "--cn-alpha-per-rad": (*EXPORT, *SITE[:2], *SITE[4:], "--cn-alpha-per-rad", "200"),
+    "--ground-m": (*EXPORT, *SITE[:4], "--ground-m", "1e5"),
+}
+
+
+@pytest.mark.parametrize("option", REFUSED)
+def test_what_is_wrong_with_an_option_is_said_of_that_option(option, tmp_path, monkeypatch):
+    given = [str(tmp_path / "out.csv") if one == "out.csv" else one for one in REFUSED[option]]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 2
+    assert re.search(rf"{option}(?![\w-])", result.output), result.output
+
+
+def test_rows_that_are_refused_are_left_out_with_the_options_of_the_command(tmp_path):
+    """The wind angle of the third row becomes more than the linear vehicle has."""
+    lines = Path(OPENROCKET).read_text(encoding="utf-8").splitlines()
+    names = next(line for line in lines if "Angle of attack" in line).lstrip("# ").split(",")
+    column = next(k for k, name in enumerate(names) if "Angle of attack" in name)
+    rows = [k for k, line in enumerate(lines) if line[:1].isdigit()]
+    for k in rows:
+        cells = lines[k].split(",")
+        cells[column] = "11"
+        lines[k] = ",".join(cells)
+    file = tmp_path / "flight.csv"
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    given = ["schedule", "from", "openrocket", file, *SITE, "-o", tmp_path / "out.csv"]
+    result = CliRunner().invoke(app, [str(one) for one in given])
+    assert result.exit_code == 2
+    assert "leave these rows out with --from and --to" in result.output
+
+
+def test_only_arguments_become_options():
+    likely = {"start": ("--from",), "stop": ("--to", "--stop"), "dead_band": ("--dead-band",)}
+    same = (
+        "study.toml: [study]: dead_band must be between 0 and 1",
+        "[nozzle] has dead_band and more; keep one",
+        "the flight must start before the stop of the nozzle",
+        "stop must be one of round",  # both may be meant
+    )
+    for sentence in same:
+        assert in_options(sentence, likely, ["--from", "--to", "--stop"]) == sentence
+    assert in_options("stop must rise", likely, ["--to"]) == "--to must rise"
+    assert in_options("start must rise", likely, []) == "start must rise"
+
+
+@pytest.mark.parametrize("option", [("--sample-rate", "25"), ("--delay-ms", "3")])
+def test_nothing_is_said_of_a_file_where_an_option_is_meant(option):
+    result = CliRunner().invoke(app, ["fly", V, *option])
+    assert (result.exit_code, "file" in result.output) == (2, False)
+    assert f"{option[0]} needs --engine linear" in result.output
+
+
+def test_a_count_of_one_is_singular_and_zero_has_no_minus():
+    assert [plural(k, "row") for k in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
+    assert text(significant("damping", -0.0)) == "0"
+
+
+def test_a_loop_in_steps_is_refused_as_the_page_of_margins_says():
+    with pytest.raises(tv.InputError, match="continuous"):
+        tv.Loop.from_system(control.tf([1.0], [1.0, 0.5], 0.1))

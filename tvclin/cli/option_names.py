@@ -1,0 +1,87 @@
+"""Messages of commands: arguments of Python by the options that give them."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from tvclin.base.errors import InputError
+
+_UNIT = re.compile(r"_(deg|rad|m|m2|s|ms|hz|per_rad|percent)$")
+_ARGUMENTS: dict[str, tuple[str, ...]] = {
+    "--actuator-frequency": ("natural_frequency",),
+    "--actuator-hz": ("natural_frequency",),
+    "--actuator-damping": ("damping",),
+    "--gust": ("peak", "duration"),
+    "--gust-speed": ("speed", "duration"),
+    "--peak-speed": ("speed",),
+    "--limit-deg": ("deflection_limit",),
+    "--cn-alpha-per-rad": ("normal_force_coefficient_slope",),
+    "--cn-alpha": ("normal_force_coefficient_slope",),
+    "--inertia": ("moment_of_inertia",),
+    "--from": ("start",),
+    "--to": ("stop",),
+}
+"""Arguments of other names than their options."""
+_PLACES = (r"(?<=\bgive )NAME(?=,)", r"(?<=(?:with|ween) )NAME(?= and \S+$)", r"(?<=\band )NAME$")
+"""Where a single word in a sentence is an argument: give NAME, with or between NAME and NAME."""
+_IN_A_FILE = re.compile(r"(\S+\.toml|\[)")
+"""How a line begins that is about a key of a file."""
+
+
+def named(error: ValueError, options: Iterable[Any], values: Mapping[str, Any]) -> ValueError:
+    """Return the error of a command with its options in place of arguments, if it is of an input.
+
+    `options`: the parameters of the command. `values`: what they are, by name.
+    """
+    if not isinstance(error, InputError):
+        return error
+    flags = [one for one in options if one.opts[0].startswith("--")]
+    given = [one.opts[0] for one in flags if _is_given(one, values)]
+    return InputError(in_options(str(error), _candidates(flags), given))
+
+
+def in_options(
+    message: str, candidates: Mapping[str, tuple[str, ...]], given: Iterable[str]
+) -> str:
+    """Return a message with options in place of arguments.
+
+    `candidates`: the options that may give an argument, its own first. `given`: those that are
+    given; where that leaves two, or none of a single word, the argument stays.
+    """
+    options = set(given)
+    return "\n".join(_in_options(line, candidates, options) for line in message.split("\n"))
+
+
+def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
+    if _IN_A_FILE.match(line):
+        return line
+    for name, each in candidates.items():
+        likely = [one for one in each if one in given]
+        if "_" in name:
+            option = (likely or each[:1])[0] if len(likely) < 2 else name
+            line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
+            continue
+        if len(likely) == 1:
+            line = re.sub(rf"^{name}(?=( of the wind)? (must|is|needs)\b)", likely[0], line)
+        for place in _PLACES:
+            line = re.sub(place.replace("NAME", name), each[0], line)
+    return line
+
+
+def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
+    """The options that may give each argument, the one of its own name first."""
+    found: dict[str, list[str]] = {}
+    others: dict[str, list[str]] = {}
+    for one in options:
+        found.setdefault(_UNIT.sub("", one.name.strip("_")), []).append(one.opts[0])
+        for name in _ARGUMENTS.get(one.opts[0], ()):
+            others.setdefault(name, []).append(one.opts[0])
+    return {
+        name: tuple(dict.fromkeys([*found.get(name, []), *others.get(name, [])]))
+        for name in [*found, *(one for one in others if one not in found)]
+    }
+
+
+def _is_given(option: Any, values: Mapping[str, Any]) -> bool:
+    value = values.get(option.name)
+    return value is not None and value is not False and value not in ([], option.default)
