@@ -349,7 +349,7 @@ def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_com
     assert control == {f"tvclin.control.autopilot.{m}" for m in ("actuator", "sizes")}
     assert {"tvclin.cli.study", "tvclin.cli.app"} <= set(loaded)
     assert not {"tvclin.cli.size", "tvclin.cli.campaign", "tvclin.cli.fly"} & set(loaded)
-    assert len(loaded) <= 124
+    assert len(loaded) <= 128
 
 
 @pytest.mark.thorough

@@ -310,7 +310,7 @@ def test_a_map_that_does_not_fit_is_refused_in_one_sentence(
         ((*GIVEN, "--inertia", "0:24"), "must hold two or more rising times"),
         ((*GIVEN, "--inertia", "0:24", "--inertia", "5"), "such as 0:24; got '0:24 5'"),
         ((*GIMBAL, *GROUND, *INERTIA), "give --cn-alpha-per-rad, or --cn-alpha"),
-        ((*GIMBAL, *SLOPE, *INERTIA), "give ground"),
+        ((*GIMBAL, *SLOPE, *INERTIA), "give --ground-m"),
     ],
 )
 def test_what_rasaero_needs_is_asked_for(tmp_path: Path, arguments, expected) -> None:

@@ -22,8 +22,8 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "--to": ("stop",),
 }
 """Arguments of other names than their options."""
-_PLACES = (r"(?<=\bgive )NAME(?=,)", r"(?<=(?:with|ween) )NAME(?= and \S+$)", r"(?<=\band )NAME$")
-"""Where a single word in a sentence is an argument: give NAME, with or between NAME and NAME."""
+_PAIR = re.compile(r"\b(with|between) (\w+) and (\w+)\b")
+"""Two arguments in a sentence: leave these rows out with start and stop."""
 _IN_A_FILE = re.compile(r"(\S+\.toml|\[)")
 """How a line begins that is about a key of a file."""
 
@@ -63,8 +63,11 @@ def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set
             continue
         if len(likely) == 1:
             line = re.sub(rf"^{name}(?=( of the wind)? (must|is|needs)\b)", likely[0], line)
-        for place in _PLACES:
-            line = re.sub(place.replace("NAME", name), each[0], line)
+        line = re.sub(rf"(?<=\bgive ){name}(?=,)", each[0], line)
+    for word, *both in _PAIR.findall(line):
+        if all(name in candidates for name in both):
+            first, second = (candidates[name][0] for name in both)
+            line = line.replace(f"{word} {both[0]} and {both[1]}", f"{word} {first} and {second}")
     return line
 
 
