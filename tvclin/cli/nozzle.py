@@ -80,16 +80,19 @@ def nozzle(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    limited = case.nozzle.limit is not None or case.nozzle.rate_limit is not None
-    unknown = limited and bool(front.beyond)
-    lost = front.enough is False or (flown is not None and not flown.verdict.enough)
     note_calm_air(case)
     answer(
         shown.as_json,
         lambda: blows.document(case) | {"front": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown),
-        not lost and not unknown,
+        _enough(front) and (flown is None or bool(flown.verdict.enough)),
     )
+
+
+def _enough(front: RateFront) -> bool:
+    """Whether limit and rate limit are enough by theory; true where neither is given."""
+    limited = front.limit is not None or front.rate_limit is not None
+    return not limited or bool(front.enough)
 
 
 def _front(case: StudyPlan) -> RateFront:
