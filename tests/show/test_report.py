@@ -519,12 +519,28 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
     plan: tv.answers.StudyPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
-    monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
     bare = tv.answers.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
     told = set(cells(basis.equations(find(bare))))
 
-    assert {"(4b)", "(5)", "(B8)"} <= told
+    assert {"(4b)", "(5)", "(B7)"} <= told
     assert not {"(7)", "(12)", "(16)", "(18)"} & told
+
+
+@pytest.mark.parametrize(
+    ("model", "named", "others"),
+    [
+        ("drift", {"(B8)", "(18)"}, {"(B7)", "(B5)"}),
+        ("drift-exact", {"(B7)"}, {"(B8)", "(18)", "(B5)"}),
+        ("drift-and-speed", {"(B5)"}, {"(B7)", "(B8)", "(18)"}),
+    ],
+)
+def test_each_model_has_the_equation_that_glossary_and_conventions_say(
+    plan: tv.answers.StudyPlan, model: str, named: set[str], others: set[str]
+) -> None:
+    bare = tv.answers.StudyPlan(vehicle=plan.vehicle, model=model)
+    told = set(cells(basis.equations(find(bare))))
+    assert named | {"(12)"} <= told
+    assert not others & told
 
 
 @pytest.mark.usefixtures("few_durations")

@@ -23,12 +23,20 @@ from tvclin.show.report.blocks import (
 from tvclin.winds.linear_range import DOUBTFUL
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
-_BY_SHAPE = {
-    ("rectangular", False): "(7)",
-    ("rectangular", True): "(16)",
-    ("triangular", False): "(12)",
-    ("triangular", True): "(18)",
+_PLANTS = {
+    "fixed-path": "(5)",
+    "drift": "(B8)",
+    "drift-exact": "(B7)",
+    "drift-and-speed": "(B5)",
 }
+"""The equation of the attitude of each model."""
+_CLOSED_FORMS = {
+    ("rectangular", "fixed-path"): "(7)",
+    ("rectangular", "drift"): "(16)",
+    ("triangular", "fixed-path"): "(12)",
+    ("triangular", "drift"): "(18)",
+}
+"""The equation of the boundary in a shape of wind, of the models of one pole alone."""
 
 
 def assumptions(found: Findings) -> Section:
@@ -70,11 +78,10 @@ def equations(found: Findings) -> Section:
     known = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
     used = {key: one["use"] for key, one in known.items() if "use" in one}
     for name in s.boundaries:
-        drifts = name != "fixed-path"
-        used["(B8)" if drifts else "(5)"] = f"the {name} model"
-        if (s.shape, drifts) in _BY_SHAPE:
-            used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
-        if drifts:
+        used[_PLANTS[name]] = f"the {name} model"
+        if (s.shape, name) in _CLOSED_FORMS:
+            used[_CLOSED_FORMS[s.shape, name]] = f"the boundary, {name}"
+        if name != "fixed-path":
             used["(15b)"] = "K1"
     rows: list[tuple[Line, ...]] = [
         ((key,), (Formula(one["tex"], one["text"]),), (used[key],))
@@ -84,8 +91,8 @@ def equations(found: Findings) -> Section:
     words = (
         "Numbers are those of Borsody and Teren (NASA Lewis Research Center, 1968), with the errors"
         " of the print corrected. Variables are deviations from the nominal flight, and L is the"
-        " Laplace transform. A model with more poles than its equation has is solved by the same"
-        " condition (4b)."
+        " Laplace transform. The boundary of a model with more than one unstable pole has no closed"
+        " form: it follows from condition (4b) at each of them."
     )
     table = Table("Equations", ("number", "as it should read", "used for"), tuple(rows))
     return Section("equations", "Equations", (table, Paragraph((words,))))
