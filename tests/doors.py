@@ -1540,6 +1540,7 @@ def hostile() -> dict[str, Any]:
         "empty array": np.zeros(0),
         "rows without columns": np.zeros((3, 0)),
         "matrix": np.ones((2, 3)),
+        "array without axes": np.array(5),
         "row": np.ones(7),
         "row with nan": np.array([0.5, np.nan]),
         "many dimensions": np.ones((1,) * 40),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.errors import instance
+from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.loop import Loop
@@ -229,6 +229,10 @@ def _frame_bode(axes: Any, samples: LoopSamples) -> float:
         if right > highest:
             panel.axvline(highest, color="0.35", lw=1.2, ls=":", zorder=1.5)
     seen = (samples.omega >= left) & (samples.omega <= right)
+    if not seen.any():
+        raise InputError(
+            "autopilot and plant must make a loop with a gain to be drawn; its is none"
+        )
     for panel, values, step in ((axes[0], samples.decibels, 5.0), (axes[1], samples.phase, 15.0)):
         low, high = np.min(values[seen]), np.max(values[seen])
         panel.set_ylim(step * np.floor(low / step - 0.3), step * np.ceil(high / step + 0.3))

@@ -12,6 +12,7 @@ from tvclin.answers.case import FROZEN
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.study import Study
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, instance, one_row, positive, shown, single, within
 from tvclin.boundary.closed_forms import (
     rectangular_limit,
     triangular_limit,
@@ -73,6 +74,9 @@ def boundary_chart(
         Of one vehicle; the boundaries with drift, eqs (16) and (18), are then drawn instead of
         eqs (7) and (12).
     """
+    if coefficients is not None:
+        instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+        single("coefficients", coefficients.batch)
     what = _FIXED if coefficients is None else _DRIFT
     name = "" if coefficients is None else coefficients.name
     title = called(name, f"Stability boundary {what}")
@@ -110,7 +114,12 @@ def figure_5(
         Vehicles, or what `load_vehicle` finds them by; one curve each.
     """
     x = _abscissas(tau_beta)
+    dead_bands = _fractions(dead_bands)
+    if not isinstance(vehicles, tuple | list):
+        raise InputError(f"vehicles must be a tuple of vehicles or names; got {shown(vehicles)}")
     loaded = [v if isinstance(v, Vehicle) else load_vehicle(v) for v in vehicles]
+    for vehicle in loaded:
+        single("vehicle", vehicle.batch)
     symbols = [Coefficients.from_vehicle(vehicle).pole_symbol for vehicle in loaded]
     columns = []
     for letter, K in zip("abcdefghij", dead_bands, strict=False):
@@ -155,9 +164,14 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     durations : array_like, optional
         Abscissas [s], positive; up to three times the study's duration where not given.
     """
+    instance("study", study, Study, "see Study.from_vehicle")
     chosen = float(study.wind.duration)
     points = _POINTS if study.gust is None else _FLOWN_POINTS
-    x = np.linspace(0.02, 3.0, points) * chosen if durations is None else np.asarray(durations)
+    x = (
+        np.linspace(0.02, 3.0, points) * chosen
+        if durations is None
+        else one_row("durations", positive("durations", durations))
+    )
     curves = _study_curves(study, x)
     axes = new_axes()
     lines: list[Any] = []
@@ -217,6 +231,7 @@ def _draw_boundaries(
     coefficients: Coefficients | None,
 ) -> ControlPlot:
     x, c = _abscissas(tau_beta), coefficients
+    dead_bands = _fractions(dead_bands)
     columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
     for K in dead_bands:
         if c is None:
@@ -252,7 +267,13 @@ def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
 
 def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
     given = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
-    return np.array(given, dtype=float, ndmin=1)
+    return one_row("tau_beta", np.atleast_1d(positive("tau_beta", given)))
+
+
+def _fractions(dead_bands: Sequence[float]) -> list[float]:
+    """Return dead bands K as a list; `InputError` for what is no row of numbers from 0 to 1."""
+    given = within("dead_bands", dead_bands, 0.0, 1.0)
+    return one_row("dead_bands", np.atleast_1d(given)).tolist()
 
 
 def _row(values: Any) -> FloatArray:

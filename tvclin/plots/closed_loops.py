@@ -203,6 +203,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     InputError
         For an unstable closed loop, whose deflection has no bounds to draw it in.
     """
+    instance("comparison", comparison, TrimComparison, "see compare_with_trim")
     c = comparison
     if not c.margins.stable:
         raise InputError(f"there is nothing to compare: {c.margins.reason}")

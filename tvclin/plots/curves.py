@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, array_of, each, instance, shown
 from tvclin.base.files import printable, write_rows
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)
@@ -38,6 +38,11 @@ class Column:
     panel: str = ""
     note: str = ""
 
+    def __post_init__(self) -> None:
+        for name in ("label", "unit", "panel", "note"):
+            instance(name, getattr(self, name), str, "a text")
+        object.__setattr__(self, "values", row_of("values", self.values))
+
 
 @dataclass(frozen=True, eq=False)
 class Curves:
@@ -64,7 +69,10 @@ class Curves:
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
-        for column in self.columns:
+        for name in ("name", "parameters", "abscissa_label"):
+            instance(name, getattr(self, name), str, "a text")
+        object.__setattr__(self, "abscissa", row_of("abscissa", self.abscissa))
+        for column in each("columns", self.columns, Column, "one for each curve"):
             if column.values.shape != self.abscissa.shape:
                 raise InputError(
                     f"{column.label} must have the shape of the abscissa,"
@@ -98,11 +106,15 @@ class Curves:
         InputError
             When there is no such curve in this panel.
         """
+        instance("label", label, str, "a text")
+        instance("panel", panel, str, "a text")
         for column in self.columns:
             if (column.label, column.panel) == (label, panel):
                 return column.values
         known = ", ".join(repr((c.label, c.panel)) for c in self.columns)
-        raise InputError(f"label and panel must be one of {known}; got {(label, panel)!r}")
+        raise InputError(
+            f"label and panel must be one of {known}; got {shown(label)}, {shown(panel)}"
+        )
 
     def csv(self) -> str:
         """Return the numbers as CSV: a comment, a line of headings, and a row for each abscissa.
@@ -114,6 +126,14 @@ class Curves:
         table = np.stack([without_rounding(one) for one in values], axis=-1)
         comment = printable(" ".join(f"# {self.name}: {self.parameters}".split("\n")))
         return f"{comment}\n{write_rows([[self.abscissa_label, *self.headings], *table.tolist()])}"
+
+
+def row_of(name: str, value: object) -> FloatArray:
+    """Return one row of numbers, of which some may be NaN; `InputError` for all else."""
+    array = array_of(name, value, "iuf", "a row of numbers")  # type: ignore[arg-type]
+    if array.ndim != 1:
+        raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
+    return array if array.dtype == float else array.astype(float)
 
 
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import positive
+from tvclin.base.errors import instance, one_row, positive, within
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.flights.engines import ENGINES
 from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
@@ -95,12 +95,17 @@ def _figure(
     engine: str | None = None,
 ) -> ControlPlot:
     flies = chosen_engine(engine)
-    durations = [positive("tau_beta", np.atleast_1d(b)) for b in (tau_beta, along)]
+    instance("vehicle", name, str, "what load_vehicle finds it by")
+    fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
+    durations = [
+        one_row(key, np.atleast_1d(positive(key, b)))
+        for key, b in (("tau_beta", tau_beta), ("along", along))
+    ]
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [
         column
-        for letter, K in zip("abcdefghij", dead_bands, strict=False)
+        for letter, K in zip("abcdefghij", fractions.tolist(), strict=False)
         for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flies)
     ]
     c = Coefficients.from_vehicle(vehicle)

@@ -120,9 +120,8 @@ def load_chart(
     title : str
         Stands above the figure.
     """
-    laws = [one.law for one in flown]
-    styles = _LOADS | dict(zip(laws, _FLOWN, strict=False))
     curves = load_curves(front, flown)
+    styles = _LOADS | dict(zip([one.law for one in flown], _FLOWN, strict=False))
     plot = draw(curves, Look(title, "deflection [deg]", styles))
     axes = plot.axes.flat[0]
     axes.set_xlim(0.0, 1.03 * float(curves.abscissa.max()))

@@ -8,10 +8,20 @@ import numpy as np
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.trials import law_curve
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    nonzero,
+    number,
+    one_row,
+    positive,
+    shown,
+    single,
+    small_angle,
+)
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.laws.law import Law
-from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import INK, Look, Style, called, draw, law_styles
 from tvclin.winds.pulses import TriangularWind
@@ -59,6 +69,12 @@ def laws_chart(
     The numbers are those at `tau_beta`, where laws have a mark; between them the lines are monotone
     cubics (PCHIP).
     """
+    check_plant(plant)
+    single("plant", plant.batch)
+    if not isinstance(laws, Mapping) or not all(isinstance(name, str) for name in laws):
+        raise InputError(f"laws must be a dict of laws by their names; got {shown(laws)}")
+    peak = number("peak", peak, small_angle("a wind", nonzero), "rad")
+    tau_beta = one_row("tau_beta", positive("tau_beta", tau_beta))
     pole, symbol = float(plant.coefficients.pole), plant.coefficients.pole_symbol
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     trim = abs(float(plant.coefficients.B) * peak)

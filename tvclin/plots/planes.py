@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.answers.study import Study
-from tvclin.base.errors import InputError, instance
+from tvclin.base.errors import InputError, between, instance, number, single
 from tvclin.boundary.planes.limit import plane_limit
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import Stop, stop_of
@@ -53,6 +53,9 @@ def plane_chart(
     """
     shape = stop_of(stop)
     checked(plant, wind, shape, yaw_plant)
+    for name, one in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
+        single(name, one.batch)
+    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
     found = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
     pair = Pair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.base.errors import different, instance, one_of, single
 from tvclin.linear.models import MODELS
 from tvclin.linear.modes import Modes, all_modes
 from tvclin.linear.plant import Plant
@@ -30,6 +31,10 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> "Con
     """
     import matplotlib.pyplot as plt
 
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    single("coefficients", coefficients.batch)
+    models = different("models", tuple(models) if isinstance(models, list) else models)
+    models = [one_of("model", one, MODELS) for one in models]
     _, panels = plt.subplots(1, 2, figsize=(10.4, 5.6), layout="constrained")
     found = {model: all_modes(Plant(coefficients, model)) for model in models}
     everywhere = np.concatenate([modes.poles for modes in found.values()])

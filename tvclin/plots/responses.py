@@ -6,14 +6,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import number, positive, within
+from tvclin.base.errors import (
+    InputError,
+    between,
+    callable_for,
+    instance,
+    number,
+    positive,
+    single,
+    whole_number,
+    within,
+)
 from tvclin.boundary.limit import boundary_limit
 from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots.boundaries import drift_words
-from tvclin.plots.curves import Column, Curves
+from tvclin.plots.curves import Column, Curves, row_of
 from tvclin.plots.flown import PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
 from tvclin.vehicle.coefficients import Coefficients
@@ -74,14 +84,19 @@ def attitude_chart(
     in the report: the way back beyond zero is not what a real autopilot would do. Ordinates end
     near the curve on the boundary; those that diverge leave the frame.
     """
-    tau_beta = positive("tau_beta", np.atleast_1d(tau_beta)).tolist()
-    factors = positive("factors", np.atleast_1d(factors)).tolist()
-    within("points", points, 2, 1e6)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    single("plant", plant.batch)
+    dead_band = _fraction(dead_band)
+    tau_beta = row_of("tau_beta", np.atleast_1d(positive("tau_beta", tau_beta))).tolist()
+    factors = row_of("factors", np.atleast_1d(positive("factors", factors))).tolist()
+    if not tau_beta or not factors:
+        raise InputError("tau_beta and factors must hold one number or more")
+    if flights is not None:
+        callable_for("flights", flights, "of wind, limit, dead band and times")
+    within("points", whole_number("points", points), 2, 1e6)
     x = np.linspace(0.0, number("until", until, positive), int(points))
     columns = [
-        column
-        for b in tau_beta
-        for column in _attitudes(plant, x, b, factors, float(dead_band), flights)
+        column for b in tau_beta for column in _attitudes(plant, x, b, factors, dead_band, flights)
     ]
     c = plant.coefficients
     what = f"(Theta - Theta_n)/(-alpha_w,max); model {plant.model}, K = {dead_band:g}"
@@ -184,6 +199,7 @@ def figure_9(
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
+    dead_band = _fraction(dead_band)
     # in these units any vehicle is the same
     plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
     title = f"Figure {number}. Attitude error without drift, K = {dead_band:g}, analytic: eq (13)"
@@ -198,7 +214,9 @@ def _with_drift(
     engine: str | None = None,
     **options: Any,
 ) -> "ControlPlot":
+    dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
+    single("vehicle", loaded.batch)
     flies = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
     exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
@@ -209,6 +227,10 @@ def _with_drift(
     )
     options = {"flights": flown_attitudes(loaded, flies), **options}
     return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
+
+
+def _fraction(dead_band: float) -> float:
+    return number("dead_band", dead_band, between(0.0, 1.0))
 
 
 def _attitudes(

@@ -5,6 +5,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    instance,
+    number,
+    one_of,
+    positive,
+    shown,
+    single,
+    small_angle,
+)
 from tvclin.flights.beside import FlightBeside
 from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves, without_rounding
@@ -61,8 +71,17 @@ def response_curves(
     deflection, wind : History, optional
         Inputs that the response does not hold: `Responses` hold none.
     """
+    limit = None if limit is None else _limit(limit)
+    for what, history in (("deflection", deflection), ("wind", wind)):
+        if history is not None:
+            instance(what, history, History, "such as TriangularWind")
+            single(what, history.batch)
     if isinstance(response, Responses):
         rows = dict(zip(response.labels, response.outputs, strict=True))
+    elif "TimeResponseData" not in [one.__name__ for one in type(response).__mro__]:
+        raise InputError(
+            f"response must be Responses or control.TimeResponseData; got {shown(response)}"
+        )
     else:
         labels = (*response.output_labels, *response.input_labels)
         both = (np.reshape(rows, (-1, response.time.size)) for rows in (response.y, response.u))
@@ -78,6 +97,10 @@ def response_curves(
         if label == "deflection" and limit is not None:
             columns += _limit_columns(values, limit)
     return Curves(name, parameters, "time [s]", np.asarray(response.time), tuple(columns))
+
+
+def _limit(value: float) -> float:
+    return number("limit", value, small_angle("a deflection", positive), "rad")
 
 
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
@@ -136,6 +159,8 @@ def flight_curves(
     beside : {"linear", "rigid"}
         What the linear flight is called.
     """
+    instance("flight", flight, FlightBeside, "see fly_beside")
+    limit, beside = _limit(limit), one_of("beside", beside, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
         for panel, row in _FLOWN.items()
@@ -156,6 +181,7 @@ def flight_chart(curves: Curves, title: str) -> "ControlPlot":
     title : str
         Title of the figure.
     """
+    instance("curves", curves, Curves, "see flight_curves")
     ordinates = {panel: f"{panel} [deg]" for panel in _FLOWN}
     ordinates["wind"] = "wind angle of attack [deg]"
     return draw(curves, Look(title, ordinates, _FLIGHT, limits=_frames(curves)))

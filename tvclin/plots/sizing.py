@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.answers.sizing.record import IN_A, MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
-from tvclin.base.errors import InputError, number, positive, small_angle
+from tvclin.base.errors import InputError, instance, number, positive, small_angle
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
 from tvclin.vehicle.coefficients import IN_WORDS
@@ -38,6 +38,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     InputError
         For a sizing of one flight time.
     """
+    instance("sizing", sizing, Sizing, "see size")
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)

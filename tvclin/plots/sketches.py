@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import number, positive
+from tvclin.base.errors import between, number, one_row, positive, whole_number, within
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 
+_RATIOS = (1e-6, 1.0 - 1e-6)
+"""Least and largest ratio of a slow pole to a fast one."""
 _JUMP = 1e-9
 """How far before a jump, in units of tau, the value before it is drawn."""
 _WIND = r"wind  $\alpha_w/\alpha_{w,max}$ [-]"
@@ -34,11 +36,11 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
     tau_beta : float
         Duration of the wind in units of 1/beta; it decides the height of the control.
     """
-    wind = RectangularWind(peak=1.0, duration=1.0)
+    wind, tau_beta = RectangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
     title = (
         f"Sketch (a). Rectangular wind and control on the boundary\neq (7), tau*beta = {tau_beta:g}"
     )
-    return _wind_and_control("sketch-a", title, wind, number("tau_beta", tau_beta, positive), 0.0)
+    return _wind_and_control("sketch-a", title, wind, tau_beta, 0.0)
 
 
 def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
@@ -51,13 +53,13 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
     dead_band : float
         K, in [0, 1].
     """
-    wind = TriangularWind(peak=1.0, duration=1.0)
+    wind, tau_beta = TriangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
+    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
     title = (
         "Sketch (b). Triangular wind and control on the boundary\n"
         f"eqs (11), (12), tau*beta = {tau_beta:g}, K = {dead_band:g}"
     )
-    b = number("tau_beta", tau_beta, positive)
-    return _wind_and_control("sketch-b", title, wind, b, float(dead_band))
+    return _wind_and_control("sketch-b", title, wind, tau_beta, dead_band)
 
 
 def sketch_c(
@@ -81,7 +83,10 @@ def sketch_c(
     """
     from tvclin.boundary.optimum.two_poles import early_switch, switch_variable
 
-    y = np.linspace(0.0, number("highest", highest, positive), int(points))
+    highest = number("highest", highest, between(1.0, 1e6))
+    within("points", whole_number("points", points), 2, 1e6)
+    ratios = one_row("ratios", np.atleast_1d(within("ratios", ratios, *_RATIOS))).tolist()
+    y = np.linspace(0.0, highest, int(points))
     y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))
     columns = []
     for r in ratios:

@@ -7,13 +7,16 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
+from os import PathLike
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, instance, shown, whole_number
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import called as quoted
 from tvclin.base.files import printable, write_whole
 from tvclin.plots.curves import Column, Curves
 
@@ -54,6 +57,10 @@ _SYMBOLS = {
 }
 
 
+_MAX_PANELS = 16
+"""Panels in one row of a figure."""
+
+
 @dataclass(frozen=True)
 class Look:
     """How the curves of a figure are drawn.
@@ -71,6 +78,11 @@ class Look:
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     across: int = 2
 
+    def __post_init__(self) -> None:
+        instance("title", self.title, str, "a text")
+        if not 1 <= whole_number("across", self.across) <= _MAX_PANELS:
+            raise InputError(f"across must be from 1 to {_MAX_PANELS}; got {shown(self.across)}")
+
 
 def draw(curves: Curves, look: Look) -> "ControlPlot":
     """Draw curves, a panel for each heading, and one legend beside them all.
@@ -78,13 +90,19 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
     `curves`: the numbers; nothing else is drawn. `look`: how they look. `InputError` for an
     abscissa of fewer than two values, which has no width.
     """
-    if not np.ptp(curves.abscissa[np.isfinite(curves.abscissa)]) > 0.0:
-        what = pretty(curves.abscissa_label)
-        raise InputError(f"{what} must hold two different values or more; got {curves.abscissa}")
+    instance("curves", curves, Curves, "the numbers of a figure")
+    finite = curves.abscissa[np.isfinite(curves.abscissa)]
+    if not finite.size or not np.ptp(finite) > 0.0:
+        what, came = pretty(curves.abscissa_label), shown(curves.abscissa)
+        raise InputError(f"{what} must hold two different values or more; got {came}")
+    for column in curves.columns:
+        if column.label not in look.styles:
+            known = ", ".join(look.styles)
+            raise InputError(f"curves must be among {known}; got {shown(column.label)}")
     panels = curves.panels
     shape, axes = new_panels(len(panels), look.across)
     lines: list[Any] = []
-    for one, (heading, columns) in zip(axes, panels.items(), strict=True):
+    for one, (heading, columns) in zip(axes, panels.items(), strict=False):
         for column in columns:
             style = look.styles[column.label]
             label = pretty(literal(column.label))
@@ -196,6 +214,7 @@ def pretty(text: str) -> str:
 
 def called(name: str, text: str) -> str:
     """Return a title with the name of the vehicle above it, where there is one."""
+    instance("name", name, str, "a text")
     return f"{name}\n{text}" if name else text
 
 
@@ -253,29 +272,33 @@ def figure_format(path: Path) -> str:
     kind = path.suffix.lstrip(".").lower()
     if kind not in FigureCanvasBase.get_supported_filetypes():
         raise InputError(
-            f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
+            f"a figure needs a file name such as boundary.png, .pdf or .svg; got {quoted(path)}"
         )
     return kind
 
 
-def save_figure(plot: "ControlPlot", path: Path) -> None:
+def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
     """Write a figure, whole or not at all, and close it, also where it cannot be written.
 
     Parameters
     ----------
     plot : control.ControlPlot
         The figure.
-    path : Path
+    path : str or path
         The file; its ending says the format.
 
     Raises
     ------
     InputError
-        For an ending that is no format, and a file that cannot be written.
+        For what is no figure, an ending that is no format, and a file that cannot be written.
     """
     import matplotlib.pyplot as plt
+    from matplotlib.figure import Figure
 
+    if not isinstance(getattr(plot, "figure", None), Figure):
+        raise InputError(f"plot must be a figure, such as of boundary_chart; got {shown(plot)}")
     try:
+        path = a_path("path", path)
         kind = figure_format(path)
         drawn = BytesIO()  # not the file: on a full disk the writer of PDF fails in its own way
         with plt.rc_context({"svg.hashsalt": "tvclin"}):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import between, number
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Style, control_plot
 
@@ -63,7 +64,13 @@ def figure_1(
     """
     import matplotlib.pyplot as plt
 
-    angles = np.radians([attitude_deg, flight_path_deg, wind_deg, deflection_deg])
+    given = {
+        "attitude_deg": attitude_deg,
+        "flight_path_deg": flight_path_deg,
+        "wind_deg": wind_deg,
+        "deflection_deg": deflection_deg,
+    }
+    angles = np.radians([number(*one, between(-360.0, 360.0), "deg") for one in given.items()])
     drawn = _body(*angles) | _forces(*angles) | _speeds(*angles) | _arcs(*angles) | _arms(*angles)
     columns = tuple(
         Column(f"{name} {axis}", line.points[:, i])

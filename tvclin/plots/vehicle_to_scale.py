@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.errors import instance, single
+from tvclin.base.errors import instance, number, positive, single, small_angle
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Style, control_plot, literal
 from tvclin.vehicle.vehicle import Vehicle
@@ -44,6 +44,8 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
 
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     single("vehicle", vehicle.batch)
+    if limit is not None:
+        limit = number("limit", limit, small_angle("a deflection", positive), "rad")
     curves = _curves(vehicle, limit)
     stations = _stations(vehicle)
     figure, axes = plt.subplots(layout="constrained")

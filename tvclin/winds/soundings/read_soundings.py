@@ -139,6 +139,8 @@ def _listed(path: Path) -> dict[str, Any]:
 def _files(source: Any) -> list[Path]:
     """All files that are meant."""
     several = not isinstance(source, str | PathLike) and isinstance(source, Iterable)
+    if isinstance(source, np.ndarray):  # one without axes is iterable, and cannot be iterated over
+        several = source.ndim > 0
     asked = [a_path("source", one) for one in (source if several else [source])]
     files = []
     for one in asked:
