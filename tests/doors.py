@@ -117,8 +117,10 @@ TOLD = {
     "judge": (".left_over.offset", ".left_over.rate"),
     "DeflectionTotal": (".needed_rate",),
     "compare_with_trim": (".peak_flight_path_angle",),
+    "fly_beside": (".flown", ".linear"),
 }
-"""Where NaN is the answer, as the docstrings say: of poles that are repeated, or not there."""
+"""Where NaN is the answer, as the docstrings say: of poles that are repeated or not there, and of a
+flight that is lost."""
 
 
 def public() -> dict[str, Any]:
@@ -1005,7 +1007,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "vehicle": booster,
                 "control": tv.flights.ReportControl(),
                 "wind": wind,
-                "timepts": [0.0, 2.0],
+                "timepts": [0.0, 3.0],
                 "deflection_limit": 0.01,
                 "engine": "planar",
                 "plane": "pitch",
