@@ -12,8 +12,10 @@ from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.nozzle_cards.unjudged import flight_reason
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
 from tvclin.answers.questions import questions
+from tvclin.base.lines import text
 from tvclin.control.laws.filtered import NoisyLaw
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
+from tvclin.show.report.verdict import sentence
 
 DEG = float(np.radians(1.0))
 HINGE = tv.answers.NozzleData(
@@ -331,3 +333,17 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
         measure = found["whole flight"].measure
         assert measure.unit == "deg/s"
         assert measure.needed > measure.there == pytest.approx(rate)
+
+
+def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_enough(tmp_path):
+    write(tmp_path / "pad.csv")
+    study = STUDY.format(limit=5.0, rate=20.0, torque=3e4)
+    study = study.replace("[schedule]", '[schedule]\nsource = "pad.csv"')
+    study = study.replace("from_s = 66\nto_s = 66", "from_s = 10\nto_s = 20\nevery_s = 10")
+    file = tmp_path / "study.toml"
+    file.write_text(study)
+    found = find(tv.load_study(file))
+    (card,) = (one for one in questions(found) if one.name == "nozzle card")
+    assert card.yes is None
+    assert card.text.startswith("the flight of trim at 10 s in 2 winds: two unstable poles")
+    assert text(sentence(found)).startswith("Not shown to be enough: the flight of trim at 10 s")
