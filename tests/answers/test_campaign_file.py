@@ -3,17 +3,24 @@
 import csv
 import json
 import re
+import sys
 import tomllib
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.answers.campaign.cases import evaluate
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 from tvclin.answers.campaign.file import parse_campaign, template
-from tvclin.answers.campaign.manifest import read, written
+from tvclin.answers.campaign.manifest import _KINDS, begin, read, read_manifest, written
+from tvclin.answers.campaign.outputs import columns
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.cli.app import app
+from tvclin.linear.models import USUAL_MODEL
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -341,3 +348,88 @@ def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
     again = read(written(asked))
     assert written(again) == written(asked)
     np.testing.assert_array_equal(evaluate(again, 0, 5)["required_K1"], found["required_K1"])
+
+
+SPREAD = {"dispersion": [{"parameter": "wind_peak", "percent": 10.0}]}
+BOTH = {
+    "gust on K = 1": {"gust": {"peak_deg": 1.0, "duration_s": 2.0}} | SPREAD,
+    "gust on K = 0.5": {
+        "study": {"dead_band": 0.5},
+        "gust": {"peak_deg": 1.0, "duration_s": 2.0},
+        **SPREAD,
+    },
+    "placed gust": {"gust": {"peak_deg": 1.0, "duration_s": 2.0, "peak_time_s": 2.0}} | SPREAD,
+    "assumed dispersions": {},
+    "sobol": {"campaign": {"method": "sobol"}} | SPREAD,
+    "head wind": {"study": {"sign": "head", "plane": "pitch"}} | SPREAD,
+    "hinge": {"nozzle": {"limit_deg": 0.5, "mass_kg": 1200.0, "arm_m": 1.35}} | SPREAD,
+    "default model": {"study": {}} | SPREAD,
+}
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_a_study_and_a_campaign_of_one_file_disperse_the_same_cases(name):
+    """One gust, one model, one draw: every case to the last digit."""
+    tables = dict(BOTH[name])
+    model = {} if name == "default model" else {"model": "fixed-path"}
+    document = {
+        "study": {"vehicle": "configuration-i"} | model | tables.pop("study", {}),
+        "campaign": {"cases": 6, "seed": 3} | tables.pop("campaign", {}),
+        "wind": WIND,
+        **tables,
+    }
+    study, plan = parse_study(document), parse_campaign(document)
+    drawn = tv.answers.disperse_study(
+        tv.Study.of(study, study.dead_band),
+        study.dispersions or DEFAULT_DISPERSIONS,
+        cases=study.cases,
+        seed=study.seed,
+        method=study.method,
+    )
+    (name,) = columns(plan)
+    np.testing.assert_array_equal(evaluate(plan, 0, plan.cases)[name], drawn.deflection)
+
+
+def test_a_gust_without_a_time_is_where_the_nominal_vehicle_requires_most():
+    head = HEAD | {"model": "fixed-path"}
+    gust, outputs = {"peak_deg": 1.0, "duration_s": 2.0}, {"dead_bands": [0.5, 1.0]}
+    plan = campaign(campaign=head, gust=gust, outputs=outputs)
+    plant = plan.rigid_plant
+
+    def required(at):
+        wind = replace(plan.wind, gust_at=at).history({})
+        return abs(tv.required_deflection(plant, wind, 0.5).deflection)
+
+    assert required(plan.wind.gust_at) >= max(map(required, np.linspace(0.5, 7.0, 14))) * (1 - 1e-9)
+    assert required(plan.wind.gust_at) > 1.005 * required(3.75)
+
+
+def test_both_templates_name_the_model_that_counts_without_one(tmp_path):
+    own = tmp_path / "my.toml"
+    own.write_text(template())
+    assert tv.answers.load_campaign(own).model == campaign().model == USUAL_MODEL
+    assert CliRunner().invoke(app, ["init", "--study", str(tmp_path / "s.toml")]).exit_code == 0
+    assert tv.answers.load_study(tmp_path / "s.toml").model == USUAL_MODEL
+
+
+def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():
+    """Every dataclass that annotations name, from the fields of a campaign down to the last."""
+    modules = [module for name, module in sys.modules.items() if name.startswith("tvclin.")]
+    kinds = [one for module in modules for one in vars(module).values() if isinstance(one, type)]
+    known = {kind.__name__: kind for kind in kinds if is_dataclass(kind)}
+    reached, left = set(), {"Campaign"}
+    while left:
+        name = left.pop()
+        reached.add(name)
+        words = " ".join(str(one.type) for one in fields(known[name]))
+        left |= (set(re.findall(r"\w+", words)) & known.keys()) - reached
+    assert {"NozzleData", "Engine", "Filter", "BendingMode", "WindEnsemble"} <= reached
+    assert reached - _KINDS.keys() == {"Number"}  # of a structure: the name of a union
+
+
+def test_a_nozzle_with_its_hinge_is_no_obstacle_to_a_campaign(tmp_path):
+    hinge = {"mass_kg": 1200.0, "arm_m": 1.35, "inertia_kg_m2": 400.0, "friction_kN_m": 2.0}
+    limits = {"limit_deg": 0.5, "torque_limit_kN_m": 90.0}
+    plan = replace(campaign(nozzle=hinge | limits), model="fixed-path", cases=8)
+    begin(plan, tmp_path)
+    assert read_manifest(tmp_path).campaign.nozzle == plan.nozzle

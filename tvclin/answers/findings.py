@@ -363,4 +363,5 @@ def _dispersed(plan: StudyPlan, study: Study, asked: Dispersions) -> DispersedSt
         seed=plan.seed,
         probability=plan.probability,
         confidence=plan.confidence,
+        method=plan.method,
     )

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 from tvclin.answers.campaign.engine import damaged, open_campaign, resume_campaign, run_campaign
 from tvclin.answers.campaign.executors import cluster, processes
 from tvclin.answers.campaign.file import load_campaign, template
@@ -90,6 +91,8 @@ def run(
     """
     plan = load_campaign(file)
     note_left_out(plan, "campaign")
+    if plan.dispersions == DEFAULT_DISPERSIONS:
+        say(f"Note: these dispersions are assumed: {plan.dispersions.words}.", err=True)
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     plan = sign.over(plan)

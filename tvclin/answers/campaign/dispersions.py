@@ -110,6 +110,19 @@ class Dispersions:
             _ = self._factor
 
     @property
+    def words(self) -> str:
+        """Parameters, distributions and standard deviations, in words."""
+        return ", ".join(
+            f"{one.parameter.replace('_', ' ')} ({one.shape}, "
+            + (
+                f"{100 * one.spread:.4g} %)"
+                if one.relative
+                else f"{one.spread:.4g} in its SI unit)"
+            )
+            for one in self.each
+        )
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """Names of what is dispersed."""
         return tuple(one.parameter for one in self.each)

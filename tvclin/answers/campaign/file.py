@@ -11,6 +11,7 @@ import numpy as np
 from tvclin.answers.availability.asked import AVAILABILITY_TABLE
 from tvclin.answers.campaign.dispersions import (
     CORRELATION_TABLE,
+    DEFAULT_DISPERSIONS,
     DISPERSION_TABLE,
     Dispersion,
     Dispersions,
@@ -24,7 +25,7 @@ from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_vehicle_at
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
-from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
+from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
@@ -88,7 +89,11 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     subject = subject_of(document, folder)
     head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     head.pop("time", None)
-    outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
+    study = STUDY_TABLE.one(document)
+    outputs: dict[str, Any] = {}
+    if "dead_band" in study:
+        outputs["dead_bands"] = [number("dead_band", study["dead_band"], between(0.0, 1.0))]
+    outputs |= OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
@@ -96,11 +101,12 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     nozzle = nozzle_of(document)
     if isinstance(wind, ShapedWind) and nozzle.stop is None:
         wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))
+    assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     return Campaign(
         nozzle=nozzle,
         design=design_of(document),
         wind=wind,
-        dispersions=dispersions_of(document),
+        dispersions=DEFAULT_DISPERSIONS if assumed else dispersions_of(document),
         **(head | subject),
         **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),

@@ -16,7 +16,7 @@ import numpy as np
 
 from tvclin.answers.campaign.dispersions import Dispersion, Dispersions
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.nozzle import Nozzle
+from tvclin.answers.nozzle import Nozzle, NozzleData
 from tvclin.base.errors import InputError, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text
 from tvclin.control.autopilot.actuator import Actuator
@@ -38,7 +38,8 @@ _MENDED = (
 _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
-        *(Campaign, Dispersions, Dispersion, Nozzle, Actuator, AutopilotDesign, Filter),
+        *(Campaign, Dispersions, Dispersion),
+        *(Nozzle, NozzleData, Actuator, AutopilotDesign, Filter),
         *(Vehicle, Structure, BendingMode, SloshTank, Engine),
         *(ShapedWind, WindEnsemble, Piecewise, Pieces),
     )

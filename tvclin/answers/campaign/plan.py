@@ -66,7 +66,9 @@ class Campaign(Case):
     vehicle : Vehicle
         The nominal vehicle, one.
     wind : ShapedWind or WindEnsemble
-        Its winds, in the plane, or with a direction and a stop of both planes.
+        Its winds, in the plane, or with a direction and a stop of both planes. A gust without a
+        time is placed where the nominal vehicle requires most at the first of `dead_bands`, as in a
+        study, and stays so far from the middle of the wind in all cases.
     dispersions : Dispersions
         What is uncertain; the default ones are assumed, not any programme's.
     cases : int
@@ -123,6 +125,8 @@ class Campaign(Case):
         if not isinstance(self.wind, ShapedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
         self._check_planes()
+        if isinstance(self.wind, ShapedWind) and self.wind.gust is not None:
+            object.__setattr__(self, "wind", self.wind_at(self.dead_bands[0]))
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         self._check_outputs()
         if self.method == "latin" and self.cases > _MOST_LATIN_CASES:

@@ -121,19 +121,10 @@ class DispersedStudy(Shown):
     @property
     def spreads(self) -> str:
         """What is dispersed, and by how much, in sentences."""
-        each = ", ".join(
-            f"{one.parameter.replace('_', ' ')} ({one.shape}, "
-            + (
-                f"{100 * one.spread:.4g} %)"
-                if one.relative
-                else f"{one.spread:.4g} in its SI unit)"
-            )
-            for one in self.dispersions.each
-        )
         return (
-            f"Dispersed are {each}. The number is one standard deviation, of a uniform distribution"
-            " half its width; a truncated one is normal and cut at three standard deviations."
-            f"{self._beyond}"
+            f"Dispersed are {self.dispersions.words}. The number is one standard deviation, of a"
+            " uniform distribution half its width; a truncated one is normal and cut at three"
+            f" standard deviations.{self._beyond}"
         )
 
     @property

@@ -52,7 +52,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         parse_campaign(document, folder)
     head, drawn = document.get("study", {}), document.get("campaign", {})
     given = {key: head[key] for key in ("dead_band", "switch") if key in head}
-    given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
+    given |= {key: drawn[key] for key in ("cases", "seed", "method") if key in drawn}
     parts: dict[str, Callable[[], Any]] = {
         "wind": lambda: _wind(document, folder, subject),
         "sizing": lambda: _sizing(document, folder),

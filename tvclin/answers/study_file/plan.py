@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Self
 
+from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.case_need import pulse_of
 from tvclin.answers.document import Document
@@ -48,6 +49,8 @@ class StudyPlan(Case):
         Number of dispersed cases.
     seed : int
         Seed of the dispersed cases.
+    method : str
+        Sampling of the dispersed cases: "plain", "sobol" or "latin", as of `draw`.
     probability : float
         Fraction of dispersed flights that the deflection is to cover.
     confidence : float
@@ -75,6 +78,7 @@ class StudyPlan(Case):
     dispersions: Dispersions | None = None
     cases: int = count(2000)
     seed: int = count(0)
+    method: str = word(METHODS, "plain")
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
     sizing: SizingAsked | None = None
