@@ -833,6 +833,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dispersions": dispersions,
                 "cases": 100,
                 "seed": 1,
+                "method": "sobol",
                 "probability": 0.9,
                 "confidence": 0.9,
                 "sizing": asked,
