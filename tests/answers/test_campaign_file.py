@@ -5,6 +5,7 @@ import json
 import re
 import sys
 import tomllib
+import tracemalloc
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from tvclin.answers.campaign.manifest import _KINDS, begin, read, read_manifest,
 from tvclin.answers.campaign.outputs import columns
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
+from tvclin.kernels.choice import available, pinned
 from tvclin.linear.models import USUAL_MODEL
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
@@ -402,6 +404,19 @@ def test_a_gust_without_a_time_is_where_the_nominal_vehicle_requires_most():
 
     assert required(plan.wind.gust_at) >= max(map(required, np.linspace(0.5, 7.0, 14))) * (1 - 1e-9)
     assert required(plan.wind.gust_at) > 1.005 * required(3.75)
+
+
+def test_a_gust_costs_a_campaign_a_megabyte_for_each_case():
+    """The largest trim deflection, four megabytes each, is that of the cases alone that fly."""
+    plan = campaign(gust={"peak_deg": 1.0, "duration_s": 2.0}, **SPREAD)
+    with pinned(available()):
+        evaluate(plan, 0, 2)
+        tracemalloc.start()
+        try:
+            evaluate(plan, 0, 96)
+            assert tracemalloc.get_traced_memory()[1] < 96 * 2**20
+        finally:
+            tracemalloc.stop()
 
 
 def test_both_templates_name_the_model_that_counts_without_one(tmp_path):

@@ -29,6 +29,9 @@ _TINY = 1e-12
 """A limit [rad] in place of none, where nothing is needed and nothing asked."""
 _HIGHEST = 4.0
 """Over the trim deflection without drift: where trim grows without end no more is tried."""
+_TOGETHER = 64
+"""Cases of which the largest trim deflection is sought, and which are flown, at a time: each takes
+four megabytes where wind and gust have many pieces."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
 
@@ -46,19 +49,23 @@ def trim_law_flown(plant: Plant, wind: History, flies: BoolArray, least: FloatAr
         return found
     from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
 
-    some, winds = plant.some(which, shape), wind.some(which, shape)
     low = np.maximum(least.ravel()[which], _TINY)
-    high = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape).ravel()[which]
-    c = some.coefficients
-    grows = np.broadcast_to(np.asarray(c.b1) < 0.0, which.shape)
-    high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * winds.peak)), high)
-
-    def lost(limits: FloatArray) -> BoolArray:
-        return lost_flown(some, winds, limits, np.ones(limits.shape, dtype=bool))
-
-    edge, never = edges_above_losses(lost, low, np.maximum(high * (1.0 + _MORE), low))
-    found.ravel()[which] = np.where(grows & never, np.inf, edge)
+    for k in range(0, which.size, _TOGETHER):
+        part = slice(k, k + _TOGETHER)
+        some, winds = plant.some(which[part], shape), wind.some(which[part], shape)
+        c, most = some.coefficients, np.abs(trim_deflection(some, winds).peak)
+        grows = np.broadcast_to(np.asarray(c.b1) < 0.0, most.shape)
+        most = np.where(grows, np.minimum(most, _HIGHEST * np.abs(c.B * winds.peak)), most)
+        lost = partial(_all_lost, some, winds)
+        top = np.maximum(most * (1.0 + _MORE), low[part])
+        edge, never = edges_above_losses(lost, low[part], top)
+        found.ravel()[which[part]] = np.where(grows & never, np.inf, edge)
     return found
+
+
+def _all_lost(plant: Plant, wind: History, limits: FloatArray) -> BoolArray:
+    """Return which limits [rad], ``(k, n)``, a trim law flown with each of them is lost with."""
+    return lost_flown(plant, wind, limits, np.ones(limits.shape, dtype=bool))
 
 
 def can_fly(plant: Plant) -> BoolArray:
