@@ -9,7 +9,7 @@ import pytest
 import tvclin as tv
 from tvclin.answers.findings import Findings, find
 from tvclin.base.lines import Number, text
-from tvclin.show.report import basis, rests, verdict
+from tvclin.show.report import basis, rests, sections, verdict
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
 
@@ -67,6 +67,7 @@ def test_a_page_does_not_judge_a_wind_of_60_degrees(tmp_path) -> None:
     assert sentence in text(verdict.sentence(answers))
     assert check_of(answers, "Forces are linear").state == "doubt"
     assert dict(verdict.facts(answers))[verdict.SURVIVES][0] == "≥ "
+    assert not any(one.kind == "figure" for one in sections.boundaries(answers).blocks)
     told = [text(one.line) for one in basis.assumptions(answers).blocks[0].each]
     assert any(sentence in one for one in told)
 

@@ -110,7 +110,6 @@ def boundaries(found: Findings) -> Section:
         "Required deflection over the duration of the wind, for each dead band K and model, in the"
         f" dynamic pressure of calm air{alone}. The dot is what this study requires."
     )
-    figure = figure_of(study_chart(s), "boundaries", label, caption)
     words = (
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
         " follows trim up to K times the limit and then uses the whole limit: K = 1 needs no"
@@ -122,7 +121,12 @@ def boundaries(found: Findings) -> Section:
             " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets"
             " in them, all others that of calm air."
         )
-    blocks = (tables.boundaries(s), figure, Paragraph((words,)))
+    shown: Block = Paragraph(
+        (f"{as_sentence(s.beyond)} Over trim stand the limits of the linear equations.",)
+    )
+    if not s.beyond:
+        shown = figure_of(study_chart(s), "boundaries", label, caption)
+    blocks = (tables.boundaries(s), shown, Paragraph((words,)))
     return Section("boundaries", "Boundaries", blocks)
 
 
