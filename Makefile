@@ -3,7 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
+# Of these the tests are run with all that have a wheel, and `make study` installs the first, numba;
+# EXTRAS=campaign,sixdof leaves it out.
 EXTRAS ?= fast,campaign,sixdof
 
 .PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs site packages release clean help
@@ -90,23 +91,31 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --upgrade pip
 
-INSTALL_EXTRAS = $(BIN)/python -m pip install --quiet --no-compile --only-binary numba,llvmlite,pyarrow,jsbsim \
-	  --editable ".[$(EXTRAS)]" \
-	  || echo "an extra has no wheel for this platform; going on without it"
+comma := ,
+# Each by itself: where one has no wheel for a platform the others are installed all the same.
+define INSTALL_EXTRAS
+for extra in $(subst $(comma), ,$(1)); do \
+  $(BIN)/python -m pip install --quiet --no-compile --only-binary numba,llvmlite,pyarrow,jsbsim \
+    --editable ".[$$extra]" \
+    || echo "the extra $$extra has no wheel for this platform; going on without it"; \
+done
+endef
 
-# slycot has wheels for the common platforms only; tvclin works without it.
+# numba and slycot have wheels for the common platforms only; tvclin works without them, and without
+# numba many answers take minutes.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --no-compile --editable .
+	$(call INSTALL_EXTRAS,$(findstring fast,$(EXTRAS)))
 	$(BIN)/python -m pip install --quiet --no-compile --only-binary slycot "slycot>=0.7" \
 	  || echo "slycot has no wheel for this platform; going on without it"
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --no-compile --group test --group lint --editable ".[notebook,report]"
-	$(INSTALL_EXTRAS)
+	$(call INSTALL_EXTRAS,$(EXTRAS))
 	touch $@
 
 $(VENV)/.installed-docs: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --no-compile --group docs
-	$(INSTALL_EXTRAS)
+	$(call INSTALL_EXTRAS,$(EXTRAS))
 	touch $@

@@ -2,7 +2,7 @@
 
 import warnings
 
-from tvclin.base.warned import warned
+from tvclin.base.warned import MachineWarning, warned
 
 
 def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> None:
@@ -16,3 +16,15 @@ def test_each_sentence_is_told_once_and_those_of_other_packages_are_not() -> Non
                 warnings.warn("use another name", kind, stacklevel=1)
 
     assert told == ["a", "b"]
+
+
+def test_what_is_said_of_the_machine_is_no_part_of_an_answer_and_reaches_the_command() -> None:
+    told: list[str] = []
+    answer: list[str] = []
+    with warned(told.append, machine=told.append), warned(answer.append):
+        for sentence in ("numba is missing", "numba is missing", "a kernel was compiled"):
+            warnings.warn(sentence, MachineWarning, stacklevel=1)
+        warnings.warn("the wind is long", stacklevel=1)
+
+    assert told == ["numba is missing", "a kernel was compiled"]
+    assert answer == ["the wind is long"]

@@ -334,3 +334,32 @@ def test_an_autopilot_says_by_what_it_is_judged() -> None:
     assert asked["phase_margin_deg"][1] != "the command line"  # it was not changed
     words = "(aero margin 4 dB, gain increase 4 dB, phase margin 30 deg, delay margin 20 ms)"
     assert words in " ".join(printed.output.split())
+
+
+@pytest.mark.parametrize("vehicle", ["configuration-i", "made-up-launcher"])
+def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_proposed_are_enough(
+    vehicle,
+):
+    shown = CliRunner().invoke(app, ["margins", vehicle])
+    told = re.search(r"gains that satisfy the criteria classic: (--\S+ \S+),", shown.stdout)
+    better = CliRunner().invoke(app, ["margins", vehicle, *told[1].split()])
+
+    assert (shown.exit_code, better.exit_code) == (1, 0)
+    assert "textbook gains" in shown.stdout
+    assert "textbook gains" not in better.stdout
+    assert "gains that satisfy" not in better.stdout
+
+
+def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_numbers(tmp_path):
+    head = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 2\nduration_s = 7.5\n'
+    loop = head + '[criteria]\nname = "classic"\n[autopilot]\ndesign = "lqr"\n'
+    nozzle = "[nozzle]\nactuator_frequency_rad_per_s = 25.1\n"
+    said = "an actuator of 25.1 rad/s and damping 0.7 is assumed"
+    for table, assumed in ((loop, True), (loop + nozzle, False), (head, False)):
+        (tmp_path / "s.toml").write_text(table)
+        shown = CliRunner().invoke(app, ["study", f"{tmp_path}/s.toml"])
+        assert (said in shown.stdout) is assumed
+
+    options = ["--actuator-frequency", "25.1"]
+    assert said in CliRunner().invoke(app, ["margins"]).stdout
+    assert said not in CliRunner().invoke(app, ["margins", *options]).stdout

@@ -1,5 +1,8 @@
 """What long work tells: lines in a pipe, parts of a page, and how a campaign goes on."""
 
+import re
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +14,10 @@ from tvclin.answers.campaign import engine
 from tvclin.answers.campaign.file import parse_campaign, template
 from tvclin.answers.findings import find
 from tvclin.base.files import tables_of
+from tvclin.base.warned import MachineWarning
 from tvclin.cli import progress
 from tvclin.cli.app import app
+from tvclin.kernels import choice
 from tvclin.show import reproduce
 
 
@@ -111,3 +116,43 @@ def test_the_flight_of_the_template_can_be_taken_in() -> None:
 
     plan = parse_campaign(tables_of(with_flight, "mine"))
     assert (plan.nozzle.rate_limit, plan.asked.sample_rate) == (np.radians(10.0), 50.0)
+
+
+@pytest.fixture
+def _without_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let there be no compiler, and let a hundredth of a second be long."""
+    monkeypatch.setattr(choice, "available", lambda: False)
+    monkeypatch.setattr(engine, "available", lambda: False)
+    monkeypatch.setattr(choice, "_LONG", 0.01)
+    monkeypatch.setattr(choice, "_plain_work", choice._PlainWork())
+
+
+@pytest.mark.usefixtures("few_durations")
+def test_without_numba_a_command_says_so_once_and_its_page_has_the_same_bytes(
+    request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    def page() -> tuple[bytes, str]:
+        result = CliRunner().invoke(app, ["report", "configuration-i", "-o", f"{tmp_path}/p.html"])
+        return (tmp_path / "p.html").read_bytes(), result.stderr
+
+    installed, quiet = page()
+    request.getfixturevalue("_without_numba")
+    missing, said = page()
+
+    assert "numba" not in quiet
+    assert len(re.findall(r"takes about .* without numba.*pip install", said)) == 1
+    assert missing == installed
+    assert b"numba" not in installed
+
+
+@pytest.mark.usefixtures("_without_numba")
+def test_without_numba_the_work_of_all_cases_of_a_campaign_is_announced_at_its_start(
+    tmp_path: Path,
+) -> None:
+    campaign = parse_campaign(tables_of(template(), "mine"))
+    campaign = replace(campaign, cases=8, chunk=8, until=None)
+    with pytest.warns(UserWarning, match="without numba") as said, ThreadPoolExecutor(1) as pool:
+        tv.run_campaign(campaign, tmp_path / "r", executor=pool, compiled=False)
+
+    assert [one.category for one in said] == [MachineWarning]
+    assert choice._plain_work.seconds > 0.0

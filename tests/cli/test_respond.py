@@ -300,3 +300,23 @@ def test_a_verdict_in_calm_air_says_what_a_head_wind_meets(tmp_path) -> None:
         assert f"a head wind of this size meets up to {ratio:.3g} times as much" in said.stderr
     for more in (["--peak-deg", "1.4"], ["--plane", "yaw"]):
         assert CliRunner().invoke(app, ["respond", "configuration-i", *more]).stderr == ""
+
+
+def test_what_a_table_of_winds_does_not_say_is_told_or_given(tmp_path):
+    """Configuration I flies at 12 km; 39,400 ft at 67 mph are the same as the site's and m/s."""
+    feet, metres = tmp_path / "feet.csv", tmp_path / "metres.csv"
+    feet.write_text(
+        "altitude,speed,direction\n0,0,270\n39370.0787401575,67.1080887616,270\n90000,0,0\n"
+    )
+    metres.write_text(
+        "Altitude MSL (m),Speed (m/s),Direction (deg)\n160,0,270\n12160,30,270\n27592,0,0\n"
+    )
+    asked = ("--azimuth-deg", 90)
+    given = document("--winds", feet, "--units", "ft,mph", "--above-ground", 160, *asked)
+    written = document("--winds", metres, *asked)
+    assert given["wind"]["peak_deg"] == pytest.approx(written["wind"]["peak_deg"], rel=1e-9)
+    named = run("--winds", feet, "--winds-format", "openrocket", *asked)
+    assert "feet.csv: assumed, as the file does not say: altitudes in m, speeds" in named.stderr
+    assert "--winds-format openrocket" in run("--winds", feet, *asked).stderr
+    for option in (("--units", "ft,mph"), ("--above-ground", 160), ("--winds-format", "csv")):
+        assert f"{option[0]} needs a sounding, --winds" in run(*option).stderr

@@ -10,6 +10,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from tvclin.base.warned import MachineWarning
 from tvclin.boundary import closed_forms
 from tvclin.kernels import choice, threads
 from tvclin.kernels.small_roots import small_roots
@@ -111,27 +112,53 @@ def test_the_number_of_threads_can_be_bounded(monkeypatch):
     assert threads.thread_count() == most
 
 
-def test_without_a_compiler_plain_python_runs(monkeypatch):
+@pytest.fixture
+def without_numba(monkeypatch):
+    """Let there be no compiler, in a process that has done no work yet."""
     monkeypatch.setattr(choice, "available", lambda: False)
+    monkeypatch.setattr(choice, "_plain_work", choice._PlainWork())
+
+
+@pytest.mark.usefixtures("without_numba")
+def test_without_a_compiler_plain_python_runs():
     with choice.pinned(True):
-        assert choice.swiftest(small_roots, 1e9) is small_roots
+        assert choice.swiftest(small_roots, 1.0) is small_roots
+    with pytest.warns(UserWarning, match=r"takes about 81 s or more without numba.*pip .*fast"):
+        assert choice.swiftest(small_roots, 80.0) is small_roots
+
+
+@pytest.mark.usefixtures("without_numba")
+def test_many_short_calls_without_a_compiler_are_warned_of_once_when_they_come_to_five_seconds():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert choice.swiftest(small_roots, 1.0) is small_roots
-    with pytest.warns(UserWarning, match=r"takes about 80 s without numba.*pip install.*fast"):
-        assert choice.swiftest(small_roots, 80.0) is small_roots
+        for _ in range(499):
+            choice.swiftest(small_roots, 0.01)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for _ in range(1000):
+            choice.swiftest(small_roots, 0.01)
+    assert len(said) == 1
+    assert said[0].category is MachineWarning
+
+
+@pytest.mark.usefixtures("without_numba")
+def test_calls_alike_without_a_compiler_are_warned_of_at_the_first():
+    with pytest.warns(UserWarning, match="about 20 s"), choice.repeated(2000):
+        choice.swiftest(small_roots, 0.01)
+    assert choice._plain_work.seconds == 0.01
 
 
 @pytest.mark.parametrize(("value", "disabled"), [("1", True), ("0", False), ("", False)])
 def test_numba_told_to_compile_nothing_is_as_if_it_were_not_installed(monkeypatch, value, disabled):
     """Numba hands functions back then, to which arrays of records are no objects."""
     pytest.importorskip("numba")
+    monkeypatch.setattr(choice, "_plain_work", choice._PlainWork())
     monkeypatch.setenv("NUMBA_DISABLE_JIT", value)
     assert choice.available() is not disabled
     if disabled:
         with choice.pinned(True):
-            assert choice.swiftest(small_roots, 1e9) is small_roots
-        with pytest.warns(UserWarning, match=r"without numba.*as with it: unset NUMBA_DISABLE_JIT"):
+            assert choice.swiftest(small_roots, 1.0) is small_roots
+        with pytest.warns(UserWarning, match=r"without numba.* with it: unset NUMBA_DISABLE_JIT"):
             assert choice.swiftest(small_roots, 80.0) is small_roots
 
 

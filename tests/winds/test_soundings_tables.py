@@ -189,6 +189,24 @@ def test_what_is_assumed_of_a_table_without_units_is_told_and_can_be_said(tmp_pa
         read(tmp_path, BARE)
 
 
+def test_a_folder_of_tables_without_units_is_read_alike(tmp_path) -> None:
+    for day in (15, 16):
+        (tmp_path / f"2024-02-{day}_12.csv").write_text(BARE)
+    with pytest.raises(tv.InputError, match="holds no sounding: 2 files"):
+        tv.read_soundings(tmp_path, format="igra")
+    for form in (None, "openrocket"):
+        found = tv.read_soundings(tmp_path, format=form, units="ft,mph,deg", above_ground=100.0)
+        above = [(h + 100.0 / FOOT, s, d) for h, s, d in LEVELS]
+        for profile in found:
+            holds(profile, above, FOOT, MILE / 3600)
+    station = tmp_path / "station.txt"
+    station.write_text(Balloon("2024-02-01T00", jet(30.0)).text)
+    with pytest.raises(tv.InputError, match="are for tables .*station.txt is of the format igra"):
+        tv.read_soundings(station, units="ft,mph")
+    with pytest.raises(tv.InputError, match="units must name"):
+        tv.read_soundings(tmp_path, units="parsec")
+
+
 @pytest.mark.parametrize("units", ["ft,mph,knots", "parsec", "", "m,m", 3])
 def test_units_that_are_none_are_refused(tmp_path, units) -> None:
     with pytest.raises(tv.InputError, match="units must"):

@@ -20,7 +20,7 @@ from tvclin.answers.sizing.wind_sign import largest_ratio, survived_size
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.base.warned import COMPILED, warned
+from tvclin.base.warned import warned
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 if TYPE_CHECKING:
@@ -212,7 +212,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             loads=part("loads", lambda asked, _: asked.front(plan, 1.0 / study.of_both)),
             head=part("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
-            warnings=tuple(one for one in said if not one.startswith(COMPILED)),
+            warnings=tuple(said),
         )
 
 

@@ -25,6 +25,7 @@ _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "num
 _ENGINE = {"mass": "mass", "arm": "arm", "inertia": "moment_of_inertia"}
 """Of what turns, and what `Engine` calls it."""
 USUAL_ACTUATOR = Actuator()
+"""The actuator that is assumed; one that is specified is another object, even if it is equal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +134,8 @@ class Nozzle:
         """
         found = NOZZLE_TABLE.read(table)
         given = {name: found.pop(name) for name in _ACTUATOR if name in found}
-        return cls(data=_data(found), actuator=actuator_of(**given), **found)
+        servo = actuator_of(**given) if given else USUAL_ACTUATOR
+        return cls(data=_data(found), actuator=servo, **found)
 
 
 _HINGE = file_table("[nozzle]", NozzleData).quantities

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tvclin.answers.findings import Findings
+from tvclin.answers.gain_notes import actuator_notes, gain_notes
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import in_calm_air
@@ -121,6 +122,16 @@ def calm_air_notes(found: Findings) -> Iterator[str]:
 
 _IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight")
 """Questions whose answers rest on the wind of the study."""
+
+
+def loop_notes(found: Findings) -> Iterator[str]:
+    """Yield what was not specified of the autopilot and the nozzle that answer its questions."""
+    margins = found.margins
+    if margins is not None:
+        met = bool(found.criteria.are_met(margins))
+        yield from gain_notes(found.plan, found.criteria, met)
+    elif found.card is not None:
+        yield from actuator_notes(found.plan)
 
 
 def _asked(found: Findings) -> Iterator[Question]:

@@ -22,6 +22,7 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.gusts import OneMinusCosineGust
@@ -219,9 +220,10 @@ def law_trials(
 
         return tell
 
-    return LawTrials(
-        _trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs)
-    )
+    with repeated(len(pairs)):
+        return LawTrials(
+            _trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs)
+        )
 
 
 def law_curve(

@@ -6,8 +6,9 @@ reader knows which argument to change.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from difflib import get_close_matches
 from importlib import import_module
 from os import PathLike, fspath
@@ -97,8 +98,11 @@ def imported(package: str, needs: str, extra: str) -> Any:
 
 
 def install(*extras: str) -> str:
-    """Return the command that installs extras."""
-    return f'pip install "tvclin[{",".join(extras)}]"'
+    """Return the command that installs extras into the environment of this interpreter."""
+    python = Path(sys.executable or "python")
+    with suppress(OSError, ValueError):  # no working directory, or the interpreter is not in it
+        python = python.relative_to(Path.cwd())
+    return f'{python} -m pip install "tvclin[{",".join(extras)}]"'
 
 
 def real(name: str, value: ArrayLike, unit: str = "") -> FloatArray:

@@ -139,19 +139,18 @@ class Sheet:
             raise InputError(f"{self.text.source} has no column {name}; {mend}")
         return self.numbers(heading, dimension, known)
 
-    def optional(self, key: str, name: str, dimension: str) -> tuple[dict[str, Column], list[str]]:
-        """Return the numbers of an optional column by our key, and notes.
+    def optional(self, key: str, name: str, dimension: str, notes: list[str]) -> dict[str, Column]:
+        """Return the numbers of an optional column by our key; empty without a column of that name.
 
-        Without a column of that name both are empty; a column that cannot be read is omitted with a
-        note that says why.
+        A column that cannot be read is omitted, and `notes` gets the reason.
         """
         try:
             heading = self.find(name)
-            found = {} if heading is None else {key: self.numbers(heading, dimension)}
+            return {} if heading is None else {key: self.numbers(heading, dimension)}
         except InputError as error:
             why = str(error).removeprefix(self.text.source).lstrip(":, ")
-            return {}, [f"not read: column {name}, which is not needed: {why}"]
-        return found, []
+            notes.append(f"not read: column {name}, which is not needed: {why}")
+            return {}
 
     def factor(self, heading: Heading, dimension: str) -> float:
         """Return the factor of a column's unit to SI; `InputError` where it is not known."""

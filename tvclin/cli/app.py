@@ -141,7 +141,10 @@ class Commands(TyperGroup):
         """Run a command."""
         from tvclin.base.warned import warned
 
-        with _in_one_sentence(), warned(lambda sentence: _say(f"Warning: {sentence}")):
+        def tell(sentence: str) -> None:
+            _say(f"Warning: {sentence}")
+
+        with _in_one_sentence(), warned(tell, machine=tell):
             return super().invoke(ctx)
 
 

@@ -7,6 +7,7 @@ from math import degrees, isfinite
 from pathlib import Path
 from typing import Any
 
+from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.answers.study_file.plan import StudyPlan
@@ -112,6 +113,11 @@ class _Found:
         found = self.compared
         return MarginsFound.of(found.autopilot, found.plant, self.case.held_to).met
 
+    @cached_property
+    def loop_notes(self) -> tuple[str, ...]:
+        """What was not specified, and what satisfies the criteria."""
+        return tuple(gain_notes(self.case, self.case.held_to, self.criteria_met))
+
     @property
     def met(self) -> bool:
         """Whether the loop is stable, and meets criteria and limit."""
@@ -152,7 +158,8 @@ class _Found:
             },
             "limit_deg": self.limit,
             "within_limit": None if self.limit is None else self.within,
-            **picked(self, "met notes"),
+            "met": self.met,
+            "notes": (*self.notes, *self.loop_notes),
             **({} if self.sought is None else {"least": self.sought}),
         }
 
@@ -168,6 +175,7 @@ class _Found:
             self._judge()
         else:
             say(f"NO NUMBERS: {found.margins.reason}")
+        say_notes(self.loop_notes)
         if self.sought is not None:
             print_least(self.sought)
 

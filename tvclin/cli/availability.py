@@ -28,15 +28,17 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import GustOptions, noted_sounding
+from tvclin.cli.wind import FormatOptions, GustOptions, noted_sounding
 from tvclin.vehicle.coefficients import IN_WORDS
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.read_soundings import read_soundings
 
+_OF_ARCHIVES = ("years", "station", "in_order", "dates", "utc_offset")
+
 
 @dataclass(frozen=True)
-class ArchiveOptions:
+class ArchiveOptions(FormatOptions):
     """Which soundings of an archive count; `grouped` gives the options."""
 
     months: list[int] | None = asked(
@@ -62,7 +64,11 @@ class ArchiveOptions:
         """Return these soundings."""
         with bar("read") as progress:
             return read_soundings(
-                archive, **vars(self) | {"months": self.months or None}, progress=progress
+                archive,
+                months=self.months or None,
+                **{name: getattr(self, name) for name in _OF_ARCHIVES},
+                **self.reading,
+                progress=progress,
             )
 
 
@@ -95,13 +101,15 @@ class JudgedOptions:
             return None
         return radians(within("--persistence-deg", self.persistence_deg, 0.0, 90.0))
 
-    @property
-    def balloon(self) -> WindProfile | None:
-        """What the balloon of today saw; None without an option."""
+    def balloon(self, **reading: Any) -> WindProfile | None:
+        """Return the wind of the balloon of today; None without an option.
+
+        `reading`: other arguments of `read_sounding`.
+        """
         if self.today is None:
             only_with("--today", today_time=self.today_time)
             return None
-        return noted_sounding(self.today, self.today_time)
+        return noted_sounding(self.today, self.today_time, **reading)
 
 
 def availability(
@@ -160,7 +168,7 @@ def availability(
     limit = float(np.radians(within("--limit-deg", limit_deg, 0.0, 90.0)))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
-    flight, balloon = load_schedule(source).between(begin, end), judged.balloon
+    flight, balloon = load_schedule(source).between(begin, end), judged.balloon(**only.reading)
     soundings, (gust, speed) = only.read(archive), blows.on_top
     with bar("soundings") as progress:
         found = availability_of(

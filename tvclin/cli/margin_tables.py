@@ -74,8 +74,6 @@ def print_margins(title: str, found: MarginsFound) -> None:
     if whole.stable:
         say_notes(whole.notes)
         say(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
-        if not found.met:
-            say("Other gains: --natural-frequency and --damping, or gains of your own.")
 
 
 def _print_bands(found: BandMargins, asked: Criteria) -> None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
+from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
@@ -94,11 +95,12 @@ def margins(
     note_left_out(case, "margins", *aside)
     autopilot = autopilot_asked(case, case.history, case.held_to)
     found = MarginsFound.of(autopilot, case.plant, case.held_to)
+    told = tuple(gain_notes(case, case.held_to, found.met))
     moved = found.detuned if detuned else None
     in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
-    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
+    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box, told)
     answer(shown.as_json, every.document, lambda: every.print(vehicle), every.met)
 
 
@@ -112,6 +114,7 @@ class _Answer:
     moved: Detuned | None
     in_wind: FlownMargins | None
     in_box: BoxFound | None
+    notes: tuple[str, ...]
 
     @property
     def met(self) -> bool:
@@ -128,13 +131,15 @@ class _Answer:
         }
         head = picked(self.case, "vehicle=vehicle.name model=plant.model plane")
         more = {name: one for name, one in beside.items() if one is not None}
-        return head | margins_document(self.found) | more
+        margins = margins_document(self.found)
+        return head | margins | more | {"notes": (*margins["notes"], *self.notes)}
 
     def print(self, source: str) -> None:
         """Print all of it."""
         case = self.case
         head = f"{case.vehicle.name or source}, {case.plant.model}, {case.plane}"
         print_margins(head, self.found)
+        say_notes(self.notes)
         if self.moved is not None:
             print_tables(self.moved.table())
             say_lines(self.moved.said)

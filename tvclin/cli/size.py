@@ -44,7 +44,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
-from tvclin.cli.wind import FormatOptions, ShapedOptions, azimuth_of
+from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.read import read_sounding
 
@@ -58,7 +58,7 @@ SOURCE = (
 
 
 @dataclass(frozen=True)
-class FlightOptions(FormatOptions, ShapedOptions):
+class FlightOptions(BiasOptions, ShapedOptions):
     """A pulse whose peak meets each flight time, and soundings."""
 
     winds: list[Path] | None = asked(

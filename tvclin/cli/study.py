@@ -6,7 +6,14 @@ from typing import Any
 
 from tvclin.answers import study_tables as tables
 from tvclin.answers.findings import Findings, find
-from tvclin.answers.questions import all_yes, calm_air_notes, questioned, questions, sufficient
+from tvclin.answers.questions import (
+    all_yes,
+    calm_air_notes,
+    loop_notes,
+    questioned,
+    questions,
+    sufficient,
+)
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
@@ -100,7 +107,7 @@ def study(
 def _document(found: Findings) -> dict[str, Any]:
     """What was found, for JSON."""
     extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
-    said = [*found.study.notes, *calm_air_notes(found)]
+    said = [*found.study.notes, *calm_air_notes(found), *loop_notes(found)]
     answers = {"questions": questions(found), "sufficient": sufficient(found), "notes": said}
     return found.study.as_dict() | extra | answers
 
@@ -123,6 +130,7 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         print_tables(*d.tables())
         say(d.spreads)
     if len(each) < 2:
+        say_notes(loop_notes(found))
         return
     from tvclin.answers.asked_table import asked_table
 
@@ -136,4 +144,4 @@ def _print(found: Findings, source: str, explain: bool) -> None:
     }
     say(f"Verdict: {said[sufficient(found)]}")
     days = () if found.availability is None else found.availability.notes
-    say_notes((*calm_air_notes(found), *days))
+    say_notes((*calm_air_notes(found), *loop_notes(found), *days))

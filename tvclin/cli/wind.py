@@ -145,7 +145,35 @@ class ShapedOptions(PulseOptions):
 
 
 @dataclass(frozen=True)
-class BiasOptions(PulseOptions):
+class FormatOptions:
+    """The format of soundings, and what their tables do not say; `grouped` gives the options."""
+
+    winds_format: str | None = asked(
+        "Format of the sounding: csv, openrocket, wyoming, igra, rocketpy or synthetic.",
+        shown="by its content",
+    )
+    units: str | None = asked(
+        "Units of a table of winds that names none: those of heights, speeds and directions.",
+        metavar="FT,MPH",
+        shown="m,m/s,deg with --winds-format openrocket",
+    )
+    above_ground: float | None = asked(
+        "Elevation of the site above the sea, in m, for a table of heights above the ground.",
+        metavar="M",
+    )
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """The arguments of `read_sounding` that these options give."""
+        return {
+            "format": self.winds_format,
+            "units": self.units,
+            "above_ground": self.above_ground,
+        }
+
+
+@dataclass(frozen=True)
+class BiasOptions(FormatOptions, PulseOptions):
     """A mean wind that a biased flight path takes out of soundings."""
 
     bias: Path | None = asked(
@@ -173,34 +201,6 @@ class BiasOptions(PulseOptions):
         only_with("--bias, the file of a station", bias_month=self.bias_month)
         return read_sounding(self.bias)
 
-
-@dataclass(frozen=True)
-class FormatOptions(BiasOptions):
-    """The format of soundings, and what their tables do not say."""
-
-    winds_format: str | None = asked(
-        "Format of the sounding: csv, openrocket, wyoming, igra, rocketpy or synthetic.",
-        shown="by its content",
-    )
-    units: str | None = asked(
-        "Units of a table of winds that names none: those of heights, speeds and directions.",
-        metavar="FT,MPH",
-        shown="m,m/s,deg with --winds-format openrocket",
-    )
-    above_ground: float | None = asked(
-        "Elevation of the site above the sea, in m, for a table of heights above the ground.",
-        metavar="M",
-    )
-
-    @property
-    def reading(self) -> dict[str, Any]:
-        """The arguments of `read_sounding` that these options give."""
-        return {
-            "format": self.winds_format,
-            "units": self.units,
-            "above_ground": self.above_ground,
-        }
-
     def only_with_sounding(self, *names: str) -> None:
         """Raise `InputError` for options of soundings, and of these names, where there is none."""
         own = ("winds_format", "units", "above_ground", "bias", "bias_month", *names)
@@ -208,7 +208,7 @@ class FormatOptions(BiasOptions):
 
 
 @dataclass(frozen=True)
-class BlowingOptions(FormatOptions):
+class BlowingOptions(BiasOptions):
     """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
 
     winds: Path | None = asked(

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass
 from functools import cache
 from hashlib import sha1
 from importlib.util import find_spec
@@ -20,12 +21,15 @@ from warnings import warn
 import numpy as np
 
 from tvclin.base.errors import install
+from tvclin.base.warned import MachineWarning
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
-_LOADING, _COMPILING, _LONG = 0.02, 2.0, 10.0
+_LOADING, _COMPILING = 0.02, 2.0
 """Seconds of plain Python in one call for which machine code is loaded, and compiled where it is
-not kept; and of which somebody without numba is told."""
+not kept."""
+_LONG = 5.0
+"""Seconds of plain Python, of all calls of a process together, from which numba is missed."""
 
 DISABLING = "NUMBA_DISABLE_JIT"
 """Environment variable that tells numba to compile nothing."""
@@ -37,24 +41,50 @@ _alike: ContextVar[int] = ContextVar("_alike", default=1)
 """How many calls there are of each, about."""
 
 
+@dataclass
+class _PlainWork:
+    """Work [s] that this process has given to plain Python, and whether that was warned of."""
+
+    seconds: float = 0.0
+    announced: bool = False
+
+
+_plain_work = _PlainWork()
+
+
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel as it is, or as machine code where that pays.
 
     `function`: marked by `kernels.source.kernel`. `seconds`: about what it would take in plain
-    Python.
+    Python. Without numba the process warns once, when its calls come to `_LONG` seconds together.
     """
+    if not available():
+        _count(seconds)
+    return chosen(function, seconds)
+
+
+def chosen(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
+    """Return the same as `swiftest`, for work that is counted already."""
     wanted = _pinned.get()
-    if not available() and seconds > _LONG and wanted is None:
-        warn(
-            f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"
-            f" it: {remedy()}",
-            stacklevel=2,
-        )
     if wanted is None:
         every = seconds * _alike.get()
         compiles = _waits.get() and every > _COMPILING
         wanted = compiles or (every > _LOADING and _is_kept(function))
     return machine_code(function) if wanted and available() else function
+
+
+def _count(seconds: float) -> None:
+    """Add a call to the plain work of this process, and warn as soon as it will be long."""
+    expected = _plain_work.seconds + seconds * _alike.get()
+    _plain_work.seconds += seconds
+    if expected > _LONG and not _plain_work.announced:
+        _plain_work.announced = True
+        warn(
+            f"this takes about {expected:.0f} s or more without numba, and a small part of that"
+            f" with it: {remedy()}",
+            MachineWarning,
+            stacklevel=3,
+        )
 
 
 def run(
@@ -143,8 +173,11 @@ def pinned(compiled: bool) -> AbstractContextManager[None]:
 
 
 def repeated(calls: int) -> AbstractContextManager[None]:
-    """Choose for so many calls alike, which together are worth what one is not."""
-    return _within(_alike, calls)
+    """Choose for so many calls alike, which together are worth what one is not.
+
+    Within others that are repeated it is so many times as many.
+    """
+    return _within(_alike, _alike.get() * calls)
 
 
 def compiling_nothing() -> AbstractContextManager[None]:

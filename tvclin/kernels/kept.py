@@ -19,7 +19,7 @@ from numba.core.serialize import dumps
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, write_whole
-from tvclin.base.warned import COMPILED
+from tvclin.base.warned import MachineWarning
 
 _HASH = sha256().digest_size
 _LONG = 2.0
@@ -41,7 +41,8 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
             self._begun = monotonic()
             return None
         if sha256(content[_HASH:]).digest() != content[:_HASH]:
-            warn(f"{called(file)} is damaged; this machine code is compiled anew", stacklevel=2)
+            damaged = f"{called(file)} is damaged; this machine code is compiled anew"
+            warn(damaged, MachineWarning, stacklevel=2)
             return None
         return self._impl.rebuild(target_context, pickle.loads(content[_HASH:]))
 
@@ -49,7 +50,8 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
         """Keep machine code; where that fails this process goes on with what it has."""
         took = monotonic() - self._begun
         if took > _LONG:
-            warn(f"{COMPILED} in {took:.0f} s, once on this machine", stacklevel=2)
+            compiled_once = f"a kernel was compiled in {took:.0f} s, once on this machine"
+            warn(compiled_once, MachineWarning, stacklevel=2)
         if not self._impl.check_cachable(compiled):
             return
         content = dumps(self._impl.reduce(compiled))

@@ -190,7 +190,7 @@ def _read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
     text = read_lines(path)
     sheet = sheet_in(text, _fit_of_winds, "names: a first column time_s and one for each wind")
     time, *winds = sheet.headings
-    found = unit_of("".join(time.words[1:]), WRITTEN["time"])
+    found = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
     assert found is not None  # by the fit
     columns = [found.factor * _column(sheet, time)]
     for wind in winds:
@@ -205,8 +205,8 @@ def _read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
 
 
 def _fit_of_winds(headings: Headings) -> float:
-    first, *units = headings[0].words
-    unit = unit_of("".join(units), WRITTEN["time"]) if units else None
+    first, *units = headings[0].words or [""]
+    unit = unit_of(" ".join(units), WRITTEN["time"])
     return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
 
 

@@ -12,12 +12,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.campaign.cases import nominal
+from tvclin.answers.campaign.cases import evaluate, nominal
 from tvclin.answers.campaign.chunks import arrow, chunk_file, flaw, run_chunk, sweep
 from tvclin.answers.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.answers.campaign.plan import Campaign, checkpoints
 from tvclin.answers.campaign.results import CampaignResults
 from tvclin.base.errors import InputError, callable_for, flag, instance, path, shown
+from tvclin.kernels.choice import available, pinned, repeated
 
 Progress = Callable[[int, int], None]
 Shard = tuple[int, int]
@@ -162,6 +163,8 @@ def _work(
     first, step = _shard(shard)
     mine = range(first, campaign.chunks, step)
     total, done = sum(campaign.span(k)[1] for k in mine), 0
+    if executor is not None and not available():
+        _count_work(campaign, total)
     for group in _groups(campaign, mine):
         todo = []
         for k in group:
@@ -176,6 +179,12 @@ def _work(
         if campaign.until is not None and CampaignResults.read(folder).converged:
             break
     return CampaignResults.read(folder)
+
+
+def _count_work(campaign: Campaign, cases: int) -> None:
+    """Count the work of workers without numba here, by that of a case: they warn nobody."""
+    with pinned(False), repeated(cases):
+        evaluate(campaign, 0, 1)
 
 
 def _groups(campaign: Campaign, mine: range) -> Iterator[range]:

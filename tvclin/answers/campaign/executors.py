@@ -18,6 +18,7 @@ from threading import Event, Thread
 from typing import Any
 
 from tvclin.base.errors import InputError, imported, whole_number
+from tvclin.base.warned import MachineWarning
 from tvclin.kernels.threads import VARIABLE
 
 _TIMEOUT = 5.0
@@ -117,6 +118,7 @@ async def _connect(distributed: Any, address: str) -> None:
 
 def _begin_worker() -> None:
     os.environ[VARIABLE] = "1"
+    warnings.filterwarnings("ignore", "this takes about .* without numba", MachineWarning)
     Thread(target=_leave_with_parent, daemon=True).start()
 
 

@@ -83,7 +83,7 @@ def columns_of(
     notes: list[str] = []
     for read in (_air, _attitude):
         found |= read(sheet, notes)
-    found |= _optional(sheet, notes, "damping", _DAMPING, "damping moment")
+    found |= sheet.optional("damping", _DAMPING, "damping moment", notes)
     return found | (_own_slope(sheet) if own_slope else {}), notes
 
 
@@ -111,24 +111,15 @@ def _column(sheet: Sheet, name: str) -> Column:
     return sheet.need(called, dimension, "tick it and export the file again")
 
 
-def _optional(
-    sheet: Sheet, notes: list[str], key: str, name: str, dimension: str
-) -> dict[str, Column]:
-    """The numbers of an optional column by our key; notes that it is not read are added."""
-    found, said = sheet.optional(key, name, dimension)
-    notes += said
-    return found
-
-
 def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
-    found = _optional(sheet, notes, "sound", "Speed of sound", "speed")
-    pressure = _optional(sheet, notes, "pressure", "Air pressure", "pressure")
+    found = sheet.optional("sound", "Speed of sound", "speed", notes)
+    pressure = sheet.optional("pressure", "Air pressure", "pressure", notes)
     if pressure:
-        pressure |= _optional(sheet, notes, "temperature", "Air temperature", "temperature")
+        pressure |= sheet.optional("temperature", "Air temperature", "temperature", notes)
     if "temperature" in pressure:
         return found | pressure
-    if density := _optional(sheet, notes, "density", _DENSITY, "density"):
+    if density := sheet.optional("density", _DENSITY, "density", notes):
         return found | density
     if pressure:
         return found | pressure
@@ -145,7 +136,7 @@ def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     if heading is not None:
         found = sheet.numbers(heading, "angle")
         told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
-        return told | _optional(sheet, notes, "climb", "Vertical velocity", "speed")
+        return told | sheet.optional("climb", "Vertical velocity", "speed", notes)
     vertical = sheet.find("Vertical velocity")
     if vertical is None:
         raise InputError(

@@ -102,7 +102,8 @@ def read_rasaero(
         for key, (kind, name) in _NEEDED.items()
     }
     columns["altitude"] = above_sea(columns["altitude"], sheet.text.source, ground)
-    climb, omitted = sheet.optional("climb", "Vel-V", "speed")
+    omitted: list[str] = []
+    climb = sheet.optional("climb", "Vel-V", "speed", omitted)
     flight = Flight(
         source=sheet.text.source,
         places=sheet.places,

@@ -110,6 +110,12 @@ class AutopilotDesign:
         return cls(**found, **chains)
 
     @property
+    def unspecified(self) -> bool:
+        """Whether neither gains nor a rule for them are specified: they are the canonical ones."""
+        rule = self.design, self.natural_frequency, self.damping
+        return all(one is None for one in (*rule, *(getattr(self, name) for name in OWN_GAINS)))
+
+    @property
     def chains(self) -> dict[str, tuple[Filter, ...]]:
         """The filters, by where they stand."""
         return {name: getattr(self, name) for name in CHAINS}

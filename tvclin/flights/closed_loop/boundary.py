@@ -43,6 +43,7 @@ from tvclin.flights.closed_loop.edges import (
 )
 from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
 from tvclin.flights.closed_loop.many import LARGEST_LIMIT, SURVIVED, fly_many
+from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
@@ -198,7 +199,8 @@ def closed_loop_boundary(
 
         return in_all(winds, status, limits.size, tell)
 
-    edge = edge_above_losses(survives, np.linspace(low, high, STEPS + 1))
+    with repeated(most):
+        edge = edge_above_losses(survives, np.linspace(low, high, STEPS + 1))
     at = edge.limit if np.isfinite(edge.limit) else high
     hardware = Hardware(length, late, actuator, most_rate)
     batch = one_flight(plant, law, wind, at * scale, hardware, factor)

@@ -43,10 +43,11 @@ def finish(f: Flights, laws: LawBatch) -> None:
     samples, first = float(_last(f).sum()), 0
     seconds = samples * kernel.PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-        while first < cases and (fly := choice.swiftest(kernel.fly, seconds)) is kernel.fly:
+        fly = choice.swiftest(kernel.fly, seconds)
+        while first < cases and fly is kernel.fly:
             begun = perf_counter()  # one that stays open takes longer than was thought
             fly(f, first, first + 1)
-            seconds, first = perf_counter() - begun, first + 1
+            fly, first = choice.chosen(kernel.fly, perf_counter() - begun), first + 1
     if first < cases:
         compact = _compact(f)
         work = samples * kernel.COMPILED

@@ -15,7 +15,7 @@ from tvclin.answers.flexible import law_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
-from tvclin.base.warned import COMPILED, warned
+from tvclin.base.warned import warned
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.fly import fly
@@ -78,7 +78,7 @@ class Kept:
                 value = self._compute(*plain)
             except InputError as error:
                 return Part(None, (str(error),))
-        return Part(value, tuple(one for one in said if not one.startswith(COMPILED)))
+        return Part(value, tuple(said))
 
 
 @Kept

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tvclin.answers.findings import Findings
+from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Line, degrees, number, quantities
@@ -73,11 +74,15 @@ def _autopilot(found: Findings) -> list[Block]:
     assert c is not None
     plant = c.plant
     margins = c.margins if f is None else f.bands.whole
-    verdict = "met" if found.criteria.are_met(found.margins or c.margins) else "not met"
+    met = bool(found.criteria.are_met(found.margins or c.margins))
+    verdict = "met" if met else "not met"
+    notes = [
+        f" {note[0].upper()}{note[1:]}." for note in gain_notes(found.plan, found.criteria, met)
+    ]
     whose = "" if f is None else " of the flexible vehicle"
     words = (
         f'The criteria "{found.criteria.name}" are {verdict}. The loop is that of the'
-        f" {plant.model} model{whose}, without a stop."
+        f" {plant.model} model{whose}, without a stop.{''.join(notes)}"
     )
     blocks: list[Block] = [
         Paragraph((words,)),

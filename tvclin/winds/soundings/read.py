@@ -66,18 +66,29 @@ def read_sounding(
         unknown, numbers out of range, and heights out of order; the message names the line.
     """
     text = read_lines(path)
+    found = soundings_in(text, format, units, above_ground)
+    return profile_of(_chosen(text, found, time).levels())
+
+
+def soundings_in(
+    text: Text, format: str | None, units: str | None, above_ground: float | None
+) -> list[Found]:
+    """Return the soundings of a text; the other arguments as of `read_sounding`."""
     name = recognised(text) if format is None else one_of("format", format, READERS)
     if name in _TABLES:
         reading = Reading.of(units, above_ground, assumed=name == "openrocket")
-        found = columns.soundings_in(text, reading)
-    elif units is not None or above_ground is not None:
-        raise InputError(
-            "units and above_ground (--units, --above-ground) are for tables of the formats"
-            f" {' and '.join(_TABLES)}; {text.source} is of the format {name}"
-        )
-    else:
-        found = READERS[name](text)
-    return profile_of(_chosen(text, found, time).levels())
+        return columns.soundings_in(text, reading)
+    if units is not None or above_ground is not None:
+        raise no_table(text.source, name)
+    return READERS[name](text)
+
+
+def no_table(source: str, name: str) -> InputError:
+    """Return the error about units or a site of a file whose format says both itself."""
+    return InputError(
+        "units and above_ground (--units, --above-ground) are for tables of the formats"
+        f" {' and '.join(_TABLES)}; {source} is of the format {name}"
+    )
 
 
 def recognised(text: Text) -> str:

@@ -10,20 +10,22 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, callable_for, flag, shown
+from tvclin.base.errors import InputError, callable_for, flag, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
 from tvclin.base.sheet import Headings, sheet_in
 from tvclin.base.text import Text, read_lines
 from tvclin.winds.soundings import columns
 from tvclin.winds.soundings.archive import Soundings, minutes
+from tvclin.winds.soundings.columns import Reading
 from tvclin.winds.soundings.igra_archive import is_station, read_station
 from tvclin.winds.soundings.levels import Found, profile_of
 from tvclin.winds.soundings.many import Collected, Wanted
-from tvclin.winds.soundings.read import READERS, recognised
+from tvclin.winds.soundings.read import READERS, no_table, soundings_in
 
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
+_Reader = Callable[[Path], tuple[Text, list[Found]]]
 
 _NAMED = re.compile(
     r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?:[-_T. ]?(\d\d)(?:\d\d)?)?(?!\d)"
@@ -49,6 +51,9 @@ def read_soundings(
     in_order: bool = False,
     dates: Source | None = None,
     utc_offset: float = 0.0,
+    format: str | None = None,
+    units: str | None = None,
+    above_ground: float | None = None,
     progress: Progress | None = None,
 ) -> Soundings:
     """Return the soundings of a station.
@@ -75,6 +80,8 @@ def read_soundings(
         names.
     utc_offset : float
         Local time less UTC [h], by which months and years are counted.
+    format, units, above_ground : optional
+        Of files of one sounding, as of `read_sounding`.
     progress : callable, optional
         Is told how much is read, and how much there is: bytes of one station file, or files.
 
@@ -105,14 +112,18 @@ def read_soundings(
         raise InputError(f"times must hold one for each of {len(files)} files; got {given.shape}")
     if flag("in_order", in_order) and given is not None:
         raise InputError("give times or in_order=True, not both")
+
+    soundings = _reader(format, units, above_ground)
     found = Collected()
     for i, file in enumerate(files):
         day = _FIRST_DAY + np.timedelta64(i, "D") if in_order else None
         if is_station(file):
+            if (units, above_ground) != (None, None):
+                raise no_table(called(file), "igra")
             found.add(read_station(file, wanted, progress if len(files) == 1 else None))
         else:
             own = listed.get(file.name) if given is None else given[i]
-            _add_single(found, file, wanted, own, day)
+            _add_single(found, file, soundings, wanted, own, day)
         if progress is not None and len(files) > 1:
             progress(i + 1, len(files))
     if not found.pieces and not found.stations and found.counted:
@@ -153,12 +164,31 @@ def _files(source: Any) -> list[Path]:
     return files
 
 
-def _add_single(found: Collected, file: Path, wanted: Wanted, given: Any, day: Any) -> None:
+def _reader(format: str | None, units: str | None, above_ground: float | None) -> _Reader:
+    """Return what reads the text of a file and its soundings; arguments as of `read_sounding`."""
+    if format is not None:
+        one_of("format", format, READERS)
+    Reading.of(units, above_ground, assumed=False)
+
+    def read(file: Path) -> tuple[Text, list[Found]]:
+        text = read_lines(file)
+        return text, soundings_in(text, format, units, above_ground)
+
+    return read
+
+
+def _add_single(
+    found: Collected,
+    file: Path,
+    soundings: _Reader,
+    wanted: Wanted,
+    given: Any,
+    day: Any,
+) -> None:
     """Add the soundings of a file of its own; a page that says there is none is no sounding."""
     name = called(file.name)
     try:
-        text = read_lines(file)
-        those = READERS[recognised(text)](text)
+        text, those = soundings(file)
     except InputError as error:
         found.count("files without a sounding, left out", str(error))
         return
