@@ -1,5 +1,6 @@
 """What notebooks show of a record: its own numbers, and no text as markup."""
 
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -245,3 +246,16 @@ def test_many_flights_are_counted_by_what_became_of_them() -> None:
     shown = cells(flown)
     assert shown["counts, survived"] == ("2", "")
     assert shown["peak deflection"][1] == "deg"
+
+
+@pytest.mark.parametrize("name", ["configuration-i", "made-up-booster"])
+def test_a_vehicle_its_coefficients_and_its_plant_are_printed_in_a_few_lines_with_few_digits(name):
+    vehicle = tv.load_vehicle(name)
+    plant = tv.Plant.from_vehicle(vehicle)
+    for record in filter(None, (vehicle, plant, plant.coefficients, vehicle.structure)):
+        printed = repr(record)
+        assert len(printed.splitlines()) <= 6
+        assert max(map(len, printed.splitlines())) <= 88
+        digits = [one.replace(".", "").lstrip("0") for one in re.findall(r"[\d.]+", printed)]
+        assert max(map(len, digits)) <= 6
+    assert "mu_alpha 0.28014 1/s^2" in repr(plant).replace("\n  ", " ")

@@ -1,7 +1,10 @@
 """The pages keep their promises: the map is the house, and links lead somewhere."""
 
 import ast
+import copy
 import inspect
+import pickle
+import pydoc
 import re
 import sys
 import tomllib
@@ -14,7 +17,7 @@ import pytest
 
 import tvclin
 from tests.doors import ANSWERS, INSIDE, public
-from tvclin.base.doors import CHAPTERS
+from tvclin.base.doors import CHAPTERS, GUESSES
 from tvclin.linear.models import USUAL_MODEL
 
 ROOT = Path(__file__).parents[2]
@@ -119,11 +122,41 @@ def test_the_page_of_a_chapter_names_what_can_be_called(chapter: str) -> None:
         ("tvclin", "Filter", "do you mean tvclin.vehicle.Filter?"),
         ("tvclin.winds", "Plant", "tvclin.winds has no Plant: do you mean tvclin.Plant?"),
         ("tvclin.control", "lqr_gain", "tvclin.control.lqr_gains"),
+        ("tvclin", "tf", "do you mean Plant.tf("),
+        ("tvclin", "transfer_function", "do you mean Plant.tf("),
+        ("tvclin.linear", "poles", "do you mean Plant.poles or tvclin.unstable_modes?"),
     ],
 )
 def test_a_misspelt_name_is_answered_with_the_near_one(door: str, name: str, said: str) -> None:
     with pytest.raises(AttributeError, match=re.escape(said)):
         getattr(import_module(door), name)
+
+
+@pytest.mark.parametrize("package", ["tvclin", *(f"tvclin.{one}" for one in CHAPTERS)])
+def test_the_help_of_a_chapter_is_a_page_that_has_its_names(package: str) -> None:
+    module = import_module(package)
+    text = pydoc.plain(pydoc.render_doc(module))
+
+    assert len(text.splitlines()) <= 80
+    assert all(re.search(rf"\b{name}\b", text) for name in module.__all__)
+
+
+def test_public_names_that_are_offered_for_first_guesses_exist() -> None:
+    for offered in GUESSES.values():
+        for name in re.findall(r"(?:tvclin|Plant|Autopilot)(?:\.\w+)+", offered):
+            owner, *rest = name.split(".")
+            found = tvclin if owner == "tvclin" else getattr(tvclin, owner)
+            for one in rest:
+                found = getattr(found, one)
+
+
+@pytest.mark.parametrize("name", ["residues", "pole", "unstable_mode"])
+def test_what_a_plant_has_not_is_answered_with_the_public_name(name: str) -> None:
+    plant = tvclin.Plant.from_vehicle(tvclin.load_vehicle("configuration-i"))
+    meant = {"residues": "tvclin.residues", "pole": "Plant.poles"}.get(name, "Plant has no")
+    with pytest.raises(AttributeError, match=re.escape(meant)):
+        getattr(plant, name)
+    assert pickle.loads(pickle.dumps(plant)) == copy.deepcopy(plant) == plant
 
 
 def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> None:

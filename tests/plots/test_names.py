@@ -70,3 +70,9 @@ def written(plot, tmp_path):
 def test_a_dollar_sign_in_a_name_is_a_dollar_sign(tmp_path, draw, name):
     words = written(FIGURES[draw](name), tmp_path)
     assert any(name in one for one in words), words
+
+
+def test_a_figure_is_saved_as_one_of_matplotlib(tmp_path):
+    plots.boundary_chart(X, coefficients=plant("").coefficients).savefig(tmp_path / "a.png")
+
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")

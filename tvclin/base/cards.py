@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 from html import escape
+from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,9 @@ from tvclin.base.arrays import AnyArray
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Table, number, text
 from tvclin.base.units import UNITS, written
+
+_WIDTH = 88
+"""Characters of a line of a record that is printed in several lines."""
 
 _FEW = 6
 """An array of so many numbers at most is shown in full, a longer one by its range."""
@@ -49,6 +53,19 @@ def card(title: str, rows: Iterable[Row]) -> str:
     return f"<table>{caption}{lines}</table>"
 
 
+def line(title: str, rows: Iterable[Row]) -> str:
+    """Return the same rows as `card`, as text between angle brackets without line breaks."""
+    words = (
+        " ".join((name, _shown(x, unit), unit.removeprefix("-"))).strip() for name, x, unit in rows
+    )
+    return f"<{title}: {', '.join(words)}>"
+
+
+def lines(title: str, rows: Iterable[Row]) -> str:
+    """Return the same text as `line`, broken into lines of at most 88 characters."""
+    return fill(line(title, rows), _WIDTH, subsequent_indent="  ", break_long_words=False)
+
+
 class Carded:
     """A value that a notebook shows as a small table.
 
@@ -81,10 +98,7 @@ class Shown(Carded):
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass
 
     def __repr__(self) -> str:
-        rows = (
-            " ".join((name, _shown(x, unit), unit)).strip() for name, x, unit in self._quantities()
-        )
-        return f"<{_title(type(self))}: {', '.join(rows)}>"
+        return line(_title(type(self)), self._quantities())
 
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:

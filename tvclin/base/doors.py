@@ -1,12 +1,41 @@
 """The doors of the package and its chapters: names that are loaded when they are first used."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
 
 import lazy_loader  # type: ignore[import-untyped]
+
+_WIDTH = 96
+"""Characters of a line of the names in the help of a module."""
+
+GUESSES = {
+    "tf": 'Plant.tf("attitude", "deflection")',
+    "transfer_function": 'Plant.tf("attitude", "deflection")',
+    "TransferFunction": 'Plant.tf("attitude", "deflection")',
+    "ss": "Plant.ss()",
+    "state_space": "Plant.ss()",
+    "StateSpace": "Plant.ss()",
+    "poles": "Plant.poles or tvclin.unstable_modes",
+    "zeros": "Plant.numerator or Plant.tf(...).zeros()",
+    "margin": "Autopilot.margins or tvclin.Loop",
+    "margins": "Autopilot.margins or tvclin.Loop",
+    "stability_margins": "Autopilot.margins or tvclin.Loop",
+    "step_response": "control.step_response(Plant.ss()) or tvclin.plots.step_chart",
+    "forced_response": "tvclin.attitude_response or control.forced_response(Plant.ss(), ...)",
+    "bode": "tvclin.plots.bode_chart",
+    "bode_plot": "tvclin.plots.bode_chart",
+    "nyquist_plot": "tvclin.plots.nyquist_chart",
+    "nichols_plot": "tvclin.plots.nichols_chart",
+    "root_locus": "tvclin.plots.root_locus_chart",
+    "lqr": "tvclin.control.lqr_gains",
+    "residue": "tvclin.residues",
+    "savefig": "tvclin.plots.save_figure(plot, path)",
+}
+"""Public names for what users of python-control and matplotlib try first."""
 
 CHAPTERS = ("vehicle", "winds", "linear", "boundary", "control", "flights", "answers", "plots")
 
@@ -19,6 +48,15 @@ def door(
     A name that the door has not is answered with the one that is meant, or with its own door.
     """
     found, listed, names = lazy_loader.attach_stub(package, file)
+    module, public = sys.modules[package], [name for name in names if name not in CHAPTERS]
+    if module.__doc__:
+        words = f"Names, each with its own help: {', '.join(sorted(public, key=str.lower))}."
+        broken = fill(words, _WIDTH, break_on_hyphens=False)
+        module.__doc__ = f"{module.__doc__.rstrip()}\n\n{broken}\n"
+
+    def names_for(caller: str) -> list[str]:
+        # pydoc prints the whole help of each name that `inspect` lists, thousands of lines
+        return [] if caller == "inspect" else listed()
 
     def get(name: str) -> Any:
         if name in names:
@@ -27,13 +65,43 @@ def door(
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         raise AttributeError(_missing(package, name), name=name, obj=sys.modules[package])
 
-    return get, listed, [name for name in names if name not in CHAPTERS]
+    def names_of() -> list[str]:
+        return names_for(sys._getframe(1).f_globals.get("__name__", ""))
+
+    return get, names_of, public
+
+
+class Hinted:
+    """A record whose missing attributes are answered with the public name that is meant."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            kind = type(self)
+            raise AttributeError(_hint(kind.__name__, name, dir(kind)), name=name, obj=self)
+
+
+def _hint(kind: str, name: str, known: Iterable[str]) -> str:
+    """Return the sentence of an attribute that a record has not, with the public name for it.
+
+    `known`: the attributes that it has.
+    """
+    if name.startswith("_"):
+        return f"{kind!r} object has no attribute {name!r}"
+    from difflib import get_close_matches  # late: seldom needed
+
+    public = {one.lower(): f"tvclin.{one}" for one in import_module("tvclin").__all__}
+    near = get_close_matches(name, [one for one in known if not one.startswith("_")], 1, 0.7)
+    meant = public.get(name) or GUESSES.get(name) or (f"{kind}.{near[0]}" if near else "")
+    return f"{kind} has no {name}" + (f": do you mean {meant}?" if meant else "")
 
 
 def _missing(package: str, name: str) -> str:
     """A sentence for a name that a door has not: who has it, or what looks like it."""
     from difflib import get_close_matches  # late: seldom needed
 
+    if name in GUESSES:
+        return f"{package} has no {name}: do you mean {GUESSES[name]}?"
     doors = ("tvclin", *(f"tvclin.{one}" for one in CHAPTERS))
     places: dict[str, str] = {}
     for one in doors:

@@ -102,12 +102,7 @@ def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
 
 def parts_line(structure: Structure) -> str:
     """Return in one line what makes a vehicle flexible."""
-    counted = (("bending mode", len(structure.bending)), ("tank", len(structure.slosh)))
-    parts = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]
-    parts += ["engine with inertia"] * (structure.engine is not None)
-    lags = {"attitude sensor": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
-    parts += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]
-    return f"Flexible vehicle (--rigid: without): {', '.join(parts)}"
+    return f"Flexible vehicle (--rigid: without): {structure.parts}"
 
 
 def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:

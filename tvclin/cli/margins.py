@@ -1,6 +1,7 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
@@ -95,12 +96,11 @@ def margins(
     note_left_out(case, "margins", *aside)
     autopilot = autopilot_asked(case, case.history, case.held_to)
     found = MarginsFound.of(autopilot, case.plant, case.held_to)
-    told = tuple(gain_notes(case, case.held_to, found.met))
     moved = found.detuned if detuned else None
     in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
     draw(shown.plot, lambda: _chart(chart, found))
-    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box, told)
+    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
     answer(shown.as_json, every.document, lambda: every.print(vehicle), every.met)
 
 
@@ -114,7 +114,11 @@ class _Answer:
     moved: Detuned | None
     in_wind: FlownMargins | None
     in_box: BoxFound | None
-    notes: tuple[str, ...]
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What was not specified, and what satisfies the criteria."""
+        return tuple(gain_notes(self.case, self.case.held_to, self.found.met))
 
     @property
     def met(self) -> bool:

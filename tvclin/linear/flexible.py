@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
+from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.modes import left_row, unstable_poles, wind_strength
@@ -49,7 +50,7 @@ class Shift(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FlexiblePlant(Shown):
+class FlexiblePlant(Shown, Hinted):
     """One linear model of one flexible vehicle, or of a batch of them.
 
     Make it with `from_vehicle`. Without structure it is the `Plant` of the same model.

@@ -22,6 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.cards import lines
+from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, instance, one_of, positive
 from tvclin.linear.models import MODELS, usual_model
 from tvclin.linear.system import LinearSystem
@@ -41,7 +43,7 @@ _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 
 @dataclass(frozen=True)
-class Plant:
+class Plant(Hinted):
     """One linear model of one vehicle, or of a batch of them.
 
     Make it with `from_coefficients` or `from_vehicle`.
@@ -90,6 +92,10 @@ class Plant:
 
     def _repr_html_(self) -> str:
         return self.coefficients._repr_html_().replace("Coefficients", f"Plant, {self.model}", 1)
+
+    def __repr__(self) -> str:
+        c = self.coefficients
+        return lines(f"Plant, {self.model} {c.name}".strip(), c.rows())
 
     @property
     def batch(self) -> tuple[int, ...]:

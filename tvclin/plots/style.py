@@ -234,7 +234,7 @@ def control_plot(lines: list[Any], axes: Any, curves: Curves | None = None) -> "
     from control import ControlPlot
 
     plot = ControlPlot(table, panels, panels[0, 0].figure)
-    plot.curves = curves
+    plot.curves, plot.savefig = curves, plot.figure.savefig
     return plot
 
 
@@ -250,6 +250,10 @@ class _Drawn:
     figure: Any
     curves: Curves | None
     legend: None = None
+
+    def savefig(self, *given: Any, **options: Any) -> None:
+        """Write the figure as `matplotlib.figure.Figure.savefig`."""
+        self.figure.savefig(*given, **options)
 
     @property  # type: ignore[misc]
     def __class__(self) -> Any:

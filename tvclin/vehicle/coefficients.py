@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Row, card, lines
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
@@ -105,12 +105,19 @@ class Coefficients:
             found = picked(self, "beta_per_s pole_per_s")
         return found | picked(self, f"B {' '.join(NUMBERS)}")
 
-    def _repr_html_(self) -> str:
+    def rows(self) -> list[Row]:
+        """Return names, values and units as a card shows them."""
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
         if np.all(np.asarray(self.mu_alpha) > 0.0):
             rows += [("beta", self.beta, "1/s"), ("pole", self.pole, "1/s"), ("K1", self.K1, "-")]
+        return [*rows, ("B", self.B, "-")]
+
+    def _repr_html_(self) -> str:
         title = f"Coefficients: {self.name}" if self.name else "Coefficients"
-        return card(title, [*rows, ("B", self.B, "-")])
+        return card(title, self.rows())
+
+    def __repr__(self) -> str:
+        return lines(f"Coefficients {self.name}".strip(), self.rows())
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:

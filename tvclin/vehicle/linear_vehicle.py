@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any, ClassVar, Self, TypeAlias
 
-from tvclin.base.cards import Quantity, card
+from tvclin.base.cards import Quantity, card, lines
 from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
@@ -89,6 +89,10 @@ class LinearVehicle:
 
     def _repr_html_(self) -> str:
         return card(self.name or "Coefficients", [one[1:] for one in self.quantities()])
+
+    def __repr__(self) -> str:
+        title = f"Linear vehicle {self.name}".strip()
+        return lines(title, [one[1:] for one in self.quantities()])
 
     def known_for(self, model: str) -> Coefficients:
         """Return the coefficients for a model; raise `InputError` where it needs unknown ones."""

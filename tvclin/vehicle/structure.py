@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Row, card, lines
 from tvclin.base.errors import (
     InputError,
     between,
@@ -227,7 +227,7 @@ class Structure(_Batched):
                     )
         _ = self.batch  # refuses shapes that do not broadcast
 
-    def _repr_html_(self) -> str:
+    def _rows(self) -> list[Row]:
         rows: list[Row] = []
         for k, mode in enumerate(self.bending, start=1):
             rows += [(f"bending {k}, frequency", mode.frequency, "rad/s")]
@@ -236,7 +236,23 @@ class Structure(_Batched):
             rows += [(f"slosh {k}, mass", tank.mass, "kg"), (f"slosh {k}, at", tank.station, "m")]
         if self.engine is not None:
             rows += [("engine, mass", self.engine.mass, "kg")]
-        return card("Structure", rows)
+        return rows
+
+    @property
+    def parts(self) -> str:
+        """What bends, sloshes, swings and lags, in words."""
+        counted = (("bending mode", len(self.bending)), ("tank", len(self.slosh)))
+        words = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]
+        words += ["engine with inertia"] * (self.engine is not None)
+        lags = {"attitude sensor": self.attitude_sensor, "rate gyro": self.rate_gyro}
+        words += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]
+        return ", ".join(words)
+
+    def _repr_html_(self) -> str:
+        return card("Structure", self._rows())
+
+    def __repr__(self) -> str:
+        return lines("Structure", self._rows())
 
     @property
     def is_rigid(self) -> bool:

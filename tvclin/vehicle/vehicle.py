@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.cards import Quantity, card
+from tvclin.base.cards import Quantity, card, lines
 from tvclin.base.errors import (
     Faults,
     InputError,
@@ -147,6 +147,11 @@ class Vehicle:
 
     def _repr_html_(self) -> str:
         return card(self.name or "Vehicle", [one[1:] for one in self.quantities()])
+
+    def __repr__(self) -> str:
+        title = f"Vehicle {self.name}".strip()
+        flexible = [] if self.structure is None else [("structure", self.structure.parts, "")]
+        return lines(title, [*(one[1:] for one in self.quantities()), *flexible])
 
     @classmethod
     def from_aerodynamics(
