@@ -114,7 +114,7 @@ def _document(found: Findings) -> dict[str, Any]:
 
 def _print(found: Findings, source: str, explain: bool) -> None:
     """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
-    s, d, each = found.study, found.dispersed, questions(found)
+    s, d = found.study, found.dispersed
     print_tables(tables.vehicle(s, source, as_written(source)), tables.coefficients(s))
     print_tables(tables.poles(s), tables.boundaries(s))
     say_lines(tables.verdict(s))
@@ -129,6 +129,12 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         say("")
         print_tables(*d.tables())
         say(d.spreads)
+    _print_questions(found)
+
+
+def _print_questions(found: Findings) -> None:
+    """Print all questions with the verdict, where there are several, and the notes on them."""
+    each = questions(found)
     if len(each) < 2:
         say_notes(loop_notes(found))
         return
@@ -140,7 +146,7 @@ def _print(found: Findings, source: str, explain: bool) -> None:
     said = {
         True: "SUFFICIENT in all",
         False: f"NOT SUFFICIENT: {others}",
-        None: "no limit was given" if s.limit is None else f"NOT KNOWN: {others}",
+        None: "no limit was given" if found.study.limit is None else f"NOT KNOWN: {others}",
     }
     say(f"Verdict: {said[sufficient(found)]}")
     days = () if found.availability is None else found.availability.notes
