@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
 import tvclin as tv
@@ -163,6 +164,49 @@ def test_the_least_load_is_the_jump_of_the_wind():
     assert np.isfinite(front.limits[1])
     with pytest.raises(tv.InputError, match="is the least"):
         load_front(FIXED, half, load=0.45 * PEAK)
+
+
+def flown_with_little_load(plant, M, most, wind, last):
+    """Deflection and state at the end of a law that keeps to a load and damps what swings then."""
+    A, inputs, _, _ = plant.matrices()
+    gain = 3.0 * np.sign(inputs[1, 0] / M)
+
+    def deflection(y, blows):
+        return (np.clip(-gain * y[1], -most, most) - (y[0] - blows)) / M
+
+    state, widest = np.zeros(2), 0.0
+    for begin, end, blows in ((0.0, wind.duration, wind.peak), (wind.duration, last, 0.0)):
+
+        def moves(_, y, blows=blows):
+            return A @ y + inputs @ [deflection(y, blows), blows]
+
+        solved = solve_ivp(moves, (begin, end), state, rtol=1e-8, atol=1e-12, max_step=0.1)
+        widest = max(widest, np.abs(deflection(solved.y, blows)).max())
+        state = solved.y[:, -1]
+    return widest, state
+
+
+def test_a_load_that_a_law_keeps_to_is_not_refused():
+    """With M < 0 the law delta = (L - alpha)/M has the load L, of any size, and swings."""
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
+    wind, most = tv.RectangularWind(peak=np.radians(5.0), duration=7.5), np.radians(0.6)
+    widest, state = flown_with_little_load(plant, -1.18, most, wind, 60.0)
+    assert np.degrees(widest) == pytest.approx(4.346, abs=1e-3)
+    assert np.abs(state).max() < 1e-5
+    front = load_front(plant, wind, [most], load=most, moment_ratio=-1.18)
+    assert front.needed <= widest
+    assert front.needed >= (float(wind.peak) - most) / 1.18  # what the jump at the onset takes
+    assert front.least_load < most
+
+
+@pytest.mark.thorough
+def test_a_load_below_what_was_computed_and_above_what_is_proved_is_not_known():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
+    wind, little = tv.RectangularWind(peak=np.radians(5.0), duration=7.5), np.radians(0.006)
+    options = {"moment_ratio": -1.18, "load": little, "limit": np.radians(4.0)}
+    front = load_front(plant, wind, [little], **options)
+    assert np.isinf(front.needed)
+    assert front.verdict.startswith("NOT known")
 
 
 @pytest.mark.parametrize("plant", usual([FIXED, exact()], 0))

@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.fronts.load_record import PROVED
 from tvclin.boundary.fronts.ramps import ramped_deflection
@@ -44,6 +44,10 @@ _GROWTH, _DECAYED = 1.15, 20.0
 _WHOLE: float = float(np.pi / 2)
 _NOTHING = 1e-9
 """A load so small, over that of the least deflection, is none."""
+_LOAD_ROUNDS, _LOAD_GAIN = 5, 0.01
+"""Programs of the least load at the most; the part by which each must have less than the last."""
+_PER_RADIAN, _MAX_ZERO_NODES = 3.5, 300
+"""Nodes in 1/omega of the oscillating zeros of the load, and as many of them at the most."""
 _STEPS, _LOWEST = 6, 0.02
 """Newton steps to the load at a limit, and where they begin at least, over the same."""
 _FLOOR = 1e-3
@@ -63,29 +67,72 @@ class LoadLimits:
     lines: list[tuple[float, float]] = field(default_factory=list)
 
     @cached_property
+    def dense(self) -> LoadProgram:
+        """A program on nodes that resolve the oscillating zeros of the load as well."""
+        nodes, zeros = self.program.nodes, _oscillating_zeros(self.case)
+        if not zeros.size:
+            return self.program
+        span = nodes[-1] - nodes[0]
+        wanted = span * float(np.abs(zeros).max()) * _PER_RADIAN
+        more = np.linspace(nodes[0], nodes[-1], int(min(wanted, _MAX_ZERO_NODES)) + 2)
+        return LoadProgram(
+            self.case, apart(np.concatenate([nodes, more]), 1e-6 / self.case.fastest)
+        )
+
+    @cached_property
     def its_load(self) -> float:
         """The load [rad] of the known deflection."""
         return float(np.abs(self.program.shown).max())
 
     @cached_property
     def least_load(self) -> float:
-        """The least load [rad] at any deflection."""
-        case, jumped = self.case, 0.0
-        if case.ratio == 0.0:
-            knots = case.wind.knots
-            jumps = np.abs(case.wind(knots) - case.wind(np.nextafter(knots, -np.inf)))
-            jumped = float(np.max(jumps / np.where(knots <= case.wind.onset, 1.0, 2.0)))
-        if case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.grows) > 1:
-            found = self.program.solve(LOAD, _WHOLE)
-            least = self.its_load if found is None else found.value
-            return max(least, jumped)
-        return jumped if jumped > _NOTHING * self.its_load else 0.0
+        """The least load [rad] that a computed control keeps to, at any deflection."""
+        return self._least_found[0] if self._programmed else self.floor
+
+    @cached_property
+    def floor(self) -> float:
+        """A load [rad] that every deflection exceeds or has, proved: zero where nothing is."""
+        jumped = 0.0
+        if self.case.ratio == 0.0:
+            wind = self.case.wind
+            knots = wind.knots
+            jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
+            jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
+        if not self._programmed:
+            return jumped if jumped > _NOTHING * self.its_load else 0.0
+        return max(jumped, self._least_found[1])
+
+    @property
+    def _programmed(self) -> bool:
+        """Whether the least load is more than that of a jump of the wind."""
+        case = self.case
+        return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.grows) > 1)
+
+    @cached_property
+    def _least_found(self) -> tuple[float, float]:
+        """The least load [rad] of controls on finer and finer nodes, and what is proved of it."""
+        loads, proved = [self.its_load], [0.0]
+        program, least = self.dense, np.inf
+        for _ in range(_LOAD_ROUNDS):
+            solved = program.solve(LOAD, _WHOLE)
+            if solved is None:
+                break
+            self.points.append((solved.load, solved.peak))
+            self.lines.append((solved.bound, solved.slope))
+            if solved.slope > 0.0:
+                proved.append((solved.bound - _WHOLE) / solved.slope)
+            loads.append(solved.load)
+            if solved.load > (1.0 - _LOAD_GAIN) * least or solved.finer.size > _MOST_NODES:
+                break
+            least = min(least, solved.load)
+            program = LoadProgram(self.case, solved.finer)
+        return min(loads), max(proved)
 
     @property
     def stopped(self) -> float:
         """What a stop of the wind at its peak leaves at least [rad]: half a jump of that size."""
         own = 0.0 if self.case.ratio else abs(float(self.case.wind.peak)) / 2.0
-        return max(own, self.least_load)
+        return max(own, self.floor)
 
     def all_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
         """Limit, proof [rad] and slope at each load, the ends first and then in between."""
@@ -105,24 +152,13 @@ class LoadLimits:
 
     def at(self, load: float) -> tuple[float, float, float]:
         """Limit, proof [rad] and slope at a load [rad]; no program where others know it."""
-        program, aimed = self.program, load
-        if load < self.least_load:
+        if load < self.floor:
             return np.inf, np.inf, np.nan
-        for part in _AIMED:
-            limit, (proof, _) = self._reached(load), self._proved(load)
-            if limit - proof <= PROVED * proof:
+        for program in (self.program, self.dense):
+            if self._approach(load, program) and np.isfinite(self._reached(load)):
                 break
-            solved = program.solve(PEAK, aimed)
-            if solved is None:
-                break
-            self.points.append((solved.load, solved.peak))
-            self.lines.append((solved.bound, solved.slope))
-            if solved.finer.size > _MOST_NODES:
-                break
-            aimed = load - part * max(solved.load - aimed, 0.0)
-            program = LoadProgram(self.case, solved.finer)
         for more in _BEYOND:  # mixed with ones that have less load
-            program = self.program
+            program = self.dense
             for _ in range(2):
                 limit, (proof, _) = self._reached(load), self._proved(load)
                 found = program.solve(LOAD, min(more * proof, _WHOLE)) if np.isinf(limit) else None
@@ -131,6 +167,24 @@ class LoadLimits:
                 self.points.append((found.load, found.peak))
                 program = LoadProgram(self.case, found.finer)
         return self._reached(load), *self._proved(load)
+
+    def _approach(self, load: float, program: LoadProgram) -> bool:
+        """Add controls of about a load [rad] on finer and finer nodes; False where none has it."""
+        aimed = load
+        for part in _AIMED:
+            limit, (proof, _) = self._reached(load), self._proved(load)
+            if limit - proof <= PROVED * proof:
+                break
+            solved = program.solve(PEAK, aimed)
+            if solved is None:
+                return False
+            self.points.append((solved.load, solved.peak))
+            self.lines.append((solved.bound, solved.slope))
+            if solved.finer.size > _MOST_NODES:
+                break
+            aimed = load - part * max(solved.load - aimed, 0.0)
+            program = LoadProgram(self.case, solved.finer)
+        return True
 
     def _reached(self, load: float) -> float:
         """The least peak of a mixture of controls that are known, within a load [rad]."""
@@ -234,3 +288,13 @@ def _nodes(case: LoadCase) -> FloatArray:
         parts.append(np.linspace(end, last, int((last - end) * growing.imag.max()) + 2))
     nodes = np.concatenate(parts)
     return apart(nodes[(nodes >= start) & (nodes <= after[-1])], 1e-6 / case.fastest)
+
+
+def _oscillating_zeros(case: LoadCase) -> ComplexArray:
+    """Return the complex zeros [1/s] from deflection to load: how a control moves without load."""
+    A, B, C, D = case.plant.matrices()
+    through = D[-1, 0] + case.ratio
+    if through == 0.0:
+        return np.zeros(0, complex)
+    zeros = np.linalg.eigvals(A - np.outer(B[:, 0], C[-1]) / through)
+    return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)

@@ -43,7 +43,8 @@ class LoadFront(Shown):
     least_deflection, its_load : float
         The least deflection [rad] whatever the load, and the load [rad] of a control that is least.
     least_load, least_load_blind : float
-        The least load [rad] at any deflection, and without a forecast, by the bound.
+        The least load [rad] that a computed control keeps to, at any deflection, and a lower bound
+        [rad] of that without a forecast.
     moment_ratio, rate_limit : float
         M, and the rate limit [rad/s]; infinite if none.
     limit, load : float or None

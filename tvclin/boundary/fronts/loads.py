@@ -56,13 +56,15 @@ def load_front(
     ------
     InputError
         As `optimum_deflection` and, with a rate limit, `rate_front`; for loads that are not
-        positive, and a load of the structure below the least possible, which is named.
+        positive, and a load of the structure below what is proved of every deflection.
 
     Notes
     -----
     At any deflection a wind without jumps leaves no load: the least is that of a jump at the onset,
     or half of a later one. A wind that may stop at its peak is such a jump: half of it is what a
-    law without a forecast must bear. With a rate limit or M the least load comes from the program.
+    law without a forecast must bear. With a rate limit or M the least load is that of a computed
+    control, on nodes that resolve the oscillating zeros of the load too; what is proved may be
+    less.
 
     Examples
     --------
@@ -84,10 +86,10 @@ def load_front(
         rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
     given = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
     found = limits_of(plant, wind, M, rate)
-    if borne is not None and borne < found.least_load:
+    if borne is not None and borne < found.floor:
         raise InputError(
             f"load is below what any deflection leaves; got {np.degrees(borne):.4g} deg, and"
-            f" {np.degrees(found.least_load):.6g} deg ({found.least_load:.6g} rad) is the least"
+            f" {np.degrees(found.floor):.6g} deg ({found.floor:.6g} rad) is the least"
         )
     if given is None:
         low, high = max(1.05 * found.least_load, 0.2 * found.its_load), found.its_load
