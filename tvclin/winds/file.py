@@ -1,19 +1,13 @@
-"""Winds of files: the tables [wind] and [gust], and files of sampled winds."""
+"""Winds of files: the tables [wind] and [gust]."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, number, one_of, positive, shown
-from tvclin.base.sheet import Heading, Headings, Sheet, sheet_in
+from tvclin.base.errors import InputError, number, one_of, positive
 from tvclin.base.tables import FileTable
-from tvclin.base.text import read_lines
 from tvclin.base.units import UNITS
-from tvclin.base.written_units import WRITTEN, unit_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
 from tvclin.winds.gusts import LayeredGust, OneMinusCosineGust
 from tvclin.winds.histories import History
@@ -113,11 +107,13 @@ def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     """Return the wind of the table [wind]; a file of winds is looked for in the folder."""
     if "file" in table:
+        from tvclin.winds.ensemble_file import read_winds  # late: most winds have a shape
+
         given = _FILE_TABLE.read(table)
         unit = given.get("unit")
         if unit is not None:
             one_of("unit in [wind]", unit, UNITS["angle"])
-        return WindEnsemble(*_read_winds(folder / str(given["file"]), unit))
+        return WindEnsemble(*read_winds(folder / str(given["file"]), unit))
     given = {"shape": "triangular"} | _peaked(WIND_TABLE, table)
     if "unit" in given:
         raise InputError("unit in [wind] stands without the file that it is of")
@@ -180,39 +176,3 @@ def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:
             f" {plateau:g} of {duration:g} s"
         )
     return LayeredGust(peak=peak, blend=0.5 * rest, plateau=plateau)
-
-
-def _read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
-    """Times [s] of the first column, and winds [rad] ``(winds, n)`` of the others.
-
-    `unit`: that of [wind], for columns whose names have none; degrees where it is not given.
-    """
-    text = read_lines(path)
-    sheet = sheet_in(text, _fit_of_winds, "names: a first column time_s and one for each wind")
-    time, *winds = sheet.headings
-    found = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
-    assert found is not None  # by the fit
-    columns = [found.factor * _column(sheet, time)]
-    for wind in winds:
-        factor = UNITS["angle"][unit or "deg"]
-        own = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
-        if own is not None and not own.mangled:
-            if unit is not None and not np.isclose(own.factor, factor):
-                raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
-            factor = own.factor
-        columns.append(factor * _column(sheet, wind))
-    return columns[0], np.array(columns[1:])
-
-
-def _fit_of_winds(headings: Headings) -> float:
-    first, *units = headings[0].words or [""]
-    unit = unit_of(" ".join(units), WRITTEN["time"])
-    return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
-
-
-def _column(sheet: Sheet, heading: Heading) -> FloatArray:
-    values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
-    sheet.text.require(
-        ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
-    )
-    return values

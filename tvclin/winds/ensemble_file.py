@@ -1,0 +1,50 @@
+"""Files of sampled winds: a table with a column of times and one for each wind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import shown
+from tvclin.base.sheet import Heading, Headings, Sheet, sheet_in
+from tvclin.base.text import read_lines
+from tvclin.base.units import UNITS
+from tvclin.base.written_units import WRITTEN, unit_of
+
+
+def read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
+    """Return the times [s] of the first column, and the winds [rad] ``(winds, n)`` of the others.
+
+    `unit`: that of [wind], for columns whose names have none; degrees where it is not given.
+    """
+    text = read_lines(path)
+    sheet = sheet_in(text, _fit_of_winds, "names: a first column time_s and one for each wind")
+    time, *winds = sheet.headings
+    found = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
+    assert found is not None  # by the fit
+    columns = [found.factor * _column(sheet, time)]
+    for wind in winds:
+        factor = UNITS["angle"][unit or "deg"]
+        own = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
+        if own is not None and not own.mangled:
+            if unit is not None and not np.isclose(own.factor, factor):
+                raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
+            factor = own.factor
+        columns.append(factor * _column(sheet, wind))
+    return columns[0], np.array(columns[1:])
+
+
+def _fit_of_winds(headings: Headings) -> float:
+    first, *units = headings[0].words or [""]
+    unit = unit_of(" ".join(units), WRITTEN["time"])
+    return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
+
+
+def _column(sheet: Sheet, heading: Heading) -> FloatArray:
+    values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
+    sheet.text.require(
+        ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"
+    )
+    return values
