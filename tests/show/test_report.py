@@ -472,7 +472,7 @@ def test_formulas_are_mathml_and_the_glossary_has_what_stands_on_the_page(html: 
     terms = re.findall(r'<th scope="row">(\w[\w -]*)</th>', glossary)
     before = re.sub(r"<[^>]*>", "", html[: html.index('id="glossary"')]).lower()
 
-    assert equations.count("<math") == equations.count('<th scope="row">') == 12
+    assert equations.count("<math") == equations.count('<th scope="row">') == 11
     assert {"trim", "limit", "boundary", "drift"} <= set(terms) < set(TERMS)
     assert all(term.lower() in before for term in terms)
     assert "<math" in glossary
@@ -524,6 +524,17 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
 
     assert {"(4b)", "(5)", "(B7)"} <= told
     assert not {"(7)", "(12)", "(16)", "(18)"} & told
+
+
+def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_flight() -> None:
+    sounding = {"sounding": "tests/soundings/wyoming.txt", "azimuth_deg": 62.5}
+    wind = {"peak_deg": 5.0, "duration_s": 7.5}
+    study = {"vehicle": "configuration-i"}
+    asked = parse_study({"study": study, "wind": [wind, sounding], "schedule": {}}).sizing
+    (told,) = (text(block.line) for block in flight._measured(asked))
+    for said in ("wyoming.txt: 74794 XMR Cape Kennedy", "12Z 15 Feb 2024", "towards 62.5 deg"):
+        assert said in told
+    assert "soundings/" not in told
 
 
 @pytest.mark.parametrize(
@@ -589,6 +600,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert [one.rows[0][-2] for one in frozen] == [("no",), ("yes",)]
     assert any("is beyond the single-pole theory" in one for one in texts)
     assert any("In w.csv only what blows within 10 s" in one for one in texts)
+    assert any("Measured wind w.csv; the flight goes towards" in one for one in texts)
     basis = [one for one in verdict.basis(found) if isinstance(one, str)]
     assert any("counts all that the nozzle has to do" in one for one in basis)
     case = numbers(sections.inputs(found))

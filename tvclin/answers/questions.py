@@ -298,6 +298,7 @@ def _autopilot(found: Findings, limit: float) -> Question:
     line = ("flown with its stop; ", *free)
     if found.head is not None and found.head.stop is not None:
         calm, least = least, abs(float(found.head.stop.deflection)) * found.study.of_both
+        whose += ", by the bound for a head wind"
         yes = _also(yes, bool(covers(limit, least)))
         needs = degrees("asked.calm", calm, unit="deg")
         line = ("flown with its stop", _HEAD, ", in that of calm air ", *needs, "; ", *free)

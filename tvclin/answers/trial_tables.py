@@ -62,11 +62,11 @@ def needed(found: Sequence[LawTrial], beside: Mapping[str, Bounds]) -> tuple[Tab
             yield (wind,), number(f"laws.{j}.ideal_deg", trim), known, over
 
     trims = {wind: one.trim_deg for wind, one in beside.items()}
-    beyond = ("wind", "ideal trim [deg]", "minimum, wind known [deg]", "over trim")
+    beyond = ("wind", "trim in that wind [deg]", "minimum, wind known [deg]", "over trim")
     return (
         Table("Deflection limit that each law needs [deg]", head, tuple(rows("_deg", trims))),
-        Table("The same over ideal trim", head, tuple(rows("", dict.fromkeys(trims, 1.0)))),
-        Table("Ideal trim, and the minimum of any control", beyond, tuple(bounded())),
+        Table("The same over trim in that wind", head, tuple(rows("", dict.fromkeys(trims, 1.0)))),
+        Table("Trim in each wind, and the minimum of any control", beyond, tuple(bounded())),
     )
 
 

@@ -25,6 +25,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
+from tvclin.base.files import called
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.vehicle.file import source_tables
 from tvclin.winds.file import (
@@ -197,5 +198,6 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
     how = {key: given.get(key) for key in ("format", "time", "units", "above_ground")}
     profile = read_sounding(folder / file, **how)
     named = Path(file).name
-    profile = replace(profile, source=named)
+    whole = called(folder / file)  # the name alone: the page is the same from another folder
+    profile = replace(profile, source=profile.source.replace(whole, named, 1))
     return table.get("name") or named, SoundingAsked(profile, given["azimuth"])

@@ -60,7 +60,7 @@ def _apart(found: Findings) -> str:
     added = f", flown with {', '.join(apart)}" if apart else ""
     return (
         f" The autopilot flies here with the gains of Autopilot and margins. There it needs {least}"
-        f"{added}."
+        f"{added}{_CALM * bool(found.head)}."
     )
 
 
@@ -133,7 +133,8 @@ def _lost(found: Findings) -> str:
     least, have = np.degrees(abs(stop.deflection) * found.study.of_both), np.degrees(limit)
     if np.isinf(least):
         return f"flown with a stop of {have:.3f} deg or more, the autopilot does not survive"
-    return f"the autopilot needs a stop of {least:.3f} deg, flown, and has {have:.3f} deg"
+    calm = _CALM * bool(found.head)
+    return f"the autopilot needs a stop of {least:.3f} deg, flown{calm}, and has {have:.3f} deg"
 
 
 def dispersed(found: Findings) -> Section | None:

@@ -1,14 +1,17 @@
 """The sections of the whole flight: what it needs by time, and on how many days it flies."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from tvclin.answers.availability import answer_tables
 from tvclin.answers.availability.record import Availability
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.answers.sizing.total_record import total_table
-from tvclin.base.lines import Line, degrees
+from tvclin.base.lines import Line, degrees, number
 from tvclin.plots import availability_chart, sizing_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
 from tvclin.show.report.figures import figure_of
@@ -26,7 +29,7 @@ def _over_flight(found: Findings) -> list[Block]:
     sizing, total = found.flight
     counted = asked.counted(sizing, found.plan.sign)
     of = f" of {asked.source}" if asked.source else ""
-    blocks: list[Block] = [Paragraph((_words(sizing, of),))]
+    blocks: list[Block] = [Paragraph((_words(sizing, of),)), *_measured(asked)]
     if sizing.times.size > 1:
         label = "Required deflection over flight time, in the worst wind of each"
         caption = (
@@ -50,6 +53,15 @@ def _over_flight(found: Findings) -> list[Block]:
     elif "card" in found.reasons:
         blocks.append(Paragraph((f"No card of the nozzle: {found.reasons['card']}.",)))
     return [*blocks, *notes]
+
+
+def _measured(asked: SizingAsked) -> Iterator[Block]:
+    """The soundings that the flight goes through, with station, date and direction of flight."""
+    for name, sounding in asked.soundings.items():
+        source = sounding.profile.source or "given without a source"
+        azimuth = number(f"flight.azimuth.{name}", np.degrees(sounding.azimuth), 1, "deg")
+        said = source if source.startswith(name) else f"{name}: {source}"
+        yield Paragraph((f"Measured wind {said}; the flight goes towards ", *azimuth, "."))
 
 
 def _words(s: Sizing, of: str) -> str:

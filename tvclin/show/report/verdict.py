@@ -164,7 +164,8 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
         survived = abs(s.survivable_peak)
         survived = np.fmin(survived, abs(s.judged_peak) * found.autopilot_survives)
         peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
-        rows.append((SURVIVES, (*peak, " deg")))
+        by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
+        rows.append((SURVIVES + by, (*peak, " deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append(("ideal trim takes", trim))
