@@ -118,7 +118,7 @@ def test_a_stable_vehicle_is_told_what_to_give(stable_vehicle):
     for command in ("margins", "autopilot"):
         result = run(command, str(stable_vehicle))
         assert result.exit_code == 2
-        assert "give natural_frequency" in result.stderr
+        assert "give --natural-frequency" in result.stderr
     assert run("margins", str(stable_vehicle), "--natural-frequency", "1").exit_code in {0, 1}
 
 

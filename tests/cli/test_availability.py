@@ -99,7 +99,7 @@ def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:
     [
         (("--limit-deg", "-1", "--azimuth-deg", "90"), "--limit-deg must be between"),
         (("--limit-deg", "1", "--azimuth-deg", "90", "--month", "7"), "got none"),
-        (("--limit-deg", "1", "--azimuth-deg", "90", "--month", "13"), "months must be from 1 to"),
+        (("--limit-deg", "1", "--azimuth-deg", "90", "--month", "13"), "--month must be from 1 to"),
         (
             (*EAST, "--limit-deg", "1", "--persistence-deg", "1", "--persistence-hours", "2"),
             "not both",
