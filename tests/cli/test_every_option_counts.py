@@ -127,6 +127,7 @@ VALUES = {
     "switch": ["report"],
     "cases": ["50"],
     "seed": ["3"],
+    "time": ["70"],
     "from_": ["69"],
     "to": ["73"],
     "every": ["0.4"],
