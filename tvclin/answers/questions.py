@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.gain_notes import actuator_notes, gain_notes
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import in_calm_air
@@ -126,11 +125,15 @@ _IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flex
 
 def loop_notes(found: Findings) -> Iterator[str]:
     """Yield what was not specified of the autopilot and the nozzle that answer its questions."""
+    if found.margins is None and found.card is None:
+        return
+    from tvclin.answers.gain_notes import actuator_notes, gain_notes  # late: it designs autopilots
+
     margins = found.margins
     if margins is not None:
         met = bool(found.criteria.are_met(margins))
         yield from gain_notes(found.plan, found.criteria, met)
-    elif found.card is not None:
+    else:
         yield from actuator_notes(found.plan)
 
 
