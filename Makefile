@@ -104,7 +104,7 @@ endef
 # numba and slycot have wheels for the common platforms only; tvclin works without them, and without
 # numba many answers take minutes.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --no-compile --editable .
+	$(BIN)/python -m pip install --quiet --no-compile --editable ".[report]"
 	$(call INSTALL_EXTRAS,$(findstring fast,$(EXTRAS)))
 	$(BIN)/python -m pip install --quiet --no-compile --only-binary slycot "slycot>=0.7" \
 	  || echo "slycot has no wheel for this platform; going on without it"
