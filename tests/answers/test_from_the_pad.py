@@ -189,7 +189,7 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
     listed = tv.read_soundings(tmp_path, dates=dates)
     assert [str(one)[:10] for one in listed.times] == ["2024-02-01", "2024-02-02", "2024-02-03"]
     dates.write_text("name,day\na.csv,2024-02-03\n")
-    with pytest.raises(tv.InputError, match="headings file,time"):
+    with pytest.raises(tv.InputError, match="no line of names file,time"):
         tv.read_soundings(tmp_path, dates=dates)
     dates.unlink()
     document = {

@@ -173,7 +173,7 @@ def test_a_pulse_by_its_speed_is_known_up_to_thirty_degrees() -> None:
     at = ("size", "configuration-i", "--from", "60", "--to", "60", "--frozen", "--dead-band", "1")
     just, beyond = (asked(*at, "--peak-speed", f"{half * x:.9g}") for x in (0.999, 1.001))
     assert (just["known"], beyond["known"]) == ([[True]], [[False]])
-    assert "meets the flight at 30 deg, and above 30 deg" in beyond["notes"][0]
+    assert "meets the flight at 30.03 deg, and above 30 deg" in beyond["notes"][0]
 
 
 def test_a_gust_by_its_speed_counts_on_top_of_a_sounding_up_to_thirty_degrees(

@@ -318,7 +318,7 @@ def test_a_wind_of_two_signs_has_no_boundary():
         ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * TRIANGLE}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
-        ({"plant": COEFFICIENTS}, "plant must be a Plant .*; got Coefficients"),
+        ({"plant": COEFFICIENTS}, "plant must be a Plant .*; got <Coefficients"),
         ({"autopilot": GAINS}, "autopilot must be an? Autopilot"),
         ({"plant": COURSE, "autopilot": MISLED}, "pade_order = 4 is too low"),
     ],

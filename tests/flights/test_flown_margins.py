@@ -121,7 +121,7 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
 def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late):
     """A hold is half a sample late; its error is of the order (omega h)^2, 2e-4 at crossover."""
     found = tv.flights.flown_margins(
-        PLANT, LAWS["attitude and rate"], WIND, limit=300.0 * TRIM, actuator=SERVO, delay=late
+        PLANT, LAWS["attitude and rate"], WIND, limit=150.0 * TRIM, actuator=SERVO, delay=late
     )
     linear = replace(GAINS, actuator=SERVO, delay=late + 0.005).margins(PLANT)
     assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=1e-3)
@@ -308,7 +308,7 @@ def test_filters_of_a_law_are_in_its_margins():
     """Far from the stop those of the filtered loop; a bilinear filter is exact at its frequency."""
     shelf = tv.vehicle.Filter.low_pass(6.0, 0.7)
     law = tv.control.FilteredLaw(LAWS["attitude and rate"], filters=(shelf,))
-    found = tv.flights.flown_margins(PLANT, law, WIND, limit=300.0 * TRIM, actuator=SERVO)
+    found = tv.flights.flown_margins(PLANT, law, WIND, limit=150.0 * TRIM, actuator=SERVO)
     linear = replace(GAINS, filters=(shelf,), actuator=SERVO, delay=0.005).margins(PLANT)
     assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=2e-3)
     assert found.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)

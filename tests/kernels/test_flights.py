@@ -111,7 +111,7 @@ def test_a_case_does_not_depend_on_its_batch(name, options, compiled):
     size = 70 if compiled else 10
     every = case(name, size)
     order = np.random.default_rng(3).permutation(size)
-    until = 12.0 if compiled else 4.0
+    until = 12.0 if compiled else 9.2
     with pinned(compiled):
         whole = flown(every, until=until, **options)
         mixed = flown(part(every, order), until=until, **options)

@@ -49,8 +49,8 @@ def _better(case: Case, criteria: Criteria) -> str:
     rule = satisfying_rule(case, criteria)
     if rule is None:
         return (
-            f"gains that satisfy the criteria {criteria.name}: neither lqr nor poles at 1.5 to 6"
-            " times the unstable one; tvclin autopilot --least seeks them, and a bending mode may"
+            f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
+            " unstable one nor lqr; tvclin autopilot --least seeks them, and a bending mode may"
             " need a notch (--notch-hz)"
         )
     if rule.design is not None:
@@ -67,7 +67,7 @@ def _better(case: Case, criteria: Criteria) -> str:
 def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
     """Return the first of some designs whose gains satisfy the criteria; None if none does.
 
-    They are the linear quadratic regulator, and poles at multiples of the unstable one, with the
+    They are poles at multiples of the unstable one, and the linear quadratic regulator, with the
     actuator, delay, filters and sample rate of the case.
     """
     base = replace(
@@ -80,13 +80,14 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
         alpha_gain=None,
         crossover=None,
     )
-    rules = [replace(base, design="lqr")]
+    rules = []
     with suppress(InputError):  # a stable vehicle has no such pole
         pole = float(case.plant.rigid.coefficients.pole)
-        rules += [
+        rules = [
             replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
             for ratio in _FREQUENCIES_OVER_POLE
         ]
+    rules.append(replace(base, design="lqr"))  # last, for it loads python-control
     return next((rule for rule in rules if _satisfies(replace(case, design=rule), criteria)), None)
 
 

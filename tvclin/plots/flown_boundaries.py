@@ -97,10 +97,12 @@ def _figure(
     flies = chosen_engine(engine)
     instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
-    durations = [
-        one_row(key, np.atleast_1d(positive(key, b)))
-        for key, b in (("tau_beta", tau_beta), ("along", along))
-    ]
+    durations = [one_row("tau_beta", np.atleast_1d(positive("tau_beta", tau_beta)))]
+    durations.append(
+        positive("along", along)
+        if np.size(along) == 0
+        else one_row("along", np.atleast_1d(positive("along", along)))
+    )
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [

@@ -102,6 +102,7 @@ def read_soundings(
     >>> tv.read_soundings("tests/soundings/igra.txt")
     Soundings(2 of USM00074794 from 2024-02-15 to 2024-02-16)
     """
+    _check_rows(months=months, years=years)
     wanted = Wanted.of(months, years, station, utc_offset)
     if progress is not None:
         callable_for("progress", progress, "of how much is read and how much there is")
@@ -130,6 +131,13 @@ def read_soundings(
         remark, (count, where) = next(iter(found.counted.items()))
         raise InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
     return found.soundings(wanted.utc_offset)
+
+
+def _check_rows(**given: Any) -> None:
+    """Raise `InputError` for an array without axes, which is no row of numbers."""
+    for name, value in given.items():
+        if isinstance(value, np.ndarray) and not value.ndim:
+            raise InputError(f"{name} must be a row of whole numbers; got {shown(value)}")
 
 
 def _listed(path: Path) -> dict[str, Any]:
