@@ -70,7 +70,7 @@ study
 # %%
 for note in study.notes:
     print(note)
-for sign, need in study.sign_needs.items():
+for sign, need in study.encountered.items():
     print(f"{sign} wind: {np.degrees(need):.3f} deg, with the dynamic pressure met in it")
 
 # %%

@@ -742,7 +742,20 @@ def doors(folder: Path) -> dict[str, Door]:
         "SaturatedLaw.of": Door(tv.SaturatedLaw.of, {"autopilot": autopilot}),
         "ShapedWind": Door(
             tv.ShapedWind,
-            {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust, "gust_at": 3.0},
+            {
+                "shape": "triangular",
+                **pulse,
+                "heading": 1.0,
+                "gust": gust,
+                "gust_at": 3.0,
+                "speed": 40.0,
+                "gust_speed": 9.0,
+            },
+        ),
+        "ShapedWind.scaled": Door(slanting.scaled, {"factor": 0.9}),
+        "ShapedWind.gust_history": Door(
+            tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).gust_history,
+            {"values": {"wind_duration": 7.0}},
         ),
         "ShapedWind.gust_of_speed": Door(
             tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).gust_of_speed,
@@ -814,7 +827,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
-        "Study.factors_at": Door(study.factors_at, {"sizes": [0.9, 1.1]}),
+        "Study.required_at": Door(study.required_at, {"size": 0.9}),
         "StudyPlan": Door(
             tv.answers.StudyPlan,
             {

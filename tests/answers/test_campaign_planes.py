@@ -11,6 +11,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.file import parse_campaign
+from tvclin.answers.encountered import case_requirements
 from tvclin.cli.app import app
 
 SPREAD = [
@@ -69,17 +70,12 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
     for case in (0, 11):
         for K in plan.dead_bands:
             study = tv.Study.of(of_case(plan, found, case), K)
-            name, (_, factor) = f"required_K{K:g}", study.counts
-            # factors of a sign: trim and demand meet on one of 64 straight lines, off by their
-            # second derivatives, beta^2 and that of the gust; and b1/B of "drift" is taken as
-            # linear in the dynamic pressure, of which it is off by 5e-4 in a wind of 5 deg
-            bends = study.coefficients.beta**2 + (gust and (2 * np.pi / 2.0) ** 2 / 2 / 6)
-            lines = (study.wind.duration / 64) ** 2 / 8 * bends
-            close = lines + (5e-4 if model == "drift" else 0.0)
-            assert found[name][case] == pytest.approx(study.required_deflection, rel=close)
-            for plane, alone in study.planes.alone.items():
+            name = f"required_K{K:g}"
+            assert found[name][case] == pytest.approx(study.required_deflection, rel=1e-9)
+            (alone,) = case_requirements(study.case, study.placed, K).values()
+            for plane, required in alone.items():
                 each = found[f"{name}_{plane}"][case]
-                assert each == pytest.approx(alone * factor, rel=close)
+                assert each == pytest.approx(required, rel=1e-9)
                 assert each <= found[name][case]
 
 

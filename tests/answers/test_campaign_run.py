@@ -532,7 +532,7 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
     )
     assert whole.nominal["required_K1"] == pytest.approx(study.required_deflection, rel=LINES)
     calm = replace(plan, sign="frozen")
-    assert nominal(calm)["required_K1"] == pytest.approx(study.frozen_deflection, rel=1e-12)
+    assert nominal(calm)["required_K1"] == pytest.approx(study.nominal_deflection, rel=1e-12)
 
 
 def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):

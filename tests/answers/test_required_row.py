@@ -21,7 +21,7 @@ def marked(study: Study) -> list[str]:
         ("head wind (verdict)", {"duration": 90.0, "dead_band": 0.5}),
         ("required (verdict)", {"duration": 90.0, "dead_band": 0.5, "sign": "frozen"}),
         ("K = 1 (verdict)", {"duration": 7.5, "sign": "frozen"}),
-        ("K = 1 (verdict)", {"duration": 7.5, "plane": "yaw"}),
+        ("cross wind (verdict)", {"duration": 7.5, "plane": "yaw"}),
         ("both planes (verdict)", {"duration": 7.5, "heading": np.radians(225), "stop": "round"}),
     ],
 )

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tvclin.answers.case import FROZEN, Case
-from tvclin.answers.planes import PlanesNeeded, of_heading
+from tvclin.answers.planes import VECTOR, PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
-from tvclin.answers.sizing.wind_sign import sign_factors, survived_size
-from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, between, nonnegative, number, single, within
+from tvclin.base.errors import InputError, between, number, positive, single
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
@@ -21,20 +20,34 @@ from tvclin.winds.histories import History
 from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, beyond_linear
 from tvclin.winds.shaped import ShapedWind
 
-_LEAST_SIZE, _LARGEST_SIZE = 0.01, 1e9
-_SIZES = 5
-"""Sizes of a wind at which what its sign changes is computed for dispersed winds."""
+_SIZE_TOLERANCE = 1e-9
+"""Tolerance of the logarithm of a factor on the wind."""
 
 
 @dataclass(frozen=True, eq=False)
 class CaseNeed:
     """What a wind requires of the nozzle of a case, at one dead band.
 
-    The verdict rests on the model of the case. `blows` is the wind in the plane, with its gust.
-    `requirement` is what a limit must be in the dynamic pressure of calm air, `sign_factors` what
-    is required of a head and of a tail wind over that, empty where the wind blows across the path,
-    or, as `sign_unknown` says, that is not known. `planes` is what a wind with a direction asks of
-    both. All these are NaN, or empty, in a wind `beyond` linear aerodynamics.
+    Attributes
+    ----------
+    case : Case
+        The case; the verdict rests on its model.
+    dead_band : float
+        K of the verdict.
+    blows : ShapedWind
+        The wind in the plane, with its gust.
+    requirement : RequiredDeflection
+        What a limit must be at nominal dynamic pressure.
+    planes : PlanesNeeded or None
+        What a wind with a direction requires of both planes at nominal dynamic pressure.
+    encountered : dict of str to float
+        Required deflection [rad] at the wind's own angle and dynamic pressure, by its possible
+        directions: head and tail, one of them, or cross. Empty by request, and where it is not
+        known.
+    encountered_unknown : str
+        Why it is not known.
+
+    All requirements are NaN, or empty, in a wind `beyond` linear aerodynamics.
     """
 
     case: Case
@@ -42,8 +55,8 @@ class CaseNeed:
     blows: ShapedWind
     requirement: RequiredDeflection
     planes: PlanesNeeded | None
-    sign_factors: dict[str, float]
-    sign_unknown: str
+    encountered: dict[str, float]
+    encountered_unknown: str
 
     @property
     def vehicle(self) -> AnyVehicle:
@@ -73,10 +86,12 @@ class CaseNeed:
     @property
     def slanting(self) -> ShapedWind | None:
         """The wind with its direction, where that is known, its gust at its time."""
-        wind = self.case.wind
-        if not isinstance(wind, ShapedWind) or wind.heading is None:
-            return None
-        return replace(wind, gust_at=self.blows.gust_at)
+        return None if self.case.heading is None else self.placed
+
+    @property
+    def placed(self) -> ShapedWind:
+        """The wind of the case with its direction and speeds, as far as known, its gust placed."""
+        return replace(pulse_of(self.case), gust_at=self.blows.gust_at)
 
     @property
     def in_both(self) -> bool:
@@ -90,60 +105,45 @@ class CaseNeed:
 
     @property
     def required_deflection(self) -> float:
-        """The deflection [rad] that is required at the verdict's model and dead band, a size."""
-        return self.frozen_deflection * self.counts[1]
+        """The required deflection [rad] at the verdict's model and dead band, a size."""
+        if self.direction == FROZEN:
+            return self.nominal_deflection
+        return self.encountered[self.direction]
 
     @property
-    def frozen_deflection(self) -> float:
-        """The same [rad] in the dynamic pressure of calm air."""
+    def nominal_deflection(self) -> float:
+        """The required deflection [rad] at nominal dynamic pressure, a size."""
         if self.planes is not None and self.in_both:
             return self.planes.deflection
         return abs(float(self.requirement.deflection))
 
     @property
-    def sign_needs(self) -> dict[str, float]:
-        """What is required [rad] of a head and of a tail wind, by `sign_factors`."""
-        return {name: self.frozen_deflection * one for name, one in self.sign_factors.items()}
+    def direction(self) -> str:
+        """The direction of the wind that sets the required deflection, or `FROZEN`."""
+        return max(self.encountered, key=self.encountered.__getitem__, default=FROZEN)
 
     @property
-    def counts(self) -> tuple[str, float]:
-        """Which sign of the wind counts, and its factor on `frozen_deflection`."""
-        if self.sign in self.sign_factors:
-            return str(self.sign), self.sign_factors[str(self.sign)]
-        every = {FROZEN: 1.0} | self.sign_factors
-        name = max(every, key=lambda one: every[one])
-        return name, every[name]
+    def at_nominal_pressure(self) -> bool:
+        """Whether the required deflection is that at nominal dynamic pressure."""
+        return self.direction == FROZEN
 
     @property
-    def in_calm_air(self) -> bool:
-        """Whether the dynamic pressure of calm air counts."""
-        return self.counts[0] == FROZEN
+    def ratio_to_nominal(self) -> float:
+        """The required deflection over that at nominal dynamic pressure; one where that is zero."""
+        nominal = self.nominal_deflection
+        return self.required_deflection / nominal if nominal else 1.0
 
-    def factors_at(self, sizes: ArrayLike) -> FloatArray:
-        """Return the factor of the sign that counts in winds of so many times this size.
+    def required_at(self, size: float) -> float:
+        """Return the required deflection [rad] in so many times this wind.
 
-        Between a few sizes it is interpolated; infinite for a wind that turns the path too far.
-        `InputError` for sizes that are negative, or no numbers.
+        Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
+        for a size that is not positive.
         """
-        wanted = within("sizes", nonnegative("sizes", sizes), 0.0, _LARGEST_SIZE)
-        name, factor = self.counts
-        if name == FROZEN or np.all(wanted == 1.0):
-            return np.full(wanted.shape, factor)
-        wanted = np.maximum(wanted, _LEAST_SIZE)
-        nodes = np.linspace(wanted.min(), wanted.max(), _SIZES)
-        found = [self._factor_at(float(size)) for size in nodes]
-        factors = np.interp(wanted, nodes, found)
-        return np.where(np.isnan(factors), np.inf, factors)
-
-    def _factor_at(self, size: float) -> float:
-        """The same of one size."""
-        name, factor = self.counts
-        if name == FROZEN or size == 1.0:
-            return factor
-        asked = None if self.slanting is not None else name
+        number("size", size, positive)
+        if self.at_nominal_pressure:
+            return size * self.nominal_deflection
         try:
-            calm = self.requirement.needs
-            return sign_factors(self.case, self.history, self.dead_band, asked, size, calm)[name]
+            return max(_encountered(self, size).values())
         except InputError:
             return np.inf
 
@@ -179,14 +179,12 @@ class CaseNeed:
             return {"sufficient": None, "survivable_peak": None}
         if self.beyond:
             size = MAX_LINEAR_ANGLE / self.wind_angle
-            known = replace(self.case, wind=_scaled(self.slanting or self.blows, size))
+            known = replace(self.case, wind=self.placed.scaled(size))
             within = case_need(known, self.dead_band).judged
             return {"sufficient": None, "survivable_peak": within["survivable_peak"]}
         size = limit / needed if needed else np.inf
-        if not self.in_calm_air and 0.0 < size < np.inf:
-            size = survived_size(
-                limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
-            )
+        if not self.at_nominal_pressure and 0.0 < size < np.inf:
+            size = survived_size(limit, self.required_at)
         bound = self.peak_bound
         peak = bound if np.isinf(size) else self.judged_peak * size
         return {
@@ -197,8 +195,8 @@ class CaseNeed:
     @property
     def governs(self) -> str:
         """What the required deflection is governed by, in words."""
-        if not self.in_calm_air:
-            return f"the dynamic pressure in a {self.counts[0]} wind"
+        if not self.at_nominal_pressure:
+            return f"the dynamic pressure in a {self.direction} wind"
         if self.planes is not None and self.in_both:
             return self.planes.governs
         return self.requirement.governs
@@ -224,8 +222,15 @@ def case_need(case: Case, dead_band: float = 1.0) -> CaseNeed:
     required = required_deflection(plant, history, K)
     if beyond_linear(float((planes or history).peak)):
         required, planes = _unknown(required), planes and _unknown_planes(planes)
-    factors, unknown = _factors(case, history, required, K)
-    return CaseNeed(case, K, blows, required, planes, factors, unknown)
+    need = CaseNeed(case, K, blows, required, planes, {}, "")
+    if not np.isfinite(required.deflection):
+        return need
+    try:
+        return replace(need, encountered=_encountered(need))
+    except InputError as error:
+        if case.sign is not None:
+            raise
+        return replace(need, encountered_unknown=str(error))
 
 
 def _unknown(required: RequiredDeflection) -> RequiredDeflection:
@@ -238,12 +243,6 @@ def _unknown_planes(planes: PlanesNeeded) -> PlanesNeeded:
     return replace(planes, deflection=np.nan, alone=dict.fromkeys(planes.alone, np.nan))
 
 
-def _scaled(wind: ShapedWind, factor: float) -> ShapedWind:
-    """Wind with its peak and its gust times a factor."""
-    gust = None if wind.gust is None else wind.gust * factor
-    return replace(wind, peak=wind.peak * factor, gust=gust)
-
-
 def pulse_of(case: Case) -> ShapedWind:
     """Return the wind of a case; `InputError` for one that is not of one shape."""
     if not isinstance(case.wind, ShapedWind):
@@ -253,15 +252,45 @@ def pulse_of(case: Case) -> ShapedWind:
     return case.wind
 
 
-def _factors(
-    case: Case, history: History, required: RequiredDeflection, dead_band: float
-) -> tuple[dict[str, float], str]:
-    """What the sign of a wind changes, and why it is not known; what is asked for must be."""
-    if not np.isfinite(required.deflection):
-        return {}, ""
-    try:
-        return sign_factors(case, history, dead_band, calm=required.needs), ""
-    except InputError as error:
-        if case.sign is not None:
-            raise
-        return {}, str(error)
+def _encountered(need: CaseNeed, size: float = 1.0) -> dict[str, float]:
+    """The required deflections [rad] of a case by the direction of so many times its wind.
+
+    Of both planes the larger of what each by itself requires of the limit shape, and of what the
+    vector requires at nominal dynamic pressure times the larger ratio of the planes.
+    """
+    if need.sign == FROZEN:
+        return {}
+    from tvclin.answers.encountered import case_requirements  # late, with its engine
+
+    directions = case_requirements(need.case, need.placed, need.dead_band, size)
+    if not need.in_both or need.planes is None:
+        return {name: each[need.plane] for name, each in directions.items()}
+    planes, required = need.planes, {}
+    for name, each in directions.items():
+        required[name] = float(rectangle(planes.stop, each.get("pitch", 0.0), each.get("yaw", 0.0)))
+        if planes.governs == VECTOR:
+            ratios = [x / (size * float(planes.alone[plane])) for plane, x in each.items() if x]
+            ratio = max(ratios, default=0.0)
+            required[name] = max(required[name], size * planes.deflection * ratio)
+    return required
+
+
+def survived_size(limit: float, need: Callable[[float], float]) -> float:
+    """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
+    from scipy.optimize import brentq
+
+    @cache
+    def excess(x: float) -> float:
+        ratio = need(float(np.exp(x))) / limit
+        return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
+
+    first = -excess(0.0)
+    if abs(first) < _SIZE_TOLERANCE:
+        return 1.0
+    end = first if excess(first) * first > 0.0 else 2.0 * first
+    while first < 0.0 < excess(end):
+        end *= 2.0
+    if excess(end) < 0.0 < first:
+        return float(np.exp(end))
+    root = brentq(excess, 0.0, end, xtol=_SIZE_TOLERANCE)
+    return float(np.exp(root - _SIZE_TOLERANCE))  # survived, not nearly so

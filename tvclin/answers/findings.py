@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from tvclin.answers.sizing.air_met import in_air
-from tvclin.answers.sizing.wind_sign import largest_ratio, survived_size
+from tvclin.answers.case_need import survived_size
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
@@ -310,7 +309,7 @@ def _in_a_head_wind(
     plan: StudyPlan, study: Study, loop: Flying | None, limit: float
 ) -> HeadWind | None:
     """What is asked of a limit, in the air of a head wind where that counts."""
-    if study.counts[1] <= 1.0:
+    if study.ratio_to_nominal <= 1.0:
         return None
     met = _met(plan, study)
     stop, rates = None, None
@@ -323,8 +322,12 @@ def _in_a_head_wind(
 
 def _met(plan: StudyPlan, study: Study, size: float = 1.0) -> StudyPlan:
     """A plan in the dynamic pressure at the peak of so many times its head wind."""
-    ratio = largest_ratio(plan, study.history, study.dead_band, size)
-    return replace(plan, vehicle=in_air(whole_vehicle(plan.vehicle, "a head wind"), ratio))
+    from tvclin.answers.encountered import largest_pressure  # late, with its engine
+    from tvclin.answers.varying_equations import at_pressure
+
+    whole = whole_vehicle(plan.vehicle, "a head wind")
+    ratio = largest_pressure(study.placed, whole.rigid, study.plane, study.direction, size)
+    return replace(plan, vehicle=at_pressure(whole, ratio))
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:

@@ -114,7 +114,7 @@ def calm_air_notes(found: Findings) -> Iterator[str]:
     flown = found.head is not None and found.head.stop is not None
     left = {"load", *(() if flown else ("autopilot", "flexible flight"))}
     calm = [one.name for one in questions(found) if one.yes and one.name in left]
-    if calm and found.study.counts[1] > 1.0:
+    if calm and found.study.ratio_to_nominal > 1.0:
         for words in in_calm_air(found.plan):
             yield f"{listed(calm)}: {words}"
 

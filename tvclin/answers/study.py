@@ -206,7 +206,7 @@ class Study(CaseNeed, Shown):
         rests = plant, history, need.requirement, need.dead_band
         judged = need.judged
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
-        free, calm = needed["forecast_free"].get(plant.model), need.in_calm_air
+        free, nominal = needed["forecast_free"].get(plant.model), need.at_nominal_pressure
         every = (
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
             slow_or_paired(*rests),
@@ -216,7 +216,7 @@ class Study(CaseNeed, Shown):
             doubts(case.vehicle),
             gust_placed(pulse_of(case), need.blows),
             () if need.beyond else along_the_path(need),
-            () if need.beyond else words_of(need.planes, case.plane, need.in_both, calm),
+            () if need.beyond else words_of(need.planes, case.plane, need.in_both, nominal),
         )
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond:
@@ -303,8 +303,8 @@ class Study(CaseNeed, Shown):
             "verdict": picked(
                 self,
                 "model dead_band switch sign required_deflection_deg governed_by=governs"
-                " requirements_deg=requirement.needs frozen_deflection_deg sign_factors limit_deg"
-                " sufficient"
+                " requirements_deg=requirement.needs nominal_deflection_deg encountered_deg"
+                " limit_deg sufficient"
                 " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of"
                 " survivable_peak_is_bound=survives_bound",
             ),

@@ -11,7 +11,6 @@ import numpy as np
 from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
-from tvclin.answers.sizing.wind_sign import pressure_ratios
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -22,6 +21,7 @@ from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.triangle import pressure_ratio
 
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
@@ -54,8 +54,8 @@ def along_the_path(need: CaseNeed) -> Iterator[str]:
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
     if need.sign == FROZEN:
         yield f"{changes}, as asked: a head wind needs more"
-    elif need.sign_unknown:
-        yield f"{changes}; what a head wind needs more is not known: {need.sign_unknown}"
+    elif need.encountered_unknown:
+        yield f"{changes}; what a head wind needs more is not known: {need.encountered_unknown}"
 
 
 def in_calm_air(case: Case) -> Iterator[str]:
@@ -63,7 +63,7 @@ def in_calm_air(case: Case) -> Iterator[str]:
     peak = abs(float(getattr(case.wind, "peak", 0.0)))
     if case.plane != "pitch" or peak <= _STRONG or not isinstance(case.vehicle, Vehicle):
         return
-    ratio = float(pressure_ratios(case.vehicle.attitude, np.asarray(-peak)))
+    ratio = float(pressure_ratio(case.vehicle.attitude, np.asarray(-peak)))
     if ratio > 1.0:
         yield (
             "in the dynamic pressure of calm air; a head wind of this size meets up to"

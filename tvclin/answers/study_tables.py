@@ -138,7 +138,7 @@ def _counted(s: Study) -> str:
     """What is the row of the required deflection called, where it is not that of the dead band."""
     if s.in_both:
         return "both planes"
-    return "required" if s.in_calm_air else f"{s.counts[0]} wind"
+    return "required" if s.at_nominal_pressure else f"{s.direction} wind"
 
 
 def _judged(s: Study) -> dict[str, tuple[float, float]]:
@@ -154,14 +154,14 @@ def _judged(s: Study) -> dict[str, tuple[float, float]]:
         return {}
     found = {}
     calm = s.governs == BOUNDARY and s.switch == "literal"
-    if not s.sign_factors and (calm or s.governs == NOTHING):
+    if not s.encountered and (calm or s.governs == NOTHING):
         return {}
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
-    if not np.isclose(abs(row), s.frozen_deflection, rtol=ROUNDING):
-        peak = abs(s.judged_peak) * (s.limit or np.nan) / s.frozen_deflection
-        found["calm air" if s.sign_factors else "required"] = (s.frozen_deflection, peak)
-    for sign, need in s.sign_needs.items():
-        found[f"{sign} wind"] = (need, met if s.counts[0] == sign else np.nan)
+    if not np.isclose(abs(row), s.nominal_deflection, rtol=ROUNDING):
+        peak = abs(s.judged_peak) * (s.limit or np.nan) / s.nominal_deflection
+        found["nominal pressure" if s.encountered else "required"] = (s.nominal_deflection, peak)
+    for name, need in s.encountered.items():
+        found[f"{name} wind"] = (need, met if s.direction == name else np.nan)
     return found
 
 
@@ -217,7 +217,7 @@ def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
     """Which peak [rad] a limit survives, for each row, with the model of the verdict."""
     undercut = s.minima.get(s.model, 0.0)
     rows = [
-        s.frozen_deflection if s.dead_band == K else max(abs(float(each)), undercut)
+        s.nominal_deflection if s.dead_band == K else max(abs(float(each)), undercut)
         for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
     least = [needs.get(s.model, np.nan) for needs in s.needs.values()]

@@ -182,7 +182,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         look |= {"ls": ("-", "--")[model], "markevery": max(x.size // 10, 1)}
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
-    sign = study.counts[0]
+    sign = study.direction
     needs = "required, both planes" if study.in_both else "required"
     needs += "" if sign == FROZEN else f", {sign} wind"
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)

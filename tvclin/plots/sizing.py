@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 _LIMIT = "available limit"
-_MARKS = {IN_A["head"]: "^", IN_A["tail"]: "v"}
+_MARKS = {IN_A["head"]: "^", IN_A["tail"]: "v", IN_A["cross"]: "x"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 

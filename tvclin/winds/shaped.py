@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.base.errors import InputError, directions, instance, number, one_of, within
+from tvclin.base.errors import (
+    InputError,
+    directions,
+    instance,
+    nonzero,
+    number,
+    one_of,
+    within,
+)
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.checks import LONGEST, checked_peak, checked_span
@@ -49,6 +57,9 @@ class ShapedWind:
     gust_at : float, optional
         When the middle of the gust comes [s]. Without it a `Case` takes the time at which most is
         needed, and all else the middle of the wind.
+    speed, gust_speed : float, optional
+        Largest wind speed of the wind and of its gust [m/s], where they are known by it; their
+        peaks are then the angles of eq (B1e), which `of_speed` and `gust_of_speed` make.
 
     Raises
     ------
@@ -62,6 +73,8 @@ class ShapedWind:
     heading: float | None = None
     gust: History | None = None
     gust_at: float | None = None
+    speed: float | None = None
+    gust_speed: float | None = None
 
     count = 0
 
@@ -74,6 +87,9 @@ class ShapedWind:
         if self.heading is not None:
             number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
+        for name in ("speed", "gust_speed"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name), nonzero, "m/s"))
         if self.gust_at is not None:
             within("gust_at", number("gust_at", self.gust_at, unit="s"), -LONGEST, LONGEST, "s")
 
@@ -95,7 +111,7 @@ class ShapedWind:
                 f" by --plane {other}"
             )
         gust = None if self.gust is None else self.gust * (peak / self.peak)
-        return replace(self, peak=peak, heading=None, gust=gust)
+        return replace(self, peak=peak, heading=None, gust=gust, speed=None, gust_speed=None)
 
     def of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
         """Return it with the peak angle that a vehicle meets at a wind speed [m/s], by eq (B1e).
@@ -112,8 +128,8 @@ class ShapedWind:
         at = number("speed", speed, unit="m/s"), *flies
         one_of("plane", plane, PLANES)
         if self.heading is None:
-            return replace(self, peak=float(angle_in_plane(*at, plane)))
-        return replace(self, peak=math.hypot(*angles_from_speed(*at, self.heading)))
+            return replace(self, peak=float(angle_in_plane(*at, plane)), speed=at[0])
+        return replace(self, peak=math.hypot(*angles_from_speed(*at, self.heading)), speed=at[0])
 
     def gust_of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
         """Return it with the peak of its gust by a wind speed [m/s], along the wind, as `of_speed`.
@@ -126,7 +142,29 @@ class ShapedWind:
         if self.gust is None:
             raise InputError("the speed of a gust needs the gust that it is of")
         peak = self.of_speed(speed, vehicle, plane).peak
-        return replace(self, gust=self.gust * (peak / float(self.gust.peak)))
+        gust = self.gust * (peak / float(self.gust.peak))
+        return replace(self, gust=gust, gust_speed=speed)
+
+    def scaled(self, factor: float) -> ShapedWind:
+        """Return it with its peak and its gust, as angles and as speeds, times a factor.
+
+        Raises
+        ------
+        InputError
+            For a factor that is zero or no number, and a peak beyond 90 degrees.
+        """
+        number("factor", factor, nonzero)
+
+        def times(speed: float | None) -> float | None:
+            return None if speed is None else speed * factor
+
+        return replace(
+            self,
+            peak=self.peak * factor,
+            gust=None if self.gust is None else self.gust * factor,
+            speed=times(self.speed),
+            gust_speed=times(self.gust_speed),
+        )
 
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
@@ -201,9 +239,23 @@ class ShapedWind:
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         duration = found["wind_duration"]
         made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=duration)
-        if (gust := self.placed_gust) is None:
-            return made
-        return made + gust.shift(0.5 * (np.asarray(duration) - self.duration))
+        gust = self.gust_history(values)
+        return made if gust is None else made + gust
+
+    def gust_history(self, values: Mapping[str, Any]) -> History | None:
+        """Return the gust of cases that have these dispersed values, in the time of the wind.
+
+        Raises
+        ------
+        InputError
+            For values that are not by name, and durations that are no numbers.
+        """
+        instance("values", values, Mapping, "of dispersed values by name")
+        gust = self.placed_gust
+        if gust is None:
+            return None
+        duration = np.asarray(values.get("wind_duration", self.duration))
+        return gust.shift(0.5 * (duration - self.duration))
 
 
 def part_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
 from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
+from tvclin.answers.encountered import own_sign
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.wind_sign import own_sign
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,

@@ -19,9 +19,11 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines
 from tvclin.answers.availability.sides import Sides, at_most, flown_needs, in_air
 from tvclin.answers.availability.tables import FlightTables, flight_tables
-from tvclin.answers.sizing.air_met import AirMet, even_steps
+from tvclin.answers.sizing.flight_requirement import FlightEquations
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.time_varying import even_steps
+from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
@@ -64,13 +66,13 @@ class Needs:
 class FlightPart:
     """A part of a flight in which the air turns the vehicle to one side alone.
 
-    By the planes in which something grows, `met` is even steps [s], and what dynamic pressure adds
+    By the planes with an unstable mode, `met` is times of even steps [s], and the equations
     there.
     """
 
     path: FlownPath
     tables: dict[str, FlightTables]
-    met: dict[str, tuple[FloatArray, AirMet]]
+    met: dict[str, tuple[FloatArray, Equations]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,12 +325,13 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
     for part in flight.parts:
         every = {plane: GrowingMode(part, model, plane, part.span) for plane in planes}
         grow = {plane: mode for plane, mode in every.items() if mode.grows}
-        steps = {plane: even_steps(mode, part.span) for plane, mode in grow.items()}
+        flights = {plane: FlightEquations(mode) for plane, mode in grow.items()}
+        steps = {plane: even_steps(one, part.span) for plane, one in flights.items()}
         found.append(
             FlightPart(
                 FlownPath.of(part),
                 {plane: flight_tables(mode) for plane, mode in grow.items()},
-                {k: (steps[k], AirMet.along(mode, steps[k])) for k, mode in grow.items()},
+                {k: (steps[k], one.over(steps[k])) for k, one in flights.items()},
             )
         )
     return tuple(found)

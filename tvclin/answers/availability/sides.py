@@ -11,11 +11,13 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, Winds, on_lines, with_gust
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows
-from tvclin.answers.sizing.air_met import AirMet, met_pressure, need_ratio
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.time_varying import curves
+from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import FloatArray
 from tvclin.winds.histories import History
+from tvclin.winds.triangle import wind_triangle
 
 _RETURNS, _DRIFTS_FAST = 1.2, 1.02
 """Of what a wind asks for, so much a flight may need that meets the limit more than once while the
@@ -104,7 +106,7 @@ class Sides:
 
 def in_air(
     path: FlownPath,
-    air: tuple[FloatArray, AirMet],
+    air: tuple[FloatArray, Equations],
     plane: str,
     side: float,
     winds: list[Winds],
@@ -116,7 +118,9 @@ def in_air(
     `path` and `air` are of the part of the flight. The other plane's wind [m/s] is that at the
     `fine` times.
     """
-    steps, met = air
+    times_of_steps, equations = air
+    shape = fine.shape[0], *times_of_steps.shape[1:]
+    steps = times_of_steps.ravel()
     at = np.broadcast_to(steps, (fine.shape[0], steps.size))
     every = []
     speed, climb = (np.interp(steps, path.time, one) for one in (path.speed, path.climb))
@@ -125,11 +129,25 @@ def in_air(
         turned = on_lines(times, angle, at)
         own = side * np.sin(turned)
         along, across = (own / np.sin(climb), beside) if plane == "pitch" else (beside, own)
-        ratio = met_pressure(climb, along, across)
-        blows = turned / np.sqrt(ratio)
-        every.append(need_ratio(met, steps[np.newaxis], ratio, turned, 1.0, blows))
+        ratio = wind_triangle(climb, along, across)[2]
+        encountered = np.arcsin(np.clip(np.sin(turned) / np.sqrt(ratio), -1.0, 1.0))
+        nominal, met = (
+            _limit_and_trim(equations, times_of_steps, *(x.reshape(shape) for x in pair))
+            for pair in ((turned, np.ones(turned.shape)), (encountered, ratio))
+        )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            every.append(met / nominal)
     found = np.fmax.reduce(every)[[0, 0, 1]]
     return np.where(np.isnan(found), 1.0, found)
+
+
+def _limit_and_trim(
+    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
+) -> FloatArray:
+    """Return the limit with K = 1 from both curves, and trim along the path [rad], ``(2, n)``."""
+    found = curves(equations, times, wind, ratio)
+    paired = np.broadcast_to(equations.paired, wind.shape)
+    return np.stack([found.limit_of_trim_law(paired)[0], found.largest_trim])
 
 
 def flown_needs(

@@ -26,7 +26,8 @@ class Batch:
     `plant`: a batch of shape ``(n,)``, or one plant for all. `wind`: a batch of shape ``(n,)``, or
     one wind for all. `gains`: gains of the autopilot, if one flies, ``(n,)`` where they are
     dispersed. `vehicle`: what the plant was made of. `flexible`: the same vehicles with their
-    structure. `parts`: the same in each plane in which the wind blows, where both are judged.
+    structure. `values`: dispersed values by name, ``(n,)``. `parts`:
+    the same in each plane in which the wind blows, where both are judged.
     """
 
     plant: Plant
@@ -35,6 +36,7 @@ class Batch:
     count: int
     vehicle: Vehicle
     flexible: FlexiblePlant | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, Batch] = field(default_factory=dict)
 
     @property
@@ -75,6 +77,7 @@ class Batch:
             1,
             chosen(self.vehicle, 0, shape),
             None if self.flexible is None else self.flexible.some(0, shape),
+            {name: value[:1] for name, value in self.values.items()},
         )
 
 

@@ -92,9 +92,11 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
     """The plane of a campaign, and beside it both where both are judged."""
-    if campaign.nozzle.stop is None or isinstance(campaign.wind, WindEnsemble):
+    if isinstance(campaign.wind, WindEnsemble) or campaign.heading is None:
         return _in_plane(campaign, vehicle, values, campaign.wind.history(values), count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
+    if campaign.nozzle.stop is None:
+        return _in_plane(campaign, vehicle, values, winds[campaign.plane], count)
     parts = {
         plane: _in_plane(part, vehicle, values, winds[plane], count)
         for plane, part in campaign.parts.items()
@@ -111,7 +113,8 @@ def _in_plane(
 ) -> Batch:
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
-    return Batch(plant, wind, gains, count, vehicle, _flexible(campaign, vehicle, values))
+    flexible = _flexible(campaign, vehicle, values)
+    return Batch(plant, wind, gains, count, vehicle, flexible, values)
 
 
 def _flexible(

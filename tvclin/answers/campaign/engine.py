@@ -81,7 +81,7 @@ def run_campaign(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     found = tv.run_campaign(campaign, folder)
     ...     found.cases, found.complete, round(float(np.degrees(found.quantile().estimate)), 3)
-    (300, True, 0.434)
+    (300, True, 0.433)
     """
     place = _door(folder, executor, progress)
     instance("campaign", campaign, Campaign, "see load_campaign")

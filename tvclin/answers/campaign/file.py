@@ -99,8 +99,6 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
     wind = met_by(document, wind, vehicle, plane)
     nozzle = nozzle_of(document)
-    if isinstance(wind, ShapedWind) and nozzle.stop is None:
-        wind = wind.in_plane(plane, float(np.mean(vehicle.attitude)))
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     return Campaign(
         nozzle=nozzle,

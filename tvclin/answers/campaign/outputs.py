@@ -11,12 +11,13 @@ from tvclin.answers.campaign.batch import Batch, in_planes, required_name
 from tvclin.answers.campaign.dispersions import names_of_modes
 from tvclin.answers.campaign.flights import COLUMNS, flights
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.planes import VectorNeed, planes_needed, vector_need
+from tvclin.answers.encountered import encountered_batch
+from tvclin.answers.planes import VectorNeed, planes_needed, rectangle, vector_need
 from tvclin.answers.requirement import required_deflection
-from tvclin.answers.sizing.wind_sign import OWN, batch_factors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit import ROUNDING
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
 from tvclin.control.margins.record import loop_margins
@@ -88,25 +89,25 @@ def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 
 
 def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str, FloatArray]:
-    """What is required in the dynamic pressure of each wind; of both planes each beside it.
+    """Required deflections [rad] at the dynamic pressure encountered, as of a study.
 
-    As a study has it: the larger factor of the planes counts for both.
+    Of both planes each has a column beside that of the limit shape.
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
+    of = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
     if not batch.parts:
-        needs = required_deflection(batch.plant, batch.wind, dead_band).deflection
-        sign = OWN if campaign.wind.count and campaign.sign is None else campaign.sign
-        of = (vehicles, campaign.model, campaign.plane, batch.wind, dead_band)
-        return {name: np.abs(needs) * batch_factors(*of, sign)}
+        nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
+        return {name: of(campaign.plane, np.abs(nominal))}
     stop = stop_of(campaign.nozzle.stop or "")
     found = planes_needed(batch.plants, batch.vectors, stop, dead_band)
-    along = batch.parts["pitch"].wind if "pitch" in batch.parts else None
-    factor: Any = 1.0
-    for plane, one in batch.parts.items():
-        of = (vehicles, campaign.model, plane, one.wind, dead_band)
-        factor = np.maximum(factor, batch_factors(*of, campaign.sign or OWN, along))
-    alone = {of: found.alone[plane] for plane, of in in_planes(name).items()}
-    return {k: one * factor for k, one in ({name: found.deflection} | alone).items()}
+    alone = {plane: of(plane, np.abs(found.alone[plane])) for plane in batch.parts}
+    both = rectangle(stop, alone.get("pitch", 0.0), alone.get("yaw", 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = [np.nan_to_num(x / np.abs(found.alone[k])) for k, x in alone.items()]
+    vector = found.deflection > rectangle(stop, **found.alone) * (1.0 + ROUNDING)
+    both = np.where(vector, np.maximum(both, found.deflection * np.max(ratios, axis=0)), both)
+    alone = {plane: alone.get(plane, found.alone[plane]) for plane in PLANES}
+    return {name: both} | {column: alone[plane] for plane, column in in_planes(name).items()}
 
 
 def _slow(campaign: Campaign) -> bool:

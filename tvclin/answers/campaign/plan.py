@@ -13,8 +13,8 @@ from tvclin.answers.campaign.dispersions import (
     modes_nominal,
 )
 from tvclin.answers.campaign.draws import METHODS
-from tvclin.answers.case import FROZEN, Case
-from tvclin.answers.sizing.wind_sign import own_sign
+from tvclin.answers.case import Case
+from tvclin.answers.encountered import directions_of, own_sign
 from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
@@ -100,8 +100,8 @@ class Campaign(Case):
     Raises
     ------
     InputError
-        As `Case`, for a wind with a direction without a stop of both planes, or one without the
-        other, and for a parameter that is dispersed but has no nominal value.
+        As `Case`, for a stop of both planes without a wind with a direction, a wind without a
+        part in the plane, and for a parameter that is dispersed but has no nominal value.
     """
 
     vehicle: Vehicle
@@ -135,11 +135,9 @@ class Campaign(Case):
 
     def _check_planes(self) -> None:
         if self.nozzle.stop is None:
-            if self.heading is not None:
-                raise InputError(
-                    "a wind with a direction needs a stop of both planes; or give its part in one,"
-                    " wind.in_plane(...)"
-                )
+            if isinstance(self.wind, ShapedWind) and self.heading is not None:
+                self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
+                directions_of(self)
             return
         if self.heading is None:
             raise InputError(
@@ -147,8 +145,7 @@ class Campaign(Case):
                 " and the azimuth of the flight"
             )
         one_of("stop of a campaign", self.nozzle.stop, STOPS)
-        if self.sign not in (None, FROZEN):
-            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        directions_of(self)
         if "flown" in self.outputs:
             raise InputError(
                 'the output "flown" is of one plane: leave it out, or the stop of both planes'

@@ -18,7 +18,8 @@ from tvclin.answers.campaign.statistics import (
     shares,
     success_probability,
 )
-from tvclin.answers.case import FROZEN, Case
+from tvclin.answers.case import Case
+from tvclin.answers.case_need import pulse_of
 from tvclin.answers.planes import alone_needed, planes_needed, rectangle
 from tvclin.answers.requirement import covers, required_deflection
 from tvclin.answers.study import Study
@@ -58,9 +59,8 @@ class DispersedStudy(Shown):
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        of both planes where the study judges both; NaN where there is none. With the factor of the
-        sign which counts: of each case, or of a wind with a direction that of the nominal vehicle
-        in a wind of its size.
+        of both planes where the study judges both; NaN where there is none. At the wind angle and
+        dynamic pressure that each case encounters.
     status : ndarray of str
         Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
     required : Quantile
@@ -200,10 +200,10 @@ def disperse_study(
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
     values = {name: found[name] for name in dispersions.parameters}
     if study.case.heading is not None:
-        peaks = found.get("wind_peak", np.full(cases, study.blows.peak))
-        sizes = np.abs(peaks / study.blows.peak)
-        deflection[good] *= study.factors_at(sizes[good])
-        vectors = good & ~within_linear(sizes * study.wind_angle)
+        peaks = found.get("wind_peak", np.full(cases, study.placed.peak))
+        vectors = good & ~within_linear(
+            np.abs(peaks / pulse_of(study.case).peak) * study.wind_angle
+        )
         deflection[vectors], found["status"][vectors] = np.inf, BEYOND
     counted, limit = deflection[good], study.limit
     enough = 0 if limit is None else int(np.sum(covers(limit, counted)))
@@ -228,7 +228,7 @@ def _campaign(
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
         vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
-        wind=study.blows,
+        wind=study.placed,
         dispersions=dispersions,
         cases=cases,
         seed=seed,
@@ -236,7 +236,7 @@ def _campaign(
         plane=study.plane,
         dead_bands=(study.dead_band,),
         method=method,
-        sign=study.sign if study.case.heading is None else FROZEN,
+        sign=study.sign,
     )
 
 

@@ -23,13 +23,12 @@ from tvclin.answers.nozzle_cards.record import CardPoint, Duty, FlightCard
 from tvclin.answers.nozzle_cards.unjudged import flight_reason, unjudged_flights, unknown_winds
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
-from tvclin.answers.sizing.air_met import in_air
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.notes import doubtful_winds
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, angle_at, place_in
 from tvclin.answers.sizing.record import IN_A
-from tvclin.answers.sizing.wind_sign import pressure_ratios
+from tvclin.answers.varying_equations import at_pressure
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
@@ -54,6 +53,7 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.triangle import pressure_ratio
 
 _LOUDEST = 0.1
 """The largest noise of a gyro [rad/s] that is taken."""
@@ -235,18 +235,18 @@ class _Flying:
         along, angle = planes.get("pitch"), np.zeros(())
         if share is not None:  # a measured wind, which knows its own unless it is frozen
             ratio = 1.0 if placed.pressure is None else _largest(*placed.pressure, share)
-            yield name, in_air(vehicle, ratio), wind
+            yield name, at_pressure(vehicle, ratio), wind
             return
         if along is not None and not along.calm and asked != FROZEN:
             angle = np.asarray(along.history.peak)
-        ratio = float(pressure_ratios(vehicle.attitude, -np.abs(angle)))
+        ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
         if not angle or np.isnan(ratio):
             yield name, vehicle, wind
         elif not signed:  # it has a direction
-            yield name, in_air(vehicle, ratio) if angle < 0.0 else vehicle, wind
+            yield name, at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
         else:
             for sign in SIGNS if asked is None else (asked,):
-                met = in_air(vehicle, ratio) if sign == "head" else vehicle
+                met = at_pressure(vehicle, ratio) if sign == "head" else vehicle
                 yield f"{name}{IN_A[sign]}", met, wind * float(SIGNS[sign] * np.sign(angle))
 
     def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.case import FROZEN, SIGNS, Case
+from tvclin.answers.encountered import CROSS
 from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
+from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.measured import gust_at
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.signed import base_of, by_sign
+from tvclin.answers.sizing.signed import base_of, by_direction
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import worst_total
 from tvclin.answers.sizing.total_record import DeflectionTotal
@@ -149,8 +151,8 @@ class SizingAsked:
         """Return the requirement that counts as the wind's, where none is named.
 
         That of the largest dead band; with varying parameters if these are known wherever frozen
-        ones are, and in the wind of the sign that is asked for. Where none is, in the one that
-        needs most: from ahead, from behind, or in the dynamic pressure of calm air.
+        ones are, at the dynamic pressure encountered in the wind of the sign that is asked for.
+        Where none is, in the one of the possible directions that requires most.
         """
         if self.count is not None:
             return one_of("count", self.count, found.required)
@@ -158,8 +160,8 @@ class SizingAsked:
         if sign is not None:
             one_of("sign", sign, (*SIGNS, FROZEN))
         name = base_of(found)
-        signs = ("", *IN_A.values()) if sign is None else (IN_A.get(sign, ""),)
-        known = [name + one for one in signs if name + one in found.worst]
+        endings = IN_A.values() if sign is None else [IN_A[x] for x in (sign, CROSS) if x in IN_A]
+        known = [name + x for x in (() if sign == FROZEN else endings) if name + x in found.worst]
         return max(known, key=lambda one: found.worst[one].deflection, default=name)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
@@ -250,7 +252,15 @@ class SizingAsked:
         def at(time: float, k: int) -> Case:
             return self.at(case, time, pulses[k])
 
-        return by_sign(found, len(pulses), at)
+        return by_direction(found, len(pulses), at, self._mode(case, found))
+
+    def _mode(self, case: Case, found: Sizing) -> GrowingMode | None:
+        """The flight over the schedule and all winds, where parameters vary in one plane."""
+        if case.nozzle.stop is not None or not base_of(found).endswith(VARYING):
+            return None
+        first, last = self.schedule.span
+        span = np.nanmin([first, *found.begins.flat]), np.nanmax([last, *found.ends.flat])
+        return GrowingMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""

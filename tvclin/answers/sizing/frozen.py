@@ -12,7 +12,7 @@ from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit import BOUNDARY, OK, PAIR, STABLE
+from tvclin.boundary.limit import OK, PAIR, STABLE
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
@@ -29,11 +29,10 @@ _HIGHEST = 4.0
 class FrozenNeed:
     """Deflections [rad] that one wind asks of one vehicle; NaN where one is not defined.
 
-    `trim` is |B alpha_w,max|, without drift; `required` at each dead band, and `beyond`, that over
-    what the boundary (4b) alone asks for, ``(k,)``; `no_forecast` of laws that do not know when the
-    wind will stop; `minimum` that of appendix C; `slow_mode` y of eq (C8), from one on the slow
-    mode of the flight path decides. `said` is why something is not defined, or not met exactly.
-    Where two modes grow together, `paired`, the dead band must never be left.
+    `trim` is |B alpha_w,max|, without drift; `required` at each dead band, ``(k,)``; `no_forecast`
+    of laws that do not know when the wind will stop; `minimum` that of appendix C; `slow_mode` y of
+    eq (C8), from one on the slow mode of the flight path decides. `said` is why something is not
+    defined, or not met exactly.
     """
 
     trim: float
@@ -42,8 +41,6 @@ class FrozenNeed:
     minimum: float
     slow_mode: float
     said: tuple[str, ...]
-    beyond: FloatArray
-    paired: bool = False
 
 
 def frozen_need(
@@ -67,14 +64,14 @@ def frozen_need(
             said.append(str(error))
             return missing
 
-    alone, paired = np.full(dead_bands.shape, np.nan), False
+    paired = False
 
     def needed() -> FloatArray:
-        nonlocal alone, paired
+        nonlocal paired
         found = required_deflection(plant, wind, dead_bands, whole=whole)
         statuses = dict.fromkeys(np.ravel(found.status).tolist())
         said.extend(one for one in statuses if one not in (OK, STABLE))
-        alone, paired = np.asarray(found.needs[BOUNDARY]), PAIR in statuses
+        paired = PAIR in statuses
         return np.abs(np.asarray(found.deflection))
 
     slow = slow_mode(plant, wind)
@@ -87,8 +84,6 @@ def frozen_need(
         said.append("no bound of laws without a forecast is known where two modes grow as a pair")
     else:
         no_forecast = asked(lambda: _no_forecast(plant, wind, law), np.nan)
-    counted = np.isfinite(alone) & (alone > 0.0) & np.isfinite(required)
-    beyond = np.divide(required, alone, out=np.ones(dead_bands.shape), where=counted)
     return FrozenNeed(
         trim=abs(float(plant.coefficients.B * wind.peak)),
         required=required,
@@ -96,8 +91,6 @@ def frozen_need(
         minimum=minimum,
         slow_mode=slow,
         said=tuple(dict.fromkeys(said)),
-        beyond=beyond,
-        paired=paired,
     )
 
 

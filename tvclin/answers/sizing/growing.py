@@ -29,7 +29,6 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
-from tvclin.numerics.searches import roots_between
 
 _LONGEST = 500.0
 """Of the span, over the time of the fastest mode; the mesh has four times as many steps."""
@@ -81,14 +80,7 @@ class GrowingMode:
         That is the integral from t on of m(r)/m(t) l(r).b(r) dr.
         """
         row = self._direction(t)
-        return np.moveaxis(row, -1, 0), self._reaches(np.clip(t, *self.span))[..., 0, 0]
-
-    def farthest(self, t: Any) -> FloatArray:
-        """Return the most that a deflection of size one can reach from times [s] on.
-
-        That is the integral of m(r)/m(t) |l(r).b(r)| dr: where l.b turns, the deflection turns.
-        """
-        return np.asarray(self._reaches(np.clip(t, *self.span))[..., 1, 0])
+        return np.moveaxis(row, -1, 0), self._reach(np.clip(t, *self.span))[..., 0, 0]
 
     @property
     def grows(self) -> bool:
@@ -175,25 +167,18 @@ class GrowingMode:
         return solved(rates, self.steps, end, backwards=True, direction=True)
 
     @cached_property
-    def _reaches(self) -> Any:
-        """The reach of a deflection that is held, and of one that turns with l.b."""
+    def _reach(self) -> Any:
+        """The control reach of a deflection held from a time on."""
 
         def pushed(t: Any) -> FloatArray:
             return np.vecdot(self._direction(t), self.matrices(t)[1][..., 0])
 
         def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:
-            both = np.stack([pushed(t), np.abs(pushed(t))], axis=-1)
-            grows = self.rate(t)[:, np.newaxis, np.newaxis] * np.eye(2)
-            return grows, -both[..., np.newaxis]
+            return self.rate(t)[:, np.newaxis, np.newaxis], -pushed(t)[:, np.newaxis, np.newaxis]
 
         stop = self.span[1]
-        held = pushed(stop) / self.rate(stop)
-        times = self.steps
-        sides = np.sign(pushed(times))
-        k = np.flatnonzero(sides[:-1] * sides[1:] < 0.0)
-        turns = roots_between(times[k], times[k + 1], lambda t, i: sides[k[i] + 1] * pushed(t))
-        times = np.unique(np.concatenate([times, turns]))
-        return solved(rates, times, np.array([[held], [np.abs(held)]]), backwards=True)
+        end = np.array([[pushed(stop) / self.rate(stop)]])
+        return solved(rates, self.steps, end, backwards=True)
 
 
 def _fastest(A: FloatArray) -> FloatArray:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.air_met import met_pressure
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, flag, instance, number, one_of, positive, single
@@ -20,6 +19,7 @@ from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.passage import angles_along
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane
+from tvclin.winds.triangle import wind_triangle
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or what gives the one that a vehicle meets: of a wind speed, an angle."""
@@ -254,7 +254,7 @@ def _pressure(
         np.interp(height, profile.height, wind) / speed
         for wind in (profile.in_plane(azimuth), profile.cross_plane(azimuth))
     )
-    return met_pressure(climb, along, across)
+    return wind_triangle(climb, along, across)[2]
 
 
 def _steep(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.answers.encountered import CROSS
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
@@ -27,8 +28,8 @@ STEADY = 0.1
 TRIM, NO_FORECAST, MINIMUM = "trim", "no forecast", "minimum"
 VARYING = ", varying"
 """What the name of a requirement ends with when parameters vary while the wind blows."""
-IN_A = {"head": ", head wind", "tail": ", tail wind"}
-"""What it ends with when the dynamic pressure is that which a wind along the path makes."""
+IN_A = {"head": ", head wind", "tail": ", tail wind", CROSS: ", cross wind"}
+"""What it ends with at the dynamic pressure encountered in a wind of this direction."""
 
 
 def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:

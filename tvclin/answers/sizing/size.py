@@ -12,6 +12,11 @@ from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.concurrent import concurrent_trim
+from tvclin.answers.sizing.flight_requirement import (
+    FlightRequirement,
+    FlightWind,
+    flight_requirement,
+)
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.notes import doubtful_winds, flight_times, notes_of, unknown_rows
@@ -29,10 +34,8 @@ from tvclin.answers.sizing.record import (
     TRIM,
     VARYING,
     Sizing,
-    beyond_one_pole,
 )
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -198,10 +201,9 @@ def _sized(
     if varying is not False:
         try:
             mode = _growing(schedule, model, plane, placed)
-            along = _along(mode, placed, needs, bands, told)
+            along = _along(mode, placed, bands, told)
             required |= {f"{name}{VARYING}": one for name, one in _columns(along, bands).items()}
             arises = _arises(placed, along, bands)
-            required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
             said += _missing(required, bands)
         except InputError as error:
             if varying:
@@ -257,30 +259,8 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         every = np.full(bands.shape, needs)
-        return FrozenNeed(needs, every, needs, needs, np.nan, (), np.ones(bands.shape))
+        return FrozenNeed(needs, every, needs, needs, np.nan, ())
     return frozen_need(plant, wind.history, bands, law, wind.whole)
-
-
-def _varying(
-    met: Callable[[PlacedWind], VaryingNeed],
-    wind: PlacedWind,
-    frozen: FrozenNeed,
-    bands: FloatArray,
-) -> VaryingNeed:
-    """With varying parameters; for K < 1 what exceeds (4b) is taken in the frozen proportion."""
-    if wind.calm:
-        needs = 0.0 if wind.known else np.nan
-        none = np.full(bands.shape, np.nan)
-        return VaryingNeed(needs, np.full(bands.shape, needs), needs, np.nan, none)
-    along = met(wind)
-    if wind.fixed:
-        return along
-    beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
-    required = np.maximum(along.required * beyond, along.minimum)
-    if frozen.paired:
-        with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
-            required = np.where(bands == 1.0, required, along.trim / bands)
-    return replace(along, required=required)
 
 
 def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
@@ -301,42 +281,31 @@ def _growing(
     return GrowingMode(schedule, model, plane, (first, last))
 
 
-def _whole_flight(
-    mode: GrowingMode, wind: PlacedWind, along: VaryingNeed, bands: FloatArray
-) -> VaryingNeed:
-    """One need for the flight; the frozen proportion is that at the peak of trim, as of a pulse."""
-    plant = mode.schedule.plants(along.trim_time, mode.model, mode.plane)
-    frozen = frozen_need(plant, wind.in_flight, bands, LAWS[0], wind.whole)
-    beyond = np.where((bands == 1.0) | np.isnan(frozen.beyond), 1.0, frozen.beyond)
-    return replace(along, required=np.maximum(along.required * beyond, along.minimum))
-
-
 def _along(
     mode: GrowingMode,
     placed: list[list[PlacedWind]],
-    frozen: list[list[FrozenNeed]],
     bands: FloatArray,
-    told: Callable[[VaryingNeed], VaryingNeed],
-) -> list[list[VaryingNeed]]:
-    """The needs with varying parameters, by flight times and winds."""
-    along: dict[bytes, VaryingNeed] = {}  # without a window one wind meets every flight time
+    told: Callable[[FlightRequirement], FlightRequirement],
+) -> list[list[FlightRequirement]]:
+    """The requirements with varying parameters, by flight times and winds."""
+    along: dict[bytes, FlightRequirement] = {}  # without a window one wind meets every flight time
 
-    def met(wind: PlacedWind) -> VaryingNeed:
+    def of_wind(wind: PlacedWind) -> FlightRequirement:
+        if wind.calm:
+            none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
+            return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            need = need_in_parts(mode, wind.in_flight, bands, wind.whole, wind.pressure)
-            along[key] = _whole_flight(mode, wind, need, bands) if wind.fixed else need
+            part, *whole = (FlightWind(one, wind.pressure) for one in both)
+            along[key] = flight_requirement(mode, part, bands, *whole)
         return along[key]
 
-    return [
-        [told(_varying(met, wind, need, bands)) for wind, need in zip(*row, strict=True)]
-        for row in zip(placed, frozen, strict=True)
-    ]
+    return [[told(of_wind(wind)) for wind in row] for row in placed]
 
 
 def _arises(
-    placed: list[list[PlacedWind]], along: list[list[VaryingNeed]], bands: FloatArray
+    placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
 ) -> dict[str, FloatArray]:
     """Flight times [s] at which the numbers of fixed winds arise, by names, ``(m,)`` each."""
     fixed = np.array([[wind.fixed for wind in row] for row in placed])

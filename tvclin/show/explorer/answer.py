@@ -72,7 +72,7 @@ def answer(choices: Choices, most: int | None = None) -> Answer:
     notes = [note for part in (need, *curve, motion, fate, margins) for note in part.notes]
     if need.value is not None:
         notes += _notes(choices, need.value)
-        if choices.law == REPORT and choices.limit > need.value.frozen_deflection > 0.0:
+        if choices.law == REPORT and choices.limit > need.value.nominal_deflection > 0.0:
             notes.append(_HELD)
     return Answer(
         choices=choices,
@@ -124,7 +124,7 @@ def _durations(choices: Choices) -> FloatArray:
 
 def _notes(choices: Choices, need: CaseNeed) -> list[str]:
     """What a study says of a vehicle, a gust, a direction and the sign of a wind."""
-    plan, calm = choices.plan, need.in_calm_air
+    plan, calm = choices.plan, need.at_nominal_pressure
     both = [_BOTH.format(plan.plane)] if need.in_both else []
     return [
         *linear_notes(need.wind_angle),

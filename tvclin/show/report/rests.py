@@ -56,17 +56,12 @@ def _wind(found: Findings) -> Iterator[Check]:
 
 def _sign(found: Findings) -> Iterator[Check]:
     s = found.study
-    name, factor = s.counts
-    if s.plane != "pitch" and not s.in_both:
-        return
-    if name != FROZEN:
-        words = f"A {name} wind changes the dynamic pressure. That is counted: it needs "
-        more = number("rests.sign_factor", factor, 3)
-        yield Check("ok", (words, *more, " times what calm air's dynamic pressure needs."))
-    elif s.sign_factors:
-        yield Check("ok", ("Neither a head nor a tail wind needs more than calm air does.",))
+    if s.direction != FROZEN:
+        words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
+        ratio = number("rests.pressure_ratio", s.ratio_to_nominal, 3)
+        yield Check("ok", (words, *ratio, " times as much as the nominal dynamic pressure."))
     else:
-        words = "The dynamic pressure is that of calm air: a head wind raises it, and needs more."
+        words = "The dynamic pressure is the nominal one: a head or cross wind raises it."
         yield Check("doubt", (words,))
 
 
@@ -85,7 +80,7 @@ def _linear(found: Findings) -> Iterator[Check]:
         state, line = "doubt", (*line, f"; beyond about {edge} they are not")
     elif doubtfully_linear(survived):
         state = "doubt"
-        line += (f'. Beyond about {edge} they are not: read "{SURVIVES}" as {edge}',)
+        line += (f'. Beyond about {edge} they are not: of "{SURVIVES}" no more is certain',)
     yield Check(state, (*line, "."))
 
 

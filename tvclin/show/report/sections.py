@@ -74,7 +74,7 @@ def inputs(found: Findings) -> Section:
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         case.insert(4, ("it blows from, off the flight", heading))
-    if s.sign_factors or s.sign is not None:
+    if s.encountered or s.sign is not None:
         case.append(("dynamic pressure", (tables.AIR[s.sign],)))
     gust = (s.slanting or s.blows).placed_gust
     if gust is not None:
@@ -116,7 +116,7 @@ def boundaries(found: Findings) -> Section:
         f" forecast of the wind, and K = 0 knows it for certain. {tables.LEGEND} The row marked"
         " (verdict) is what is required."
     )
-    if s.sign_factors:
+    if s.encountered:
         words += (
             " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets"
             " in them, all others that of calm air."

@@ -1,0 +1,381 @@
+"""Requirements of vehicles whose equations vary over a wind, from two curves: trim and demand.
+
+    x' = A x + b delta + w alpha_w
+
+varies with time since the flight goes on, since the dynamic pressure encountered differs from the
+nominal one, or not at all. With the costate p, p' = -A^T p, that is the left eigenvector of the
+fastest unstable mode at the end of the wind, the unstable component p.x obeys
+
+    p(T).x(T) = p.x + F + R delta,    F = integral of p.w alpha_w dt,  R = integral of p.b dt,
+
+for a deflection held from t on. Under ideal trim up to t the deflection limit that is sufficient
+when it is held from t on is demand(t) = -(p.x + F)/R, beside trim(t) itself
+(`kernels.trim_and_demand`). `varying_curves` reads from both what a control with a dead band
+requires; with one unstable mode the demand at the onset is the minimum peak of all control.
+
+With several unstable modes no control needs less than the minimum over all of them
+(`varying_minimum`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
+
+min(trim, demand) is sufficient on a fixed path, and where trim meets the limit once and the path is
+slow. Else the limited law itself is flown (`kernels.limited_trim`) with many limits, and what is
+required lies above all of them with which a flight diverges.
+
+The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
+`STEP` taken here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tvclin.answers.varying_curves import Curves
+from tvclin.answers.varying_equations import Equations
+from tvclin.answers.varying_minimum import minimum_peaks
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.errors import InputError
+from tvclin.kernels import limited_trim as flights
+from tvclin.kernels import trim_and_demand as marches
+from tvclin.kernels.choice import run
+from tvclin.winds.encountered import EncounteredWind
+from tvclin.winds.histories import History
+
+STEP = 0.1
+"""Length of a step times the fastest rate of vehicle and wind."""
+_FLIGHT_PARTS = 4
+"""Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
+_GAIN = 10.0
+"""Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
+_FLIGHT_MARGIN = 1.005
+"""A flight with so many times the limit of both curves shows whether they are sufficient."""
+_UNLIMITED = 1.0 + 1e-3
+"""Over the largest trim, a limit that the law never meets."""
+_TINY = 1e-12
+"""A limit [rad] in place of none."""
+_EVEN_STEP = 0.25
+"""Length of an even step, through winds whose breakpoints are not ends of steps."""
+_SLOWEST = 0.25
+"""The slowest rate [1/s] that sets even steps."""
+_STEPS_TOGETHER = 5_000
+"""Steps of all winds that are marched together: some ten megabytes."""
+_MAX_STEPS = 20_000
+"""Steps over one wind."""
+_FINER = 2.0
+"""Over the rates of a wind, for trim follows it as a parabola in each step."""
+_MIN_STEPS = 4
+"""Steps between two breakpoints of a wind."""
+
+
+class Motion(Protocol):
+    """What is known of vehicles over time: `Equations`, or `FlightEquations`."""
+
+    @property
+    def fastest(self) -> FloatArray:
+        """Largest rate [1/s] of the attitude of each vehicle, ``(n,)``."""
+
+    @property
+    def breakpoints(self) -> FloatArray:
+        """Times [s] between which the equations are smooth, beside those of the wind."""
+
+    def over(self, times: FloatArray) -> Equations:
+        """Return the equations at times [s] of steps, ``(n, S, 3)``."""
+
+
+class Encounter(Protocol):
+    """A wind as vehicles encounter it: `EncounteredWind`, or `FlightWind`."""
+
+    @property
+    def history(self) -> History:
+        """A history with the breakpoints and rates of the wind."""
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)``."""
+
+
+def step_counts(wind: History, motion: Motion) -> FloatArray:
+    """Return how many steps winds take between their breakpoints, ``(n, k)``.
+
+    As many as `STEP` requires, rounded up to one of four numbers in each octave, so that winds of
+    like length have the same.
+    """
+    widths = np.diff(_breakpoints(wind, motion), axis=-1)
+    rates = _FINER * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
+    fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
+    with np.errstate(invalid="ignore"):  # a calm has no breakpoints
+        counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
+        quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0
+        return np.where(widths > 0.0, np.ceil(counts / quarter) * quarter, 0.0 * widths)
+
+
+def _breakpoints(wind: History, motion: Motion) -> FloatArray:
+    """The breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
+    knots = wind.knots.reshape(-1, wind.knots.shape[-1])
+    if motion.breakpoints.size:
+        more = np.broadcast_to(motion.breakpoints, (len(knots), motion.breakpoints.size))
+        knots = np.sort(np.concatenate([knots, more], axis=-1), axis=-1)
+    return np.clip(knots, np.reshape(wind.onset, (-1, 1)), np.reshape(wind.end, (-1, 1)))
+
+
+def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
+    """Return times [s] at begin, middle and end of the steps over winds, ``(n, S, 3)``.
+
+    Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: into
+    how many each step is divided. `InputError` where a wind takes more steps than can be followed.
+    """
+    counts = step_counts(wind, motion).max(axis=0)
+    if not counts.sum() <= _MAX_STEPS:
+        slowest, lasts = 1.0 / motion.fastest.max(), np.max(wind.end - wind.onset)
+        raise InputError(
+            f"varying parameters can be followed for at most {_MAX_STEPS * STEP:.4g} times"
+            f" {slowest:.4g} s, the time of the fastest motion; this wind lasts {lasts:.4g} s:"
+            " shorten it"
+        )
+    knots = _breakpoints(wind, motion)
+    widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
+    rows = [
+        knots[:, i, None, None] + widths[:, i, None, None] * (np.arange(n)[:, None] + inside) / n
+        for i, n in enumerate((counts * parts).astype(int).tolist())
+        if n
+    ]
+    for i, row in zip(np.flatnonzero(counts), rows, strict=True):
+        row[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
+    return np.concatenate(rows, axis=1)
+
+
+def even_steps(motion: Motion, span: tuple[float, float]) -> FloatArray:
+    """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``."""
+    count = max(np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _SLOWEST) / _EVEN_STEP), 32)
+    ends = np.linspace(*span, min(int(count), _MAX_STEPS) + 1)
+    return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
+
+
+def over_steps(
+    motion: Motion, encountered: Encounter, parts: int = 1
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
+
+    `parts`: as of `step_times`.
+    """
+    times = step_times(encountered.history, motion, parts)
+    at_end = np.zeros(times.shape, dtype=bool)
+    at_end[..., 2] = True
+    inside = np.where(
+        at_end, np.maximum(np.nextafter(times, -np.inf), times[..., 1:2]), times
+    )  # from the left
+    wind, ratio = encountered.at(inside)
+    shape = np.broadcast_shapes(wind.shape, (len(motion.fastest), 1, 1))
+    return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingRequirement:
+    """Deflections [rad] that winds require of vehicles whose equations vary, as sizes ``(n,)``.
+
+    Attributes
+    ----------
+    trim : ndarray
+        Trim along the path: the largest deflection of ideal trim, with drift.
+    required : ndarray
+        Required deflection at the dead band; zero without an unstable mode, the largest trim over K
+        where a pair alone is unstable, NaN with K < 1 for a wind that changes its sign.
+    minimum : ndarray
+        Lower bound with the wind known: no control needs less.
+    time : ndarray
+        Time [s] at which trim leaves the dead band with the required deflection as the limit.
+    """
+
+    trim: FloatArray
+    required: FloatArray
+    minimum: FloatArray
+    time: FloatArray
+
+
+def varying_requirement(
+    motion: Motion, encountered: Encounter, dead_band: float = 1.0
+) -> VaryingRequirement:
+    """Return the deflections that winds require with a dead band K, and the lower bound.
+
+    Parameters
+    ----------
+    motion : Equations or FlightEquations
+        Of one vehicle, or of as many as there are winds.
+    encountered : EncounteredWind or FlightWind
+        One wind or a batch.
+    dead_band : float
+        K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.
+    """
+    if not np.any(np.isfinite(encountered.history.onset)):
+        none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
+        return VaryingRequirement(none, none, none, np.full(none.shape, np.nan))
+    times, wind, ratio = over_steps(motion, encountered)
+    equations = motion.over(times)
+    found = curves(equations, times, wind, ratio)
+    trim = found.largest_trim
+    no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
+    minimum = np.where(no_real_mode, 0.0, np.abs(found.demand[:, 0, 0]))
+    nominal_column = equations.nominal[:, -1, 2, :, -2]
+    after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
+    for modes in equations.modes:
+        cases = modes.cases if len(equations.nominal) > 1 else np.arange(len(trim))
+        peaks = minimum_peaks(
+            modes,
+            np.broadcast_to(equations.end, (len(trim), equations.end.shape[-1]))[cases],
+            np.broadcast_to(nominal_column, (len(trim), nominal_column.shape[-1]))[cases],
+            times[cases, :, 2] - times[cases, :, 0],
+            equations.at_ratio(ratio[cases], cases),
+            wind[cases],
+            found.path[cases],
+            0.0 < dead_band < 1.0,
+        )
+        minimum[cases] = peaks[:, 0]
+        if 0.0 < dead_band < 1.0:
+            from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
+            after_trim[cases], exit_time[cases] = found.of(cases).limit_over_minimum(
+                from_step, dead_band
+            )
+    paired = np.broadcast_to(equations.paired, found.trim.shape)
+    never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
+    if dead_band == 1.0:
+        limit, time = found.limit_of_trim_law(paired)
+        required = _of_flights(motion, equations, encountered, found, np.maximum(limit, minimum))
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            limit, time = found.limit_of_dead_band(dead_band)
+            time = np.where(after_trim > limit, exit_time, time)
+            limit = np.where(np.isnan(limit), limit, np.maximum(limit, after_trim))
+            inside = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
+            highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
+            required = np.maximum(np.minimum(np.maximum(limit, inside), highest), minimum)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a pair alone, or stable
+        paired_alone = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
+    required = np.where(no_real_mode, paired_alone, required)
+    required = np.where(np.isnan(trim), np.nan, required)
+    return VaryingRequirement(trim, required, minimum, time)
+
+
+def batch_requirements(
+    equations: Equations, encountered: EncounteredWind, dead_band: float
+) -> FloatArray:
+    """Return the required deflections [rad] of a batch of winds, ``(n,)``.
+
+    NaN for a wind too long to be followed, and where the wind has no dynamic pressure. Those with
+    the same steps are marched together, so that no case depends on its company.
+    """
+    count = max(
+        len(equations.end), *(np.size(x) for x in (encountered.history.onset, encountered.path))
+    )
+    counts = step_counts(encountered.history, equations)
+    counts = np.broadcast_to(counts, (count, counts.shape[-1]))
+    known = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    required = np.full(count, np.nan)
+    groups, group = np.unique(counts[known], axis=0, return_inverse=True)
+    for k in range(len(groups)):
+        alike = known[np.ravel(group) == k]
+        together = int(_STEPS_TOGETHER // groups[k].sum()) + 1
+        for first in range(0, alike.size, together):
+            cases = alike[first : first + together]
+            each = equations.of(cases), encountered.of(cases, count)
+            required[cases] = varying_requirement(*each, dead_band).required
+    return required
+
+
+def _of_flights(
+    motion: Motion,
+    equations: Equations,
+    encountered: Encounter,
+    found: Curves,
+    limit: FloatArray,
+) -> FloatArray:
+    """Return the required deflection [rad] with K = 1, where need be by flights of the law."""
+    if not equations.drifts:
+        return limit
+    known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
+    times, wind, ratio = over_steps(motion, encountered, _FLIGHT_PARTS)
+    finer = motion.over(times)
+    largest = np.maximum(found.largest_trim, np.abs(found.demand[:, -1, 2])) * _UNLIMITED
+    low = np.maximum(limit, _TINY)
+
+    def diverged(limits: FloatArray, cases: IndexArray) -> BoolArray:
+        some = finer.of(cases)
+        return diverging_limits(some, times[cases], wind[cases], ratio[cases], limits)
+
+    every = np.flatnonzero(known)
+    flown = known & (equations.quick_path | found.meets_again(limit))
+    flown[every] |= diverged(_FLIGHT_MARGIN * low[every, np.newaxis], every)[:, 0]
+    which = np.flatnonzero(flown)
+    if not which.size:
+        return limit
+    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+
+    required = limit.copy()
+    high = np.maximum(largest, low)
+    for case in which[:, np.newaxis]:  # one by one: the scan of many depends on all of them
+
+        def lost(limits: FloatArray, case: IndexArray = case) -> BoolArray:
+            return diverged(limits.T, case).T
+
+        edge, never = edges_above_losses(lost, low[case], high[case])
+        required[case] = np.where(never, np.inf, np.maximum(edge, limit[case]))
+    return required
+
+
+def diverging_limits(
+    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray, limits: FloatArray
+) -> BoolArray:
+    """Return with which limits ``(n, tries)`` [rad] flights of the ideal trim law diverge.
+
+    `times`, `wind`, `ratio`: as of `curves`.
+    """
+    order = equations.nominal.shape[-2]
+    diverged = np.zeros(limits.shape, dtype=bool)
+    columns = _columns(equations, times, wind, ratio)
+    work = wind.shape[1] * limits.size
+    run(
+        flights.limited_trim,
+        (*columns, _GAIN, np.require(limits, float, ["C", "W"]), diverged),
+        len(limits),
+        flights.PLAIN * work * order,
+        flights.COMPILED * work * order,
+    )
+    return diverged
+
+
+def curves(equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray) -> Curves:
+    """Return trim and demand of winds over their steps.
+
+    Parameters
+    ----------
+    equations : Equations
+        Of one vehicle or of each.
+    times, wind, ratio : ndarray
+        Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
+        one, at begin, middle and end of each step, ``(n, S, 3)``.
+    """
+    shape, order = wind.shape, equations.nominal.shape[-2]
+    columns = _columns(equations, times, wind, ratio)
+    trim, demand = np.empty(shape), np.empty(shape)
+    slope = np.empty((*shape[:2], 2))
+    path = np.empty((shape[0], shape[1] + 1, order - 2))
+    work = shape[0] * shape[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        run(
+            marches.trim_and_demand,
+            (*columns, trim, demand, slope, path),
+            shape[0],
+            marches.PLAIN * work,
+            marches.COMPILED * work,
+        )
+    return Curves(np.broadcast_to(times, shape), wind, trim, demand, slope, path)
+
+
+def _columns(
+    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
+) -> list[FloatArray]:
+    """Return the arguments that both kernels share."""
+    shape = wind.shape
+    end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
+    lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])
+    arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end
+    return [np.require(x, float, ["C", "W"]) for x in arrays]

@@ -1,0 +1,224 @@
+"""Trim and demand of a wind over time, and the deflection limits that follow from both curves.
+
+At begin, middle and end of steps are known the deflection of ideal trim, and the demand, the limit
+that is sufficient when it is held from then on. Within a step trim is the parabola of its three
+values, the demand Hermite's cubic of two values and slopes. From them follow
+
+- K = 1: the largest over time of min(trim, demand), to either side. Trim that meets the limit for
+  the last time at t diverges only if the demand is above the limit then;
+- 0 < K < 1: the demand where trim, at a new height, crosses K times the demand for the last time;
+- K = 0: the demand at the onset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import numpy as np
+
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.numerics.searches import roots_between
+
+_HEIGHT_TOLERANCE = 1e-9
+"""Relative distance from the largest trim so far at which trim counts as a new height."""
+_OPPOSITE_FRACTION = 1e-6
+"""A wind angle of the opposite sign below this fraction of the largest counts as zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Trim and demand of winds over their steps.
+
+    Attributes
+    ----------
+    times, wind : ndarray
+        Begin, middle and end of each step [s], and wind angles of attack [rad], ``(n, S, 3)``.
+    trim, demand : ndarray
+        Deflection of ideal trim, and the limit sufficient when held from then on [rad], there.
+    demand_slope : ndarray
+        Slopes of the demand at begin and end of each step [rad/s], ``(n, S, 2)``.
+    path : ndarray
+        States beyond attitude and rate under trim at the ends of steps, ``(n, S + 1, m - 2)``.
+    """
+
+    times: FloatArray
+    wind: FloatArray
+    trim: FloatArray
+    demand: FloatArray
+    demand_slope: FloatArray
+    path: FloatArray
+
+    def trim_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
+        """Return the trim [rad] of cases at positions in steps: 2.5 is the middle of the third."""
+        step, u = self._step(position)
+        a, b, c = np.moveaxis(self.trim[case, step], -1, 0)
+        return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
+
+    def demand_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
+        """Return the demand [rad] there, by Hermite's cubic of its values and slopes."""
+        step, u = self._step(position)
+        length = self.times[case, step, 2] - self.times[case, step, 0]
+        a, b = self.demand[case, step, 0], self.demand[case, step, 2]
+        s, e = (length * self.demand_slope[case, step, j] for j in (0, 1))
+        bend, turn = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
+        return np.asarray(a + u * (s + u * (bend + u * turn)))
+
+    def time_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
+        """Return the times [s] there."""
+        step, u = self._step(position)
+        begin, end = self.times[case, step, 0], self.times[case, step, 2]
+        return np.asarray(begin + u * (end - begin))
+
+    def _step(self, position: FloatArray) -> tuple[IndexArray, FloatArray]:
+        step = np.clip(np.floor(position).astype(int), 0, self.trim.shape[1] - 1)
+        return step, position - step
+
+    @property
+    def side(self) -> FloatArray:
+        """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
+        flat = self.trim.reshape(len(self.trim), -1)
+        most = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
+        return np.asarray(np.sign(np.take_along_axis(flat, most, axis=-1))[:, 0])
+
+    @property
+    def of_two_signs(self) -> BoolArray:
+        """Whether each wind changes its sign, ``(n,)``."""
+        low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
+        return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
+
+    @property
+    def largest_trim(self) -> FloatArray:
+        """Trim along the path: largest size of the deflection of ideal trim [rad], ``(n,)``."""
+        return np.asarray(np.abs(np.concatenate([self.trim, self._summits], -1)).max(axis=(1, 2)))
+
+    @cached_property
+    def _vertex(self) -> FloatArray:
+        """Fraction of each step at which the parabola of trim turns; one half without one."""
+        a, b, c = np.moveaxis(self.trim, -1, 0)
+        bend = a - 2.0 * b + c
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u = (3.0 * a + c - 4.0 * b) / (4.0 * bend)
+        return np.where((u > 0.0) & (u < 1.0), u, 0.5)
+
+    @property
+    def _summits(self) -> FloatArray:
+        """Trim [rad] where its parabola turns in each step, ``(n, S, 1)``."""
+        cases, steps = np.indices(self.trim.shape[:2])
+        summits = self.trim_at(cases.ravel(), (steps + self._vertex).ravel())
+        return summits.reshape(*cases.shape, 1)
+
+    def of(self, cases: IndexArray) -> Curves:
+        """Return the curves of some cases."""
+        return Curves(*(getattr(self, one.name)[cases] for one in fields(self)))
+
+    def limit_of_trim_law(self, paired: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Return the largest min(trim, demand) to either side [rad], and its time [s]: K = 1.
+
+        It stands at the begin, the middle or the end of a step, where trim has its summit, or where
+        both curves cross. `paired`: where trim must never be limited, ``(n, S, 3)``. Both are
+        ``(n,)``.
+        """
+        cases, steps = np.indices(self.trim.shape[:2])
+        at_summit = self.demand_at(cases.ravel(), (steps + self._vertex).ravel())
+        trim = np.concatenate([self.trim, self._summits], axis=-1)
+        demand = np.concatenate([self.demand, at_summit.reshape(*cases.shape, 1)], axis=-1)
+        lower = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
+        never = np.concatenate([paired, paired[..., 1:2]], axis=-1)
+        lower = np.where(never, np.abs(trim), lower)
+        flat = lower.reshape(len(lower), -1)
+        largest = np.argmax(flat, axis=-1)
+        limit = np.take_along_axis(flat, largest[:, np.newaxis], axis=-1)[:, 0]
+        step, place = largest // 4, largest % 4
+        summit = self._vertex[np.arange(len(step)), step]
+        at = step + np.where(place == 3, summit, 0.5 * place)
+        over = self.trim - self.demand
+        case, step, half = np.nonzero(over[..., :-1] * over[..., 1:] < 0.0)
+        if case.size:
+            rising = np.sign(over[case, step, half + 1])
+            low = step + 0.5 * half
+
+            def rises(position: FloatArray, k: IndexArray) -> FloatArray:
+                gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
+                return np.asarray(rising[k] * gap)
+
+            inner = np.nextafter(low + 0.5, -np.inf)
+            position = roots_between(low, inner, rises)
+            level = np.abs(self.demand_at(case, position))
+            order = np.argsort(level)
+            case, position, level = case[order], position[order], level[order]
+            larger = level > limit[case]  # the last of equal cases, the largest, stays
+            limit[case[larger]], at[case[larger]] = level[larger], position[larger]
+        return limit, self.time_at(np.arange(len(limit)), at)
+
+    def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
+        """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
+
+        Both are ``(n,)``; the limit is NaN for a wind of two signs.
+
+        Trim at a new height leaves the dead band; of several solutions the last has the largest
+        limit.
+        """
+        side = self.side[:, np.newaxis]
+        trim, demand = ((side * x.reshape(len(x), -1)) for x in (self.trim, self.demand))
+        signed = self.of_two_signs
+        if dead_band == 0.0:
+            return np.where(signed, np.nan, demand[:, 0]), self.times[:, 0, 0]
+        last, after = exit_samples(trim, demand, dead_band)
+        low, high = (
+            0.5 * (one % 3) + one // 3 for one in (last, np.minimum(after, trim.shape[1] - 1))
+        )
+        cases = np.arange(len(trim))
+        floor = np.maximum(trim[cases, last], 0.0)
+
+        def rises(position: FloatArray, k: IndexArray) -> FloatArray:
+            sign = side[k, 0]
+            height = np.maximum(sign * self.trim_at(k, position), floor[k])
+            return np.asarray(height - dead_band * sign * self.demand_at(k, position))
+
+        joint = last % 3 == 2  # the end of a step is the begin of the next
+        before = np.where(high > low, np.nextafter(high, -np.inf), high)
+        position = roots_between(low, np.where(joint & (high == low), high, before), rises)
+        limit = side[:, 0] * self.demand_at(cases, position)
+        never = self.largest_trim / dead_band
+        stays, largest = after == trim.shape[1], np.argmax(trim, axis=-1)
+        position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
+        limit = np.where(stays, never, limit)
+        return np.where(signed, np.nan, limit), self.time_at(cases, position)
+
+    def limit_over_minimum(
+        self, minimum: FloatArray, dead_band: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return `limit_of_dead_band` with 0 < K < 1 where the minimum stands for the demand.
+
+        `minimum`: minimum peaks of all control from the begin and the end of each step on [rad],
+        ``(n, S, 2)``.
+        """
+        both = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
+        side = self.side[:, np.newaxis, np.newaxis]
+        line = np.diff(minimum, axis=-1) / (self.times[..., 2:] - self.times[..., :1])
+        slopes = np.broadcast_to(line, minimum.shape)
+        return replace(self, demand=side * both, demand_slope=side * slopes).limit_of_dead_band(
+            dead_band
+        )
+
+    def meets_again(self, limit: FloatArray) -> BoolArray:
+        """Whether trim is above a limit ``(n,)`` [rad] in more than one interval, ``(n,)``."""
+        above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
+        return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
+
+
+def exit_samples(
+    trim: FloatArray, demand: FloatArray, dead_band: float
+) -> tuple[IndexArray, IndexArray]:
+    """Return the last and the next sample about the exit of the dead band, ``(n,)`` each.
+
+    The last is the last new maximum of trim ``(n, k)`` short of K times the demand, zero without
+    one; the next is the next new maximum, k without one.
+    """
+    highest, place = np.maximum.accumulate(trim, axis=-1), np.arange(trim.shape[-1])
+    new = (trim >= highest * (1.0 - _HEIGHT_TOLERANCE)) & (trim > 0.0)
+    short = (new | (place == 0)) & (trim < dead_band * demand)
+    last = np.where(short, place, -1).max(axis=-1, keepdims=True)
+    after = np.where(new & (place > last), place, place.size).min(axis=-1)
+    return np.maximum(last[:, 0], 0), after

@@ -1,0 +1,156 @@
+"""Linear equations of vehicles over the steps of their winds, at any dynamic pressure.
+
+Normal and axial force go with r = q/q_n, so that A and the columns of deflection and wind are
+
+    [A b w] = E + (r - 1) E_1 + (1/r - 1) E_2,
+
+linear in r but for b1/B of the model drift, where b1 has a part without the air and B has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.answers.trim_flown import path_counts
+from tvclin.answers.varying_minimum import UnstableModes, unstable_modes_of
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.boundary.limit import leading_pole
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.vehicle import Vehicle
+
+PRESSURES = (1.0, 1.25, 2.0)
+"""q/q_n at which equations are computed; three of them determine E, E_1 and E_2."""
+
+
+def at_pressure(vehicle: Vehicle, ratio: FloatArray | float) -> Vehicle:
+    """Return a vehicle whose normal and axial force are those at q/q_n times its own pressure."""
+    return vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * ratio,
+        axial_force=vehicle.axial_force * ratio,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Linear equations ``[A b w]`` of vehicles over the steps of their winds.
+
+    Attributes
+    ----------
+    nominal : ndarray
+        E at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``; n or S is one where a
+        single entry holds for all.
+    slopes : ndarray
+        E_1 and E_2 there, ``(n, S, 3, 2, m, m + 2)``.
+    end : ndarray
+        Costate p and control reach R at the end, ``(n, m + 1)``; NaN without an unstable real mode.
+    paired : ndarray of bool
+        Whether two unstable modes are a pair there, so that trim must never be limited, of the
+        shape of the steps; axes of length one hold for all.
+    quick_path : ndarray of bool
+        Whether the flight path is so quick that both curves do not speak for the law, ``(n,)``.
+    modes : tuple of UnstableModes
+        Those of vehicles with several unstable modes at the end.
+    """
+
+    nominal: FloatArray
+    slopes: FloatArray
+    end: FloatArray
+    paired: BoolArray
+    quick_path: BoolArray
+    modes: tuple[UnstableModes, ...]
+
+    @classmethod
+    def frozen(cls, vehicle: Vehicle, model: str, plane: str) -> Self:
+        """Return the constant equations of one vehicle, or a batch ``(n,)``, of a model."""
+        plants = [Plant.from_vehicle(at_pressure(vehicle, r), model, plane) for r in PRESSURES]
+        nominal, slopes = (
+            x.reshape(-1, 1, 1, *x.shape[x.ndim - k :])
+            for x, k in zip(of_pressure(plants), (2, 3), strict=True)
+        )
+        order = nominal.shape[-2]
+        return cls(
+            np.repeat(nominal, 3, axis=2),
+            np.repeat(slopes, 3, axis=2),
+            unstable_end(nominal[:, 0, 0]),
+            np.reshape(leading_pole(plants[0])[1], (-1, 1, 1)),
+            np.ravel(path_counts(plants[0])),
+            unstable_modes_of(nominal[:, 0, 0, :, :order], fewest=2),
+        )
+
+    def over(self, times: FloatArray) -> Self:
+        """Return the equations at times [s] of steps, which are the same at all times."""
+        return self
+
+    @property
+    def breakpoints(self) -> FloatArray:
+        """Times [s] between which the equations are smooth, beside those of the wind: none."""
+        return np.empty(0)
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the flight path takes part in the motion."""
+        return self.nominal.shape[-2] > 2
+
+    def at_ratio(self, ratio: FloatArray, cases: IndexArray) -> FloatArray:
+        """Return the equations of cases at q/q_n ``(k, S, 3)``, ``(k, S, 3, m, m + 2)``."""
+        nominal, slopes = (x if len(x) == 1 else x[cases] for x in (self.nominal, self.slopes))
+        direct, inverse = (x[..., None, None] for x in (ratio - 1.0, 1.0 / ratio - 1.0))
+        return np.asarray(nominal + direct * slopes[..., 0, :, :] + inverse * slopes[..., 1, :, :])
+
+    def of(self, cases: IndexArray) -> Equations:
+        """Return the equations of some cases."""
+
+        def some(x: Any) -> Any:
+            return x if len(x) == 1 else x[cases]
+
+        modes: tuple[UnstableModes, ...] = ()
+        if self.modes:
+            last = some(self.nominal)[:, -1, 2, :, : self.nominal.shape[-2]]
+            modes = unstable_modes_of(last, fewest=2)
+        return Equations(
+            some(self.nominal),
+            some(self.slopes),
+            some(self.end),
+            some(self.paired),
+            some(self.quick_path),
+            modes,
+        )
+
+    @property
+    def fastest(self) -> FloatArray:
+        """Largest rate [1/s] of the attitude of each vehicle, sqrt(mu_alpha) at its largest."""
+        stiffness = np.abs(self.nominal[..., 1, 0]).max(axis=(1, 2))
+        return np.asarray(np.sqrt(stiffness))
+
+
+def unstable_end(equations: FloatArray) -> FloatArray:
+    """Return costate and control reach of constant equations ``(n, m, m + 2)``, ``(n, m + 1)``.
+
+    The costate p is the left eigenvector of the fastest real unstable mode, of length one and with
+    a positive part of the attitude rate; the control reach is p.b over the pole. NaN without one.
+    """
+    order = equations.shape[-2]
+    values, vectors = np.linalg.eig(np.swapaxes(equations[..., :order], -1, -2))
+    real = (np.imag(values) == 0.0) & (np.real(values) > 0.0)
+    poles = np.where(real, np.real(values), -np.inf)
+    best = np.argmax(poles, axis=-1)[..., np.newaxis]
+    pole = np.take_along_axis(poles, best, axis=-1)
+    costate = np.take_along_axis(np.real(vectors), best[..., np.newaxis, :], axis=-1)[..., 0]
+    costate = np.where(np.isfinite(pole), costate * np.sign(costate[..., 1:2]), np.nan)
+    reach = np.vecdot(costate, equations[..., order])[..., np.newaxis] / pole
+    return np.concatenate([costate, reach], axis=-1)
+
+
+def of_pressure(plants: Sequence[Plant]) -> tuple[FloatArray, FloatArray]:
+    """Return E ``(..., m, m + 2)``, and E_1 and E_2 ``(..., 2, m, m + 2)``, of plants.
+
+    `plants`: the same, at each of `PRESSURES` times their dynamic pressure.
+    """
+    nominal, *others = (np.concatenate(plant.matrices()[:2], axis=-1) for plant in plants)
+    changes = np.stack([other - nominal for other in others], axis=-3)
+    factors = np.array([[r - 1.0, 1.0 / r - 1.0] for r in PRESSURES[1:]])
+    return nominal, np.einsum("kl,...lij->...kij", np.linalg.inv(factors), changes)

@@ -1,0 +1,181 @@
+"""Trim and demand of vehicles whose equations vary over a wind, case by case.
+
+    x' = A x + b delta + w alpha_w,    [A b w] = E(t) + (r - 1) E_1(t) + (1/r - 1) E_2(t),
+
+with r = q/q_n, the dynamic pressure encountered over the nominal one. Backwards from the end of
+the wind the costate p, the control reach R of a unit deflection and the remaining wind integral F,
+
+    p' = -A^T p,    R' = -b.p,    F' = -w.p alpha_w,
+
+scaled to |p| = 1 after each step; forwards the path x under ideal trim, attitude and rate at rest,
+
+    delta_trim = -(A_2.x + w_2 alpha_w)/b_2,    demand = -(p.x + F)/R.
+
+Of g = p.x + F the slope is g' = p.b delta_trim, so that demand' = p.b (demand - delta_trim)/R. Both
+marches are Runge and Kutta's of fourth order; equations are given at the begin, the middle and the
+end of each step, where the wind may jump between steps.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tvclin.kernels.source import bare, kernel
+
+PLAIN, COMPILED = 4e-4, 4e-7
+"""About how many seconds a step takes, in plain Python and as machine code."""
+
+
+@kernel
+def trim_and_demand(
+    lengths: Any,
+    equations: Any,
+    slopes: Any,
+    ratio: Any,
+    wind: Any,
+    end: Any,
+    trim: Any,
+    demand: Any,
+    demand_slope: Any,
+    path: Any,
+    first: int,
+    last: int,
+) -> None:
+    """Write trim [rad], demand [rad], its slopes [rad/s] and the path under trim of each case.
+
+    Parameters
+    ----------
+    lengths : ndarray
+        Lengths of the steps [s], ``(n, S)``.
+    equations : ndarray
+        E at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``; of a first or second axis
+        of length one the only entry holds for all.
+    slopes : ndarray
+        E_1 and E_2 there, ``(n, S, 3, 2, m, m + 2)``.
+    ratio, wind : ndarray
+        r and alpha_w [rad] there, ``(n, S, 3)``.
+    end : ndarray
+        p and R at the end of the last step, ``(n, m + 1)``.
+    trim, demand : ndarray
+        Written: both at begin, middle and end of each step [rad], ``(n, S, 3)``.
+    demand_slope : ndarray
+        Written: slopes of the demand at begin and end of each step [rad/s], ``(n, S, 2)``.
+    path : ndarray
+        Written: x beyond attitude and rate at the ends of the steps, ``(n, S + 1, m - 2)``.
+    first, last : int
+        Cases from the first up to the last are computed.
+    """
+    steps, m = lengths.shape[1], equations.shape[3]
+    matrix, costate = np.empty((3, m, m + 2)), np.empty((steps + 1, m + 2))
+    state, rates = np.empty((2, m + 2)), np.empty((4, m + 2))
+    for case in range(first, last):
+        c = case if equations.shape[0] > 1 else 0
+        for i in range(m + 1):
+            costate[steps, i] = end[case, i]
+        costate[steps, m + 1] = 0.0
+        for s in range(steps - 1, -1, -1):
+            equations_at_ratio(equations, slopes, c, s, ratio[case, s], matrix)
+            _backwards(matrix, wind[case, s], lengths[case, s], costate, s, state, rates)
+        for i in range(2, m):
+            path[case, 0, i - 2] = 0.0
+        for s in range(steps):
+            equations_at_ratio(equations, slopes, c, s, ratio[case, s], matrix)
+            h = lengths[case, s]
+            _forwards(matrix, wind[case, s], h, path[case], s, state, rates)
+            trim[case, s, 0] = _trim(matrix, 0, path[case, s], wind[case, s, 0])
+            trim[case, s, 2] = _trim(matrix, 2, path[case, s + 1], wind[case, s, 2])
+            for i in range(m - 2):  # Hermite's cubic in the middle
+                both = path[case, s, i] + path[case, s + 1, i]
+                state[0, i] = 0.5 * both + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
+            trim[case, s, 1] = _trim(matrix, 1, state[0], wind[case, s, 1])
+            for j in range(2):
+                g, pushed, r = costate[s + j, m + 1], 0.0, costate[s + j, m]
+                for i in range(m):
+                    pushed += costate[s + j, i] * matrix[2 * j, i, m]
+                for i in range(m - 2):
+                    g += costate[s + j, i + 2] * path[case, s + j, i]
+                demand[case, s, 2 * j] = -g / r
+                demand_slope[case, s, j] = pushed * (-g / r - trim[case, s, 2 * j]) / r
+            mean = 0.5 * (demand[case, s, 0] + demand[case, s, 2])
+            bend = demand_slope[case, s, 0] - demand_slope[case, s, 1]
+            demand[case, s, 1] = mean + h / 8.0 * bend
+
+
+@bare
+def equations_at_ratio(
+    equations: Any, slopes: Any, c: int, s: int, ratio: Any, matrix: Any
+) -> None:
+    """Write [A b w] at begin, middle and end of a step, at the dynamic pressure encountered."""
+    k = s if equations.shape[1] > 1 else 0
+    for q in range(3):
+        direct, inverse = ratio[q] - 1.0, 1.0 / ratio[q] - 1.0
+        for i in range(matrix.shape[1]):
+            for j in range(matrix.shape[2]):
+                change = direct * slopes[c, k, q, 0, i, j] + inverse * slopes[c, k, q, 1, i, j]
+                matrix[q, i, j] = equations[c, k, q, i, j] + change
+
+
+@bare
+def _backwards(
+    matrix: Any, wind: Any, h: float, costate: Any, s: int, state: Any, rates: Any
+) -> None:
+    """Write p, R and F at the begin of a step, from those at its end, scaled to ``|p| = 1``."""
+    m = matrix.shape[1]
+    for stage in range(4):
+        q, part = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        for i in range(m):
+            state[0, i] = costate[s + 1, i]
+            if stage > 0:
+                state[0, i] += h * part * rates[stage - 1, i]
+        for j in range(m + 2):
+            rates[stage, j] = 0.0
+            for i in range(m):
+                rates[stage, j] += matrix[q, i, j] * state[0, i]
+        rates[stage, m + 1] *= wind[q]
+    size = 0.0
+    for j in range(m + 2):
+        sums = rates[0, j] + 2.0 * (rates[1, j] + rates[2, j]) + rates[3, j]
+        costate[s, j] = costate[s + 1, j] + h / 6.0 * sums
+        if j < m:
+            size += costate[s, j] * costate[s, j]
+    for j in range(m + 2):
+        costate[s, j] /= math.sqrt(size)
+
+
+@bare
+def _forwards(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, rates: Any) -> None:
+    """Write the path under trim at the end of a step; its slopes there stay in `rates` 0 and 3."""
+    m = matrix.shape[1]
+    for stage in range(4):
+        q, part = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        for i in range(m - 2):
+            state[0, i] = path[s, i]
+            if stage > 0:
+                state[0, i] += h * part * rates[stage - 1, i + 2]
+        _path_rates(matrix, q, state[0], wind[q], rates[stage])
+    for i in range(m - 2):
+        sums = rates[0, i + 2] + 2.0 * (rates[1, i + 2] + rates[2, i + 2]) + rates[3, i + 2]
+        path[s + 1, i] = path[s, i] + h / 6.0 * sums
+    _path_rates(matrix, 2, path[s + 1], wind[2], rates[3])
+
+
+@bare
+def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None:
+    """Write the slopes of the path under ideal trim, behind two places of attitude and rate."""
+    m = matrix.shape[1]
+    deflection = _trim(matrix, q, path, wind)
+    for i in range(2, m):
+        rates[i] = matrix[q, i, m] * deflection + matrix[q, i, m + 1] * wind
+        for j in range(2, m):
+            rates[i] += matrix[q, i, j] * path[j - 2]
+
+
+@bare
+def _trim(matrix: Any, q: int, path: Any, wind: float) -> float:
+    """Return the deflection of ideal trim [rad]."""
+    m = matrix.shape[1]
+    moment = matrix[q, 1, m + 1] * wind
+    for j in range(2, m):
+        moment += matrix[q, 1, j] * path[j - 2]
+    return -moment / matrix[q, 1, m]
