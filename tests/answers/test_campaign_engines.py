@@ -129,7 +129,7 @@ def test_control_c_while_workers_start_prints_no_traceback(tmp_path, seconds):
         "from time import sleep\n"
         "from tvclin.answers.campaign.executors import processes\n"
         "if __name__ == '__main__':\n"
-        "    signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it\n"
+        "    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job may ignore it\n"
         "    try:\n"
         "        with processes(2) as pool:\n"
         "            calls = [pool.submit(sleep, 0.1) for _ in range(4)]\n"
