@@ -18,13 +18,14 @@ from tvclin.answers.availability.tables import flight_tables
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.measured import gust_of_speed
+from tvclin.flights.closed_loop.edges import FINE, LAST_PARTS
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}
 """In the dynamic pressure of calm air, in which the equations are the same as those of `size`."""
-HALF_SECONDS = 2e-5
-"""Of needs, by tables of coefficients between rows of half a second; `size` takes the vehicle of
-each time."""
+HALF_SECONDS, ROUGH = 2e-5, 1.5e-4
+"""Of needs, by tables of coefficients between rows of half a second, and in rough winds; `size`
+takes the vehicle of each time."""
 CLOSE = 1e-6
 """The tables are straight lines between times so close that they are off by a part of 3e-8; of
 the sums and quotients of a need some come together."""
@@ -97,7 +98,10 @@ def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, see
     alone = flight_requirement(mode, part, np.array([1.0]), whole).required[0]
     found = needs_of_winds(tables, met.wind.time[np.newaxis], side * angle[np.newaxis])
 
-    assert found.limit == pytest.approx([alone], rel=HALF_SECONDS)
+    flown = (
+        0.0 if model == "fixed-path" else FINE / LAST_PARTS
+    )  # in steps of which flights are tried
+    assert found.limit == pytest.approx([alone], rel=HALF_SECONDS + 2.0 * flown)
     assert flight.span[0] <= found.at[0] <= flight.span[1]
 
 
@@ -175,8 +179,8 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     doubted = found.most > found.least
     assert np.any(doubted)
     assert not np.all(doubted)
-    assert found.least[~doubted] == pytest.approx(needed[~doubted], rel=STRAIGHT)
-    assert np.all(needed >= found.least * (1.0 - STRAIGHT))
+    assert found.least[~doubted] == pytest.approx(needed[~doubted], rel=ROUGH)
+    assert np.all(needed >= found.least * (1.0 - ROUGH))
     assert np.all(needed <= found.most)
     # near the limit these are flown
     limit = 1.001 * needed[doubted][0]

@@ -34,7 +34,7 @@ def of_case(plan, found, case, **more):
     drawn = {name: float(found[name][case]) for name in plan.dispersions.parameters}
     peak, duration = drawn.pop("wind_peak"), drawn.pop("wind_duration")
     later = 0.5 * (duration - plan.wind.duration)
-    at = None if plan.wind.gust is None else 0.5 * plan.wind.duration + later
+    at = None if plan.wind.gust is None else plan.wind.gust_at + later
     return tv.Case(
         vehicle=plan.vehicle.replace(**drawn),
         model=plan.model,

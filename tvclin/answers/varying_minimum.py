@@ -22,7 +22,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.numerics.searches import lowest
 
-_TAIL_CELLS = np.expm1(np.linspace(0.0, 8.0, 64)) / np.expm1(8.0)
+_TAIL_CELLS = np.expm1(np.linspace(0.0, 8.0, 256)) / np.expm1(8.0)
 """Ends of the cells of a deflection after the wind, over `_TAIL_SPAN` times the time constant of
 the slowest mode; the last cell has no end."""
 _TAIL_SPAN = 30.0
