@@ -89,7 +89,13 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     status, words = margins.status, loop_words(autopilot, plant)
     closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
     horizon = _rounded(_horizon(closed, _MANY / margins.crossover_frequency))
-    response = control.step_response(closed, np.linspace(0.0, horizon, _points(plant, horizon)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        response = control.step_response(closed, np.linspace(0.0, horizon, _points(plant, horizon)))
+    if not np.all(np.isfinite(response.outputs)):
+        raise InputError(
+            "autopilot and plant must have a step response that can be drawn; this one grows beyond"
+            " all numbers"
+        )
     figure, panels = plt.subplots(2, 1, figsize=(8.6, 7.2), layout="constrained", sharex=True)
     drawn = response.plot(
         ax=panels[:, np.newaxis], plot_inputs=False, show_legend=False, title="", lw=2.0

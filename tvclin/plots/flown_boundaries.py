@@ -98,11 +98,8 @@ def _figure(
     instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
     durations = [one_row("tau_beta", np.atleast_1d(positive("tau_beta", tau_beta)))]
-    durations.append(
-        positive("along", along)
-        if np.size(along) == 0
-        else one_row("along", np.atleast_1d(positive("along", along)))
-    )
+    trajectory = np.atleast_1d(positive("along", along))
+    durations.append(one_row("along", trajectory) if trajectory.size else trajectory.ravel())
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [
