@@ -26,6 +26,8 @@ _EXCESS = 0.2
 """Cells with this part of the largest excess of the load are split too."""
 _PARTS = 4
 """Of a cell that is split."""
+_MAX_ITERATIONS_PER_UNKNOWN = 50
+"""Iterations of a program over its unknowns, which are two or three unless numbers are extreme."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,8 @@ class LoadProgram:
             free[places] = rest * most / self._unit
         bounds, cost = np.column_stack([-free, free]), np.append(np.zeros(free.size - 1), 1.0)
         for method in ("highs-ds", "highs-ipm"):
-            options = {"presolve": False}  # with it two modes far apart end "unknown"
+            # with presolve two modes far apart end "unknown"
+            options = {"presolve": False, "maxiter": _MAX_ITERATIONS_PER_UNKNOWN * free.size}
             found = linprog(cost, below, over, equal, right, bounds, method=method, options=options)
             if found.status == 0:
                 return self._told(found, most if aim == PEAK else float(found.fun) * self._unit)
