@@ -12,7 +12,7 @@ import numpy as np
 from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.planes import VECTOR, PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
-from tvclin.base.errors import InputError, between, number, positive, single
+from tvclin.base.errors import InputError, between, number, positive, single, within
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
@@ -137,9 +137,9 @@ class CaseNeed:
         """Return the required deflection [rad] in so many times this wind.
 
         Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
-        for a size that is not positive.
+        for a size that is not between 1e-9 and 1e9.
         """
-        number("size", size, positive)
+        within("size", number("size", size, positive), 1e-9, 1e9)
         if self.at_nominal_pressure:
             return size * self.nominal_deflection
         try:

@@ -14,7 +14,16 @@ from tvclin.answers.flexible import law_asked
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, callable_for, different, each, instance, one_of, within
+from tvclin.base.errors import (
+    InputError,
+    callable_for,
+    different,
+    each,
+    instance,
+    one_of,
+    whole_number,
+    within,
+)
 from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
@@ -142,7 +151,7 @@ def flown_fronts(
     instance("cases", cases, Mapping, "by name")
     each("cases", tuple(cases.values()), Case, "by name")
     names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
-    within("cuts", cuts, 0, 1000)
+    within("cuts", whole_number("cuts", cuts), 0, 1000)
     fronts = {key: _front(case, rates) for key, case in cases.items()}
     total = len(names) * sum(one.rates.size for one in fronts.values())
     _check_samples(cases, fronts, len(names) * (cuts + 1))

@@ -16,6 +16,9 @@ from tvclin.winds.histories import History
 _POINTS = 10
 """Of a front, unless loads are given."""
 
+_MIN_MOMENT_RATIO = 1e-12
+"""A moment ratio other than zero below this size is out of the range of numbers."""
+
 
 def load_front(
     plant: Plant,
@@ -81,6 +84,10 @@ def load_front(
     )
     borne = None if load is None else number("load", load, angle, "rad")
     M = number("moment_ratio", moment_ratio, finite)
+    if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
+        raise InputError(
+            f"moment_ratio must be zero or at least {_MIN_MOMENT_RATIO:g}; got {M:.6g}"
+        )
     rate = rate_limit
     if not (isinstance(rate, float) and np.isposinf(rate)):
         rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
