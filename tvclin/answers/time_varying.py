@@ -50,10 +50,10 @@ _GAIN = 10.0
 """Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
 _FLIGHT_MARGIN = 1.005
 """A flight with so many times the limit of both curves shows whether they are sufficient."""
-_UNLIMITED = 1.0 + 1e-3
+_UNLIMITED_OVER_TRIM = 1.0 + 1e-3
 """Over the largest trim, a limit that the law never meets."""
-_TINY = 1e-12
-"""A limit [rad] in place of none."""
+_MIN_LIMIT = 1e-12
+"""A limit [rad] in place of zero."""
 _EVEN_STEP = 0.25
 """Length of an even step, through winds whose breakpoints are not ends of steps."""
 _SLOWEST = 0.25
@@ -62,8 +62,8 @@ _STEPS_TOGETHER = 5_000
 """Steps of all winds that are marched together: some ten megabytes."""
 _MAX_STEPS = 20_000
 """Steps over one wind."""
-_FINER = 2.0
-"""Over the rates of a wind, for trim follows it as a parabola in each step."""
+_WIND_RATE_FACTOR = 2.0
+"""Factor on the rates of a wind, whose curvature sets the error of the parabola of trim."""
 _MIN_STEPS = 4
 """Steps between two breakpoints of a wind."""
 
@@ -101,7 +101,7 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
     like length have the same.
     """
     widths = np.diff(_breakpoints(wind, motion), axis=-1)
-    rates = _FINER * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
+    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
     fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
     with np.errstate(invalid="ignore"):  # a calm has no breakpoints
         counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
@@ -294,8 +294,8 @@ def _of_flights(
     known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
     times, wind, ratio = over_steps(motion, encountered, _FLIGHT_PARTS)
     finer = motion.over(times)
-    largest = np.maximum(found.largest_trim, np.abs(found.demand[:, -1, 2])) * _UNLIMITED
-    low = np.maximum(limit, _TINY)
+    largest = np.maximum(found.largest_trim, np.abs(found.demand[:, -1, 2])) * _UNLIMITED_OVER_TRIM
+    low = np.maximum(limit, _MIN_LIMIT)
 
     def diverged(limits: FloatArray, cases: IndexArray) -> BoolArray:
         some = finer.of(cases)

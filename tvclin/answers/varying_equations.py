@@ -51,7 +51,8 @@ class Equations:
         Whether two unstable modes are a pair there, so that trim must never be limited, of the
         shape of the steps; axes of length one hold for all.
     quick_path : ndarray of bool
-        Whether the flight path is so quick that both curves do not speak for the law, ``(n,)``.
+        Whether flights of the limited law decide, since b1 is negative, or b1 or a second pole is
+        comparable with the fastest, ``(n,)``.
     modes : tuple of UnstableModes
         Those of vehicles with several unstable modes at the end.
     """

@@ -26,8 +26,9 @@ _TAIL_CELLS = np.expm1(np.linspace(0.0, 8.0, 256)) / np.expm1(8.0)
 """Ends of the cells of a deflection after the wind, over `_TAIL_SPAN` times the time constant of
 the slowest mode; the last cell has no end."""
 _TAIL_SPAN = 30.0
+"""Length of the cells that end, over the time constant of the slowest mode."""
 _STEPS_PER_ORTHOGONALISATION = 4
-"""As many for all cases, so that none depends on others."""
+"""Steps between two orthogonalisations, the same for all cases so that none depends on others."""
 _DIRECTIONS, _REFINEMENTS = 16, 6
 """Directions of lambda where three modes are unstable, and refinements of the best."""
 

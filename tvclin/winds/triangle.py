@@ -15,7 +15,7 @@ A wind that is given by its angles is that whose triangle has them,
 
     w = sin(alpha)/sin(Theta_n + alpha),    c = v tan(beta).
 
-Speed and path of the vehicle itself hardly change within a wind.
+Speed and path are those given; `EncounteredWind.flight` lets them vary along a flight.
 """
 
 from __future__ import annotations
