@@ -10,7 +10,7 @@ from tvclin.linear import judge
 from tvclin.linear.models import MODELS
 from tvclin.linear.modes import (
     all_modes,
-    left_row,
+    left_eigenvector,
     mode_table,
     parted,
     poles_in_words,
@@ -502,12 +502,12 @@ def test_poles_are_counted_in_words_and_pairs_named(poles, words):
 
 
 @pytest.mark.parametrize("batch", [(), (3,), (2, 3)])
-def test_a_left_row_is_that_of_the_eigenvalue_next_to_a_pole(batch):
+def test_a_left_eigenvector_is_that_of_the_eigenvalue_next_to_a_pole(batch):
     """Each row obeys l A = p l; a pole that is off by a little finds its own."""
     A = np.random.default_rng(3).normal(size=(*batch, 4, 4))
     for k in range(4):
         exact = np.sort_complex(np.linalg.eigvals(A))[..., k]
-        found, row = left_row(A, exact * (1.0 + 1e-9))
+        found, row = left_eigenvector(A, exact * (1.0 + 1e-9))
         np.testing.assert_allclose(found, exact, rtol=1e-12)
         np.testing.assert_allclose(
             np.einsum("...i,...ij->...j", row, A), exact[..., np.newaxis] * row, atol=1e-13

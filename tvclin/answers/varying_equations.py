@@ -19,6 +19,7 @@ from tvclin.answers.trim_flown import path_counts
 from tvclin.answers.varying_minimum import UnstableModes, unstable_modes_of
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.boundary.limit import leading_pole
+from tvclin.linear.modes import left_eigenvectors
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -135,15 +136,15 @@ def unstable_end(equations: FloatArray) -> FloatArray:
     a positive part of the attitude rate; the control reach is p.b over the pole. NaN without one.
     """
     order = equations.shape[-2]
-    values, vectors = np.linalg.eig(np.swapaxes(equations[..., :order], -1, -2))
-    real = (np.imag(values) == 0.0) & (np.real(values) > 0.0)
-    poles = np.where(real, np.real(values), -np.inf)
-    best = np.argmax(poles, axis=-1)[..., np.newaxis]
-    pole = np.take_along_axis(poles, best, axis=-1)
-    costate = np.take_along_axis(np.real(vectors), best[..., np.newaxis, :], axis=-1)[..., 0]
-    costate = np.where(np.isfinite(pole), costate * np.sign(costate[..., 1:2]), np.nan)
+    values, rows = left_eigenvectors(equations[..., :order])
+    unstable = (np.imag(values) == 0.0) & (np.real(values) > 0.0)
+    fastest = np.argmax(unstable, axis=-1)[..., np.newaxis]
+    exists = np.any(unstable, axis=-1, keepdims=True)
+    pole = np.where(exists, np.real(np.take_along_axis(values, fastest, axis=-1)), np.nan)
+    costate = np.real(np.take_along_axis(rows, fastest[..., np.newaxis], axis=-2)[..., 0, :])
+    costate = costate * np.where(costate[..., 1:2] < 0.0, -1.0, 1.0)
     reach = np.vecdot(costate, equations[..., order])[..., np.newaxis] / pole
-    return np.concatenate([costate, reach], axis=-1)
+    return np.where(exists, np.concatenate([costate, reach], axis=-1), np.nan)
 
 
 def of_pressure(plants: Sequence[Plant]) -> tuple[FloatArray, FloatArray]:

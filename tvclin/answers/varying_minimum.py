@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.linear.modes import left_eigenvectors
 from tvclin.numerics.searches import lowest
 
 _TAIL_CELLS = np.expm1(np.linspace(0.0, 8.0, 256)) / np.expm1(8.0)
@@ -76,10 +77,7 @@ def unstable_modes_of(A: FloatArray, fewest: int = 1) -> tuple[UnstableModes, ..
 
     Cases with as many real modes and pairs are together; the others are left out.
     """
-    values, columns = np.linalg.eig(np.swapaxes(A, -1, -2))
-    order = np.argsort(-np.real(values), axis=-1)
-    values = np.take_along_axis(values, order, axis=-1)
-    vectors = np.swapaxes(np.take_along_axis(columns, order[:, np.newaxis], axis=-1), -1, -2)
+    values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
     pairs = unstable & (np.imag(values) > 0.0)
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair

@@ -22,7 +22,7 @@ from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.reaches import COMPILED, PLAIN, least_reaches
-from tvclin.linear.modes import poles_in_words, unstable_poles
+from tvclin.linear.modes import left_eigenvector, poles_in_words, unstable_poles
 from tvclin.linear.plant import RIGID, Plant
 
 MOST_MODES = 2
@@ -89,7 +89,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     # With l A = s l, z = c l x obeys z' = s z + c (l b) delta + c (l w) alpha_w. c (l b) = -s/B
     # makes that s (z - delta/B - k alpha_w), k = -c (l w)/s.
     A, inputs, _, _ = plant.matrices()
-    rows = [left_vector(A, pole) for pole in poles]
+    rows = left_eigenvector(np.broadcast_to(A, (poles.size, *A.shape)), poles)[1]
     scaled = np.array(
         [
             row * (-pole / plant.coefficients.B) / (row @ inputs[:, 0])
@@ -112,8 +112,3 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
     count = found.size
     run(least_reaches, (*columns, found), count, PLAIN * count, COMPILED * count)
     return found
-
-
-def left_vector(A: FloatArray, pole: float) -> FloatArray:
-    """Return the row l with l A = pole l, of length one."""
-    return np.linalg.svd(A.T - pole * np.eye(len(A)))[2][-1]

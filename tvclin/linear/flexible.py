@@ -23,7 +23,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.linear.modes import left_row, unstable_poles, wind_strength
+from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import INPUTS, Plant
 from tvclin.linear.system import LinearSystem
@@ -275,7 +275,7 @@ class FlexiblePlant(Shown, Hinted):
             raise InputError("shift() needs a vehicle with a growing mode; this one has none")
         stiff = growing[..., 0]
         A, B = self._airframe
-        pole, row = left_row(A, stiff)
+        pole, row = left_eigenvector(A, stiff)
         reached = np.einsum("...i,...ij->...j", row, B)
         turned = reached[..., 0] + pole**2 * reached[..., 2:].sum(axis=-1)
         rigid = wind_strength(self.rigid, stiff[..., np.newaxis])[..., 0]

@@ -134,11 +134,23 @@ def parted(poles: AnyArray) -> AnyArray:
     return np.real(apart) if np.all((np.imag(apart) == 0.0) | np.isnan(apart)) else apart
 
 
-def left_row(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Return the eigenvalue p of A ``(..., n, n)`` next to a pole ``(...)``, and l of l A = p l."""
-    values, left = np.linalg.eig(np.swapaxes(A, -1, -2))
+def left_eigenvectors(A: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Return eigenvalues of A ``(..., n, n)``, and left eigenvectors l A = p l as rows.
+
+    The eigenvalues are sorted by their real parts, the largest first, ``(..., n)``; the rows have
+    length one, ``(..., n, n)``.
+    """
+    values, columns = np.linalg.eig(np.swapaxes(A, -1, -2))
+    order = np.argsort(-np.real(values), axis=-1)
+    columns = np.take_along_axis(columns, order[..., np.newaxis, :], axis=-1)
+    return np.take_along_axis(values, order, axis=-1), np.swapaxes(columns, -1, -2)
+
+
+def left_eigenvector(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Return the eigenvalue of A ``(..., n, n)`` next to a pole ``(...)``, and its row l."""
+    values, rows = left_eigenvectors(A)
     nearest = np.abs(values - pole[..., np.newaxis]).argmin(axis=-1)[..., np.newaxis]
-    row = np.take_along_axis(left, nearest[..., np.newaxis, :], axis=-1)[..., 0]
+    row = np.take_along_axis(rows, nearest[..., np.newaxis], axis=-2)[..., 0, :]
     return np.take_along_axis(values, nearest, axis=-1)[..., 0], row
 
 

@@ -28,7 +28,7 @@ from tvclin.answers.sizing.collocation import mesh, refined, solved
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.boundary.recoverable import left_vector
+from tvclin.linear.modes import left_eigenvector
 
 _LONGEST = 500.0
 """Of the span, over the time of the fastest mode; the mesh has four times as many steps."""
@@ -156,7 +156,7 @@ class GrowingMode:
                 f" {_LONGEST:g} times that of the fastest mode; schedule and winds together last"
                 f" {stop - start:.4g} s: shorten the winds"
             )
-        row = left_vector(A, pole)
+        row = np.real(left_eigenvector(A, np.asarray(pole))[1])
         row = row * np.sign(row[1])
 
         def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:

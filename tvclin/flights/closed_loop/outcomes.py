@@ -9,7 +9,7 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.recoverable import MOST_MODES
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.modes import left_row, that_grow
+from tvclin.linear.modes import left_eigenvector, that_grow
 from tvclin.linear.plant import INPUTS
 
 SETTLING = 5.0
@@ -86,7 +86,7 @@ def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
     A, inputs, _, _ = plant.matrices()
     n, count = A.shape[-1], inputs.shape[-1]
     A, inputs = A.reshape(-1, n, n), inputs.reshape(-1, n, count)
-    row = np.real(left_row(A, pole)[1])
+    row = np.real(left_eigenvector(A, pole)[1])
     moved = np.einsum("mi,mij->mj", row, inputs)
     swing = moved[:, len(INPUTS) :].sum(axis=1)
     rows = np.column_stack([row, -pole * swing, -swing])
