@@ -38,7 +38,7 @@ test-all: test thorough  ## pass the tests, the thorough ones, and half the numb
 
 # By turns, a day each; PROCESSOR=Prescott takes that one. The halves change when all had their turn.
 DAY = $(shell $(PYTHON) -c 'import time; print(time.gmtime().tm_yday)')
-NUMBERS := kernels numerics linear boundary control flights
+NUMBERS := kernels numerics linear ascent boundary control flights
 FIRST := kernels numerics linear control
 HALF = $(if $(filter 0 1 2 3,$(shell echo $$(($(DAY) % 8)))),$(FIRST),$(filter-out $(FIRST),$(NUMBERS)))
 PROCESSORS := Haswell Nehalem Prescott Sandybridge

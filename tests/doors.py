@@ -19,9 +19,9 @@ from tests.schedules.samples import MAP
 from tvclin.answers import worst_case
 from tvclin.answers.least_gains import least
 from tvclin.answers.sizing.total_record import Line
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.doors import CHAPTERS
 from tvclin.flights.closed_loop import in_step
-from tvclin.flights.condition import load_flight_condition
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 
@@ -662,7 +662,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(
-            tv.answers.MeasuredWind,
+            tv.ascent.MeasuredWind,
             {
                 "wind": sampled,
                 "window": 20.0,
@@ -671,12 +671,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "pressure": np.ones(sampled.time.size),
             },
         ),
-        "MeasuredWind.__call__": Door(tv.answers.MeasuredWind(sampled), {"vehicle": booster}),
-        "MeasuredWind.samples": Door(
-            tv.answers.MeasuredWind(sampled).samples, {"vehicle": booster}
-        ),
+        "MeasuredWind.__call__": Door(tv.ascent.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.samples": Door(tv.ascent.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(
-            tv.answers.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
+            tv.ascent.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
         "Nozzle": Door(
             tv.Nozzle,
@@ -1213,7 +1211,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "read_log": Door(
-            tv.answers.read_log,
+            tv.ascent.read_log,
             {
                 "path": SCHEDULES / "log.csv",
                 "columns": None,
@@ -1223,7 +1221,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SimulatedFlight.write_wind": Door(
-            tv.answers.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
+            tv.ascent.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
         "LoadBound.front": Door(
             tv.answers.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}
@@ -1314,7 +1312,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "power_law_shear": Door(tv.winds.power_law_shear, {"change": 20.0, "thickness": 500.0}),
         "read_openrocket": Door(
-            tv.answers.read_openrocket,
+            tv.ascent.read_openrocket,
             {
                 **simulated,
                 "path": SCHEDULES / "openrocket.csv",
@@ -1348,7 +1346,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.winds.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}
         ),
         "read_rasaero": Door(
-            tv.answers.read_rasaero,
+            tv.ascent.read_rasaero,
             {
                 **simulated,
                 "path": SCHEDULES / "rasaero-flight.csv",
@@ -1367,7 +1365,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "read_table": Door(
-            tv.answers.read_table,
+            tv.ascent.read_table,
             {"path": SCHEDULES / "table.csv", "columns": MAP, **span},
         ),
         "read_soundings": Door(
@@ -1413,7 +1411,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "schedule_from_rocketpy": Door(
-            tv.answers.schedule_from_rocketpy,
+            tv.ascent.schedule_from_rocketpy,
             {
                 "flight": rocketpy_standin.Flight(),
                 "gimbal_position": -1.2,

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 import tvclin as tv
+from tvclin.ascent.atmosphere import standard_atmosphere
 from tvclin.base.arrays import FloatArray
-from tvclin.flights.atmosphere import standard_atmosphere
 
 KEYS = (
     "time_s,weight_N,moment_of_inertia_kg_m2,normal_force_slope_N_per_rad,thrust_N,"

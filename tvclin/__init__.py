@@ -5,10 +5,11 @@ The names of an ordinary week are here; each chapter has all of its own at its d
 - `tvclin.vehicle`: vehicles, their files, structure and filters
 - `tvclin.winds`: winds, gusts, soundings
 - `tvclin.linear`: plants, poles and residues, exact responses
+- `tvclin.ascent`: a vehicle over its flight, from files and other tools; winds along it
 - `tvclin.boundary`: boundary limits, stops, the minimum-peak control
 - `tvclin.control`: autopilots, laws, margins
 - `tvclin.flights`: flights of laws, in one plane, in two, with six degrees of freedom
-- `tvclin.answers`: studies, flights from lift-off to burnout, archives, campaigns
+- `tvclin.answers`: studies, sizing over a flight, archives, campaigns
 - `tvclin.plots`: figures
 
 What stands behind a name is loaded when it is first used, so that ``import tvclin`` costs next to

@@ -1,6 +1,7 @@
 """The names of an ordinary week; each chapter has its own at its door, `tvclin.winds` and so on."""
 
 from . import answers as answers
+from . import ascent as ascent
 from . import boundary as boundary
 from . import control as control
 from . import flights as flights
@@ -12,13 +13,10 @@ from .answers import Campaign as Campaign
 from .answers import Case as Case
 from .answers import Dispersion as Dispersion
 from .answers import Dispersions as Dispersions
-from .answers import FlightSchedule as FlightSchedule
 from .answers import Nozzle as Nozzle
 from .answers import Study as Study
-from .answers import fly_through as fly_through
 from .answers import is_sufficient as is_sufficient
 from .answers import least_deflection_gains as least_deflection_gains
-from .answers import load_schedule as load_schedule
 from .answers import load_study as load_study
 from .answers import required_deflection as required_deflection
 from .answers import run_campaign as run_campaign
@@ -27,6 +25,9 @@ from .answers import survivable_peak as survivable_peak
 from .answers import worst_total as worst_total
 from .answers.availability.availability import availability as availability
 from .answers.worst_case import worst_case as worst_case
+from .ascent import FlightSchedule as FlightSchedule
+from .ascent import fly_through as fly_through
+from .ascent import load_schedule as load_schedule
 from .base.errors import InputError as InputError
 from .boundary import boundary_limit as boundary_limit
 from .boundary import forecast_free_limit as forecast_free_limit

@@ -17,7 +17,7 @@ from tvclin.answers.availability.needs import _CURVED, needs_of_winds
 from tvclin.answers.availability.tables import flight_tables
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.measured import gust_of_speed
+from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.flights.closed_loop.edges import FINE, LAST_PARTS
 
 EAST = np.radians(90.0)

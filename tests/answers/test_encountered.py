@@ -13,7 +13,7 @@ from tests.turns import usual
 from tvclin.answers.case_need import case_need
 from tvclin.answers.encountered import encountered_batch, encountered_requirement
 from tvclin.answers.varying_equations import at_pressure
-from tvclin.flights.condition import load_flight_condition
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.winds.triangle import pressure_ratio
 
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}

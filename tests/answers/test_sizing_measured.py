@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.sizing.measured import gust_of_speed
 from tvclin.answers.sizing.tables import each_wind, over_time
 from tvclin.answers.sizing.total_record import total_table
+from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.winds.soundings.levels import towards
 
@@ -36,7 +36,7 @@ def test_a_level_exactly_across_the_flight_is_one_without_wind(flight) -> None:
             assert met(vehicle)(at) == pytest.approx(clean(vehicle)(at), abs=1e-13), seed
 
 
-def low(flight: tv.FlightSchedule, **options: object) -> tv.answers.MeasuredWind:
+def low(flight: tv.FlightSchedule, **options: object) -> tv.ascent.MeasuredWind:
     """Return what the flight meets in a wind that is known from 5 to 15 km: 46.5 to 73.9 s."""
     profile = tv.WindProfile(height=[5e3, 10e3, 15e3], east=[10, 40, 30], north=[0, 0, 0])
     return tv.fly_through(profile, flight, azimuth=EAST, **options)

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.flights.condition import load_flight_condition
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.engines import planar_verdict
 
 PEAK = np.radians(0.01)

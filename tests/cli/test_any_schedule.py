@@ -12,8 +12,8 @@ import tvclin as tv
 from tests.schedules.samples import GIVEN, OPENROCKET
 from tests.small_launcher import sounding, write
 from tests.turns import by_turns
-from tvclin.answers.sizing.measured import MeasuredWind, gust_of_speed
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
+from tvclin.ascent.measured_wind import MeasuredWind, gust_of_speed
 from tvclin.cli.app import app
 
 ARMS = {
@@ -70,7 +70,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     found = {name: name for name in SCHEDULES[:2]}
     found["from the pad"] = str(write(folder / "pad.csv"))
     found["openrocket"] = str(folder / "rocket.csv")
-    tv.answers.read_openrocket(OPENROCKET, **dict[str, Any](GIVEN)).to_csv(found["openrocket"])
+    tv.ascent.read_openrocket(OPENROCKET, **dict[str, Any](GIVEN)).to_csv(found["openrocket"])
     flight = tv.load_schedule(found["from the pad"])
     for name, bent in ARMS.items():
         arm = np.interp(flight.times, *bent)

@@ -10,8 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.cli.app import app
-from tvclin.flights.condition import load_flight_condition
 
 mpl.use("Agg")
 

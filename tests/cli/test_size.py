@@ -188,7 +188,7 @@ def test_flight_times_include_both_ends_of_the_flight() -> None:
 def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
     """What blows to the other side is left out, exactly between the samples."""
     times, angles = [50.0, 60.0, 66.0, 70.0, 80.0], np.array([0.02, 0.02, -0.04, -0.05, 0.05])
-    met = tv.answers.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
+    met = tv.ascent.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
     vehicle = tv.load_vehicle("configuration-i")
     around = met(vehicle.replace(time=66.0))
 
@@ -196,7 +196,7 @@ def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
         [0.0, 0.0, 0.0, -0.04, -0.05, -0.001, 0.0, 0.0], abs=1e-15
     )
     assert (around.onset, around.end) == pytest.approx((62.0, 75.0))
-    gusty = tv.answers.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
+    gusty = tv.ascent.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
     assert gusty(vehicle.replace(time=66.0))(66.0) == pytest.approx(-0.05)
     assert not np.any(met(vehicle.replace(time=30.0))([30.0, 52.0, 66.0]))
 

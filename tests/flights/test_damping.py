@@ -8,11 +8,11 @@ import pytest
 import tvclin as tv
 from tests.damped import damped
 from tests.turns import usual
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.boundary.closed_forms import triangular_limit
-from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.equations import PlanarMotion
 from tvclin.flights.sixdof.model import model_xml
-from tvclin.flights.trajectory import nominal_flight
 
 DEGREE = np.radians(1.0)
 NAME = "configuration-i"

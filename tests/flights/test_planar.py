@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.report_responses import triangular_attitude
 from tvclin import InputError, TriangularWind, flown_boundary, fly_planar
+from tvclin.ascent.atmosphere import standard_atmosphere
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.flights import ReportControl
-from tvclin.flights.atmosphere import standard_atmosphere
-from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.equations import PlanarMotion
-from tvclin.flights.trajectory import nominal_flight
 
 DEGREE = np.radians(1.0)
 NAMES = ("configuration-i", "configuration-ii")

@@ -13,15 +13,15 @@ import tvclin as tv
 from tests.planar import random_vehicle
 from tests.report_responses import triangular_attitude
 from tests.turns import by_turns
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
-from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.sixdof.airframe import Airframe
 from tvclin.flights.sixdof.case import SixDof
 from tvclin.flights.sixdof.departure import course_of
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
-from tvclin.flights.trajectory import nominal_flight
 
 pytest.importorskip("jsbsim")
 

@@ -206,7 +206,7 @@ def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
 
 
 def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
-    from tvclin.flights.atmosphere import HIGHEST, LOWEST, air_at, density_at
+    from tvclin.ascent.atmosphere import HIGHEST, LOWEST, air_at, density_at
 
     for height in (-1e9, -6_356_766.0, -1e5, LOWEST, 0.0, HIGHEST, 2e5, 1e9, 1e300):
         assert density_at(height) == pytest.approx(float(air_at(height).density), rel=1e-12)
@@ -215,9 +215,9 @@ def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
 
 def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one() -> None:
     """The altitude [m] once had the smallest error of an angle [rad], which is its rounding."""
+    from tvclin.ascent.flight_condition import load_flight_condition
     from tvclin.flights.closed_loop.continuous import ContinuousFlight
     from tvclin.flights.closed_loop.regimes import Loop
-    from tvclin.flights.condition import load_flight_condition
     from tvclin.flights.planar.case import planar_case
 
     vehicle = tv.load_vehicle("configuration-i")

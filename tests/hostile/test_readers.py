@@ -85,7 +85,7 @@ def test_a_table_of_more_than_a_thousand_columns_is_refused(tmp_path, separator)
     file = tmp_path / "wide.csv"
     names = [f"c{i}" for i in range(80_000)]
     file.write_text(separator.join(["t (s)", "height_m", "speed_kt", *names]) + "\n1,2,3\n")
-    assert "line 1: it has more than 1000 columns" in refused(tv.answers.read_table, file, MAP)
+    assert "line 1: it has more than 1000 columns" in refused(tv.ascent.read_table, file, MAP)
     assert "with at most 1000 columns" in refused(tv.read_sounding, file)
 
 
@@ -99,23 +99,23 @@ def test_a_sounding_and_a_flight_may_have_a_thousand_columns(tmp_path, columns) 
     )
     if columns > 1000:
         refused(tv.read_sounding, file)
-        refused(tv.answers.read_table, file, MAP)
+        refused(tv.ascent.read_table, file, MAP)
     else:
         assert tv.read_sounding(file).height.size == 3
-        assert tv.answers.read_table(file, MAP).span == (1.0, 3.0)
+        assert tv.ascent.read_table(file, MAP).span == (1.0, 3.0)
 
 
 def test_a_line_of_hundreds_of_megabytes_is_refused(tmp_path) -> None:
     file = tmp_path / "long.csv"
     file.write_bytes(b"t (s),height_m\n" + b"1," * 45_000_000)
-    for read, *more in ((tv.answers.read_table, MAP), (tv.read_sounding,)):
+    for read, *more in ((tv.ascent.read_table, MAP), (tv.read_sounding,)):
         assert "line 2: it has more than 1000000 letters" in refused(read, file, *more)
 
 
 def test_a_text_without_a_header_is_not_searched_to_its_end(tmp_path) -> None:
     file = tmp_path / "none.csv"
     file.write_text("1.5,2.5,3.5,4.5 word (m)\n" * 1_000_000)
-    assert "no line of column names" in refused(tv.answers.read_table, file, MAP)
+    assert "no line of column names" in refused(tv.ascent.read_table, file, MAP)
     assert "in its first 1000 lines" in refused(tv.read_sounding, file)
 
 
@@ -133,7 +133,7 @@ def test_what_a_table_is_told_does_not_repeat_thousands_of_letters(tmp_path, hea
     file.write_text(f"{head}\n1,x\n2,3\n")
     name = head.split(",", 1)[1]
     for source in (name, name.split(" (")[0]):
-        said = refused(tv.answers.read_table, file, MAP | {"thrust_N": source})
+        said = refused(tv.ascent.read_table, file, MAP | {"thrust_N": source})
         assert "line 1: a name of a column has at most 200 letters; got '" in said
 
 

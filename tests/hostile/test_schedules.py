@@ -14,12 +14,12 @@ from tests.schedules.samples import FOLDER, GIVEN, MAP, OPENROCKET, read
 
 READERS: dict[str, Callable[[Path], tv.FlightSchedule]] = {
     "openrocket.csv": read,
-    "rasaero-flight.csv": lambda file: tv.answers.read_rasaero(
+    "rasaero-flight.csv": lambda file: tv.ascent.read_rasaero(
         file, moment_of_inertia=([0.0, 5.0], [24.0, 20.0]), **GIVEN
     ),
     "rasaero-aerodynamics.csv": lambda file: read(OPENROCKET, normal_force_coefficient_slope=file),
     "component-analysis.csv": lambda file: read(OPENROCKET, normal_force_coefficient_slope=file),
-    "table.csv": lambda file: tv.answers.read_table(file, MAP),
+    "table.csv": lambda file: tv.ascent.read_table(file, MAP),
 }
 PIECES = (b"nan", b"1e308", b"-1e308", b"inf", b",", b"\n", b"(", b"9", b"e", b"-", b"#", b'"')
 CELLS = (b"0", b"-1", b"nan", b"1e300", b"1e-320", b"")

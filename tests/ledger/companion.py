@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.answers.sizing.schedule_file import load_schedule
+from tvclin.ascent.schedule_file import load_schedule
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.comparison.trim import compare_with_trim

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from tests.ledger.cases import FULL, HALF, NAMES, attitude_with_drift, with_drift
-from tvclin.flights.condition import load_flight_condition
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.planar.fly_planar import fly_planar
 from tvclin.plots.flown import centred_wind, flown_limit

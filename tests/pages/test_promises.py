@@ -40,7 +40,7 @@ def test_the_map_names_every_chapter_and_every_file() -> None:
     assert set(rows) == chapters - {"__pycache__"}
     for chapter, row in rows.items():
         inside = (ROOT / "tvclin" / chapter).iterdir()
-        files = {one.stem for one in inside if one.suffix == ".py" or one.is_dir()}
+        files = {one.stem for one in inside if one.suffix == ".py" or {*one.glob("*.*")}}
         named = set(re.findall(r"`(\w+)/?`", row))
         if chapter not in {"cli", "kernels", "numerics", "plots"}:
             assert files - {"__init__", "__pycache__"} <= named, chapter

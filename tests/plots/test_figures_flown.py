@@ -8,7 +8,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
-from tvclin.flights.condition import load_flight_condition
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.linear.response import attitude_responses
 from tvclin.plots import flown as flown_room
 from tvclin.plots.flown import PEAK, centred_wind, chosen_engine, flown_limit

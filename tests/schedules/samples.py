@@ -74,7 +74,7 @@ def written(folder: Path, lines: Sequence[str], encoding: str = "utf-8") -> Path
 
 def read(file: Path, **others: object) -> tv.FlightSchedule:
     """Return the schedule of a file with the gimbal and slope of the sample."""
-    return tv.answers.read_openrocket(file, **(GIVEN | others))  # type: ignore[arg-type]
+    return tv.ascent.read_openrocket(file, **(GIVEN | others))  # type: ignore[arg-type]
 
 
 def number_of(line: str) -> int:

@@ -11,8 +11,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.flights.condition import load_flight_condition
-from tvclin.flights.trajectory import nominal_flight
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.winds.soundings.levels import towards
 
 GOLDEN = Path(__file__).parents[1] / "soundings"

@@ -2,11 +2,9 @@
 
 - One wind: `is_sufficient`, `required_deflection`, `survivable_peak`; of a `Case` with its `Nozzle`
   a `Study`, or with dispersions `disperse_study`.
-- Files: `load_study`, `load_sizing`, `load_schedule`, `load_campaign`; as records `StudyPlan`,
+- Files: `load_study`, `load_sizing`, `load_campaign`; as records `StudyPlan`,
   `SizingAsked`, `SoundingAsked`, `AvailabilityAsked`, `LawsAsked`, `Document`.
-- A flight: `FlightSchedule`, from other tools `read_openrocket`, `read_rasaero`,
-  `schedule_from_rocketpy`, `read_table`, `read_log`; its `size`, the `MeasuredWind` of
-  `fly_through`, the `DeflectionTotal` of `total_deflection`, `worst_total`, and the
+- A flight: its `size`, the `DeflectionTotal` of `total_deflection`, `worst_total`, and the
   `ControllabilityRatio` of `controllability_ratio`.
 - Days of an archive: `tvclin.availability`; what the wind may become: `PairGrowth`, `WindGrowth`.
 - Many cases: `Campaign` of `Dispersion` and `Dispersions`; `run_campaign`, `open_campaign`,

@@ -37,7 +37,17 @@ GUESSES = {
 }
 """Public names for what users of python-control and matplotlib try first."""
 
-CHAPTERS = ("vehicle", "winds", "linear", "boundary", "control", "flights", "answers", "plots")
+CHAPTERS = (
+    "vehicle",
+    "winds",
+    "linear",
+    "ascent",
+    "boundary",
+    "control",
+    "flights",
+    "answers",
+    "plots",
+)
 
 
 def door(

@@ -11,7 +11,7 @@ import typer
 from tvclin.answers.availability import answer_tables
 from tvclin.answers.availability.growth import PairGrowth
 from tvclin.answers.availability.record import Availability, Today
-from tvclin.answers.sizing.schedule_file import load_schedule
+from tvclin.ascent.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import (

@@ -8,13 +8,13 @@ import numpy as np
 
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
 from tvclin.flights.beside import FlightBeside, fly_beside, linear_boundary
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.engines import ENGINES
 from tvclin.flights.falls import watched_until

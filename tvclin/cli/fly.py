@@ -8,6 +8,7 @@ import typer
 
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
@@ -32,7 +33,6 @@ from tvclin.cli.options import (
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.engines import ENGINES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 

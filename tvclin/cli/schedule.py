@@ -7,11 +7,11 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from tvclin.answers.schedules.log import read_log
-from tvclin.answers.schedules.mapped import read_table
-from tvclin.answers.schedules.openrocket import read_openrocket
-from tvclin.answers.schedules.rasaero import read_rasaero
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.log import read_log
+from tvclin.ascent.importers.mapped import read_table
+from tvclin.ascent.importers.openrocket import read_openrocket
+from tvclin.ascent.importers.rasaero import read_rasaero
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.lines import words

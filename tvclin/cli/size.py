@@ -13,7 +13,6 @@ from tvclin.answers.case import FROZEN
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.notes import hundredths
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
@@ -21,6 +20,7 @@ from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_sizing
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError

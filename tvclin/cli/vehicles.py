@@ -75,7 +75,7 @@ def init(
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:
     """The text of the file of the vehicle of a flight schedule at a time [s]."""
-    from tvclin.answers.sizing.schedule_file import load_vehicle_at
+    from tvclin.ascent.schedule_file import load_vehicle_at
     from tvclin.base.errors import InputError
     from tvclin.vehicle.file import needs_time, vehicle_file
     from tvclin.vehicle.linear_vehicle import whole_vehicle

@@ -23,7 +23,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
 
 if TYPE_CHECKING:
-    from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+    from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
     from tvclin.winds.soundings.profile import WindProfile
 
     Met = MeasuredWind | MeasuredPlanes
@@ -293,8 +293,8 @@ class BlowingOptions(BiasOptions):
     def _met(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
         """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
         assert self.winds is not None
-        from tvclin.answers.sizing.measured import fly_through
-        from tvclin.answers.sizing.schedule_file import load_schedule
+        from tvclin.ascent.measured_wind import fly_through
+        from tvclin.ascent.schedule_file import load_schedule
 
         asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(

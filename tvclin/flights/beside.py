@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
@@ -29,7 +30,6 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.answer import OUTPUTS
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold

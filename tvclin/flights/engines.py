@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import InputError, flag
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of
 from tvclin.flights.falls import judged, watched_until
 from tvclin.flights.planar.case import planar_case

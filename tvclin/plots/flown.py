@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of
-from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.engines import ENGINES
 from tvclin.flights.flown_boundary import flown_boundary

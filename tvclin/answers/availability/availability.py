@@ -11,7 +11,7 @@ from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth,
 from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.encountered import own_sign
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,

@@ -21,9 +21,9 @@ from tvclin.answers.availability.sides import Sides, at_most, flown_needs, in_ai
 from tvclin.answers.availability.tables import FlightTables, flight_tables
 from tvclin.answers.sizing.flight_requirement import FlightEquations
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.time_varying import even_steps
 from tvclin.answers.varying_equations import Equations
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
-from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.winds.histories import History
 from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.soundings.archive import Soundings, gathered

@@ -22,9 +22,9 @@ from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
-from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_vehicle_at
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
+from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
 from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of

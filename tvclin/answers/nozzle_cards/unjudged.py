@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.nozzle_cards.record import CardPoint
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.notes import flight_times, hundredths
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.flights.closed_loop.many import NO_FLIGHT, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant

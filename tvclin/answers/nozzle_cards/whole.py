@@ -24,11 +24,11 @@ from tvclin.answers.nozzle_cards.unjudged import flight_reason, unjudged_flights
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.sizing.asked import SizingAsked
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.answers.sizing.notes import doubtful_winds
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, angle_at, place_in
 from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.varying_equations import at_pressure
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,

@@ -1,8 +1,7 @@
 """The deflection a vehicle must have over its flight: flight times by winds.
 
-The files inside: `schedule` is the vehicle over time and `schedule_file` reads it; `placing` says
-where in the flight a wind blows, and `measured` what counts of one that was flown through; `frozen`
-sizes one vehicle in one wind, `growing` and `varying` one whose parameters vary meanwhile; `size`
-puts flight times and winds together into a `record`; `total` adds what else the nozzle has to do;
-and `asked` is all that one sizing depends on.
+The files inside: `placing` says where in the flight a wind blows; `frozen` sizes one vehicle in one
+wind, `growing` and `varying` one whose parameters vary meanwhile; `size` puts flight times and
+winds together into a `record`; `total` adds what else the nozzle has to do; and `asked` is all that
+one sizing depends on.
 """

@@ -14,15 +14,15 @@ from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.encountered import CROSS
 from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
 from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.measured import gust_at
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
-from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.signed import base_of, by_direction
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import worst_total
 from tvclin.answers.sizing.total_record import DeflectionTotal
+from tvclin.ascent.measured_wind import gust_at
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,

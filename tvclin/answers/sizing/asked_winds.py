@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.answers.case import FROZEN, SIGNS, Case
-from tvclin.answers.sizing.measured import GustOf, fly_through, gust_of_speed
 from tvclin.answers.sizing.placing import WindOf
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.measured_wind import GustOf, fly_through, gust_of_speed
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, bearing, instance, naming
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind, gust_at
 from tvclin.answers.sizing.placing import PEAK, WindOf, given
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, gust_at
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import NotKnownError
 from tvclin.boundary.stops import Stop

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.sizing.collocation import mesh, refined, solved
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.linear.modes import left_eigenvector

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, NotKnownError, instance, number, one_of, positive
 from tvclin.vehicle.coefficients import BOTH, PLANES

@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.answers.encountered import CROSS
 from tvclin.answers.planes import missing_part
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.columns import Column, Columns, Tabled

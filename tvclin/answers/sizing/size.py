@@ -35,7 +35,7 @@ from tvclin.answers.sizing.record import (
     VARYING,
     Sizing,
 )
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity

@@ -20,9 +20,9 @@ from tvclin.answers.document import DOCUMENT_TABLE, Document
 from tvclin.answers.load import LOAD_TABLE, LoadBound
 from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
-from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
+from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called

@@ -58,7 +58,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     if not _STUDIES & document.keys() and (_VEHICLES & document.keys() or is_schedule(source)):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
-        from tvclin.answers.sizing.schedule_file import load_vehicle_at
+        from tvclin.ascent.schedule_file import load_vehicle_at
 
         return StudyPlan(vehicle=load_vehicle_at(source, time))
     from tvclin.answers.study_file.parse import parse_study
@@ -95,7 +95,7 @@ def load_sizing(
     array([ 44.75,  45.  , 112.25])
     """
     from tvclin.answers.sizing.asked import SizingAsked
-    from tvclin.answers.sizing.schedule_file import load_schedule
+    from tvclin.ascent.schedule_file import load_schedule
 
     if soundings is not None:
         instance("soundings", soundings, Mapping, "of names to SoundingAsked")

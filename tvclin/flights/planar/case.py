@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, ending, flag, instance
 from tvclin.control.laws.law import Law
@@ -21,10 +23,8 @@ from tvclin.flights.answer import FARTHEST
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
 from tvclin.flights.closed_loop.regimes import Loop
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ONSET, Command, ReportControl, check_one
 from tvclin.flights.planar.equations import PlanarMotion
-from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

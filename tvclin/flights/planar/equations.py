@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.nominal_flight import NominalFlight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of, single
-from tvclin.flights.trajectory import NominalFlight
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 PLANES = ("pitch", "yaw")

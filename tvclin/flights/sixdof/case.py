@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, flag, instance, number, one_of, single, within
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.answer import OUTPUTS
 from tvclin.flights.closed_loop.checks import check_span
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Command, ReportControl, check_one
 from tvclin.flights.sixdof.airframe import Place, borrowed
 from tvclin.flights.sixdof.departure import Course, course_of

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.arrays import FloatArray
-from tvclin.flights.condition import FlightCondition
-from tvclin.flights.trajectory import nominal_flight
 from tvclin.vehicle.vehicle import Vehicle
 
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import times_row
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.answer import FARTHEST, OUTPUTS, warn_of_the_end
-from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of, limit_of
 from tvclin.flights.sixdof.case import SixDof
 from tvclin.flights.sixdof.earth import Earth

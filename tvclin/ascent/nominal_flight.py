@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.atmosphere import HIGHEST, LOWEST, air_at, density_at
+from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import LATEST, InputError, between, finite, instance, number, single
-from tvclin.flights.atmosphere import HIGHEST, LOWEST, air_at, density_at
-from tvclin.flights.condition import FlightCondition
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _RTOL = 1e-11
@@ -194,8 +194,8 @@ def nominal_flight(
     Examples
     --------
     >>> import tvclin as tv
-    >>> from tvclin.flights.condition import load_flight_condition
-    >>> from tvclin.flights.trajectory import nominal_flight
+    >>> from tvclin.ascent.flight_condition import load_flight_condition
+    >>> from tvclin.ascent.nominal_flight import nominal_flight
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> flight = nominal_flight(
     ...     vehicle, load_flight_condition("configuration-i"), start=62.0, stop=72.0

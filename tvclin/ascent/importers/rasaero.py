@@ -7,7 +7,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.schedules.build import (
+from tvclin.ascent.importers.build import (
     MOST_ROWS,
     above_sea,
     aerodynamic_arm_of,
@@ -16,10 +16,10 @@ from tvclin.answers.schedules.build import (
     given_slope,
     schedule_of_flight,
 )
-from tvclin.answers.schedules.checks import check_slope
-from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.slopes import Slope
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.checks import check_slope
+from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.importers.slopes import Slope
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
 from tvclin.base.sheet import Column, Headings, letters, read_sheet
 from tvclin.base.units import POUND_FORCE

@@ -30,7 +30,7 @@ def written(folder: Path, **changes: object) -> Path:
 
 
 def test_a_log_is_a_schedule_and_a_wind() -> None:
-    found = tv.answers.read_log(LOG)
+    found = tv.ascent.read_log(LOG)
     v = found.schedule.vehicle
     np.testing.assert_allclose(v.weight, COLUMNS["mass_kg"] * 9.80665)
     np.testing.assert_allclose(v.thrust, 2400.0)
@@ -48,7 +48,7 @@ def test_a_mat_file_is_the_same(tmp_path, whole) -> None:
     held |= {"thrust_kN": 2.4, "attitude_deg": 84.0}
     file = tmp_path / "log.mat"
     savemat(file, {"log": held} if whole else held | {"name": "a text"})
-    one, other = tv.answers.read_log(file), tv.answers.read_log(LOG)
+    one, other = tv.ascent.read_log(file), tv.ascent.read_log(LOG)
     for name in FIELDS:
         np.testing.assert_array_equal(
             getattr(one.schedule.vehicle, name), getattr(other.schedule.vehicle, name)
@@ -59,21 +59,21 @@ def test_a_mat_file_is_the_same(tmp_path, whole) -> None:
 def test_the_wind_is_that_of_its_speed_or_of_the_angle_of_attack(tmp_path) -> None:
     speed, V, path = np.array([0.0, 2, 5, 9, 5, 2, 0]), COLUMNS["velocity_m_per_s"], 84.0
     none = {"wind_angle_deg": None}
-    found = tv.answers.read_log(written(tmp_path, wind_speed_m_per_s=speed, **none))
+    found = tv.ascent.read_log(written(tmp_path, wind_speed_m_per_s=speed, **none))
     turned = np.arcsin(speed * np.sin(np.radians(path)) / V)  # eq (B1e)
     np.testing.assert_allclose(found.wind.angle, turned, rtol=1e-9, atol=1e-12)
 
     alpha = np.array([0.0, -1.0, -2.0, -3.0, -2.0, -1.0, 0.0])
-    found = tv.answers.read_log(written(tmp_path, angle_of_attack_deg=alpha, **none))
+    found = tv.ascent.read_log(written(tmp_path, angle_of_attack_deg=alpha, **none))
     np.testing.assert_allclose(np.degrees(found.wind.angle), -alpha)
     assert any("motion of the vehicle in it" in note for note in found.schedule.notes)
     drifts = {"angle_of_attack_deg": alpha, "flight_path_angle_deg": 84.5}
-    found = tv.answers.read_log(written(tmp_path, **drifts, **none))
+    found = tv.ascent.read_log(written(tmp_path, **drifts, **none))
     np.testing.assert_allclose(np.degrees(found.wind.angle), -0.5 - alpha)
 
 
 def test_the_wind_over_height_meets_the_flight_at_the_same_angle(tmp_path) -> None:
-    found = tv.answers.read_log(LOG)
+    found = tv.ascent.read_log(LOG)
     found.write_wind(tmp_path / "wind.csv")
     profile = tv.read_sounding(tmp_path / "wind.csv")
     met = tv.fly_through(profile, found.schedule, azimuth=0.0)
@@ -93,7 +93,7 @@ def test_the_wind_over_height_meets_the_flight_at_the_same_angle(tmp_path) -> No
 )
 def test_what_a_log_lacks_is_named(tmp_path, changes, words) -> None:
     with pytest.raises(tv.InputError, match=words):
-        tv.answers.read_log(written(tmp_path, **changes))
+        tv.ascent.read_log(written(tmp_path, **changes))
 
 
 def test_what_is_no_mat_file_is_refused(tmp_path) -> None:
@@ -101,10 +101,10 @@ def test_what_is_no_mat_file_is_refused(tmp_path) -> None:
     for content in (b"", b"not one", b"MATLAB 5.0 MAT-file" + bytes(200)):
         file.write_bytes(content)
         with pytest.raises(tv.InputError, match="log.mat"):
-            tv.answers.read_log(file)
+            tv.ascent.read_log(file)
     savemat(file, {"name": "a text"})
     with pytest.raises(tv.InputError, match="vectors of one length"):
-        tv.answers.read_log(file)
+        tv.ascent.read_log(file)
 
 
 def test_the_command_writes_both(tmp_path) -> None:

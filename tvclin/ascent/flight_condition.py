@@ -5,10 +5,10 @@ from os import PathLike
 
 import numpy as np
 
+from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.base.errors import InputError, naming, number, positive
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
-from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.vehicle.file import is_schedule, table_of, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -92,7 +92,7 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
 
     Examples
     --------
-    >>> from tvclin.flights.condition import load_flight_condition
+    >>> from tvclin.ascent.flight_condition import load_flight_condition
     >>> load_flight_condition("configuration-i").altitude
     11950.0
     """

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.schedules.build import MOST_ROWS, schedule_of_flight
-from tvclin.answers.schedules.checks import check_slope
-from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.build import MOST_ROWS, schedule_of_flight
+from tvclin.ascent.importers.checks import check_slope
+from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, finite, number, shown
 from tvclin.base.sheet import Column

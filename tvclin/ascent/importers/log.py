@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tvclin.answers.schedules.build import MOST_ROWS, rows_kept, schedule_of_flight
-from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.mapped import (
+from tvclin.ascent.importers.build import MOST_ROWS, rows_kept, schedule_of_flight
+from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.importers.mapped import (
     QUANTITIES,
     Wanted,
     fit_of,
@@ -19,8 +19,8 @@ from tvclin.answers.schedules.mapped import (
     mapped_columns,
     vehicle_columns,
 )
-from tvclin.answers.schedules.matlab import MAX_NUMBERS, read_matlab, too_large
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab, too_large
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, shown
@@ -131,7 +131,7 @@ def read_log(
     Examples
     --------
     >>> import tvclin as tv
-    >>> found = tv.answers.read_log("tests/schedules/log.csv")
+    >>> found = tv.ascent.read_log("tests/schedules/log.csv")
     >>> found.schedule.span, found.wind.time.size
     ((2.0, 8.0), 7)
     """

@@ -6,9 +6,9 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.flights.atmosphere import air_at, density_at, standard_atmosphere
-from tvclin.flights.condition import FlightCondition, load_flight_condition
-from tvclin.flights.trajectory import nominal_flight
+from tvclin.ascent.atmosphere import air_at, density_at, standard_atmosphere
+from tvclin.ascent.flight_condition import FlightCondition, load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 
 G = 9.80665
 NAMES = ("configuration-i", "configuration-ii")

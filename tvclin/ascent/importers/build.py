@@ -4,16 +4,16 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.schedules.checks import (
+from tvclin.ascent.importers.checks import (
     check_angle_of_attack,
     check_attitude,
     check_gimbal,
     check_inertia,
     check_masses,
 )
-from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.slopes import Slope, slope_over_mach
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.flight import Flight
+from tvclin.ascent.importers.slopes import Slope, slope_over_mach
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
 from tvclin.base.sheet import Column

@@ -5,8 +5,8 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.flights.condition import load_flight_condition
-from tvclin.flights.trajectory import nominal_flight
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.vehicle.file import template
 
 CSV = """\

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
@@ -25,8 +27,6 @@ from tvclin.base.errors import (
 )
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_text
-from tvclin.flights.condition import FlightCondition
-from tvclin.flights.trajectory import nominal_flight
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 

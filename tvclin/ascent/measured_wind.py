@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, flag, instance, number, one_of, positive, single
 from tvclin.vehicle.coefficients import BOTH, PLANES

@@ -10,7 +10,7 @@ import pytest
 
 import tvclin as tv
 from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
-from tvclin.answers.schedules.mapped import QUANTITIES
+from tvclin.ascent.importers.mapped import QUANTITIES
 from tvclin.base.units import UNITS
 from tvclin.base.written_units import WRITTEN, unit_of
 
@@ -29,7 +29,7 @@ FIELDS = (
 
 def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
     """In pounds of force, inches and feet; q S as drag over its coefficient."""
-    found, other = tv.answers.read_rasaero(FLIGHT, **ASKED), read(OPENROCKET)
+    found, other = tv.ascent.read_rasaero(FLIGHT, **ASKED), read(OPENROCKET)
     assert found.span == (0.2, 5.0)  # it knows a centre of pressure on the rail
     for name in FIELDS:
         one = np.asarray(getattr(found.vehicle, name))[1:]
@@ -40,8 +40,8 @@ def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
 
 def test_a_secant_over_four_degrees_is_not_the_slope_at_zero() -> None:
     """The column of that name holds 2.419 per rad; 2 per rad is the slope."""
-    exact = tv.answers.read_rasaero(FLIGHT, **(ASKED | {"normal_force_coefficient_slope": 2.0}))
-    found = tv.answers.read_rasaero(FLIGHT, **ASKED)
+    exact = tv.ascent.read_rasaero(FLIGHT, **(ASKED | {"normal_force_coefficient_slope": 2.0}))
+    found = tv.ascent.read_rasaero(FLIGHT, **ASKED)
     np.testing.assert_allclose(
         found.vehicle.normal_force_slope, exact.vehicle.normal_force_slope, rtol=1e-6
     )
@@ -49,13 +49,13 @@ def test_a_secant_over_four_degrees_is_not_the_slope_at_zero() -> None:
 
 def test_the_inertia_is_straight_between_its_times_and_held_beyond() -> None:
     given = {"moment_of_inertia": ([1.0, 3.0], [24.0, 20.0])}
-    found = tv.answers.read_rasaero(FLIGHT, **(ASKED | given))
+    found = tv.ascent.read_rasaero(FLIGHT, **(ASKED | given))
     assert [found.at(t).moment_of_inertia for t in (0.5, 2.0, 5.0)] == [24.0, 22.0, 20.0]
     assert any("given at 2 times from 1 to 3 s" in note for note in found.notes)
 
 
 def test_a_map_may_name_the_damping() -> None:
-    found = tv.answers.read_table(
+    found = tv.ascent.read_table(
         FOLDER / "table.csv", MAP | {"pitch_damping_lbf_ft_s_per_rad": 30.0}
     )
     assert found.at(3.0).pitch_damping == pytest.approx(30.0 * 4.4482216152605 * 0.3048)
@@ -63,7 +63,7 @@ def test_a_map_may_name_the_damping() -> None:
 
 
 def test_a_map_gives_what_openrocket_gives_for_the_same_flight() -> None:
-    found, other = tv.answers.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
+    found, other = tv.ascent.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
     for t in (1.0, 3.0, 5.0):
         one, same = found.at(t), other.at(t)
         for name in FIELDS:
@@ -80,7 +80,7 @@ def test_coefficients_and_arms_may_be_mapped(tmp_path: Path) -> None:
     file.write_text(
         "made up\nTIME GAMMA WEIGHT QBAR\n1 1.2 300 100\n2 1.1 290 200\n3 1.0 280 300\n"
     )
-    found = tv.answers.read_table(
+    found = tv.ascent.read_table(
         file,
         {
             "time_s": "TIME",
@@ -121,14 +121,14 @@ def test_a_mapped_coefficient_is_not_taken_for_its_slope(tmp_path: Path) -> None
     rest |= {"gravity_station_m": 1.7, "velocity_m_per_s": 60.0}
     slope = "normal_force_coefficient_slope_per_rad"
     with pytest.raises(tv.InputError, match="CN is a coefficient and not its slope"):
-        tv.answers.read_table(file, rest | {slope: "CN"})
-    found = tv.answers.read_table(file, rest | {slope: "CN_alpha"})
+        tv.ascent.read_table(file, rest | {slope: "CN"})
+    found = tv.ascent.read_table(file, rest | {slope: "CN_alpha"})
     assert found.at(1.0).normal_force_slope == pytest.approx(1000 * 0.0165 * 2, rel=1e-15)
 
 
 def test_an_angle_of_attack_that_is_mapped_is_looked_at(tmp_path: Path) -> None:
     with pytest.raises(tv.InputError, match="the angle of attack is 3 deg at 1 s"):
-        tv.answers.read_table(FOLDER / "table.csv", MAP | {"angle_of_attack_deg": 3.0})
+        tv.ascent.read_table(FOLDER / "table.csv", MAP | {"angle_of_attack_deg": 3.0})
 
 
 def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
@@ -138,8 +138,8 @@ def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
     path.write_text(text)
     names = {key: name for key, name in MAP.items() if not key.startswith("thrust")}
     with pytest.raises(tv.InputError, match=r"T \(lb\) is not in the unit of thrust_N"):
-        tv.answers.read_table(path, names | {"thrust_N": "T (lb)"})
-    found = tv.answers.read_table(path, names | {"thrust_lbf": "T (lb)"})
+        tv.ascent.read_table(path, names | {"thrust_N": "T (lb)"})
+    found = tv.ascent.read_table(path, names | {"thrust_lbf": "T (lb)"})
     assert found.at(3.0).thrust == pytest.approx(540 * 4.4482216152605, rel=1e-12)
 
 
@@ -149,7 +149,7 @@ def test_a_unit_that_is_not_known_is_refused_with_those_that_are(tmp_path, mark,
     path = tmp_path / "flight.csv"
     path.write_text(_with_column(f"h {mark}", 40.0), encoding="utf-8")
     with pytest.raises(tv.InputError, match="is not known; .*mm, cm, m, km, in") as error:
-        tv.answers.read_table(path, MAP | {key: f"h {mark}"})
+        tv.ascent.read_table(path, MAP | {key: f"h {mark}"})
     assert "\n" not in str(error.value)
     assert f"h {mark}" in str(error.value)
 
@@ -158,10 +158,10 @@ def test_units_in_brackets_are_units(tmp_path: Path) -> None:
     path = tmp_path / "flight.csv"
     path.write_text(_with_column("h [ft]", 40.0))
     for key in ("altitude", "altitude_ft"):
-        found = tv.answers.read_table(path, MAP | {key: "h [ft]"})
+        found = tv.ascent.read_table(path, MAP | {key: "h [ft]"})
         np.testing.assert_allclose(found.height, 40.0 * 0.3048, rtol=1e-15)
     with pytest.raises(tv.InputError, match=r"h \[ft\] is not in the unit of altitude_m"):
-        tv.answers.read_table(path, MAP | {"altitude_m": "h [ft]"})
+        tv.ascent.read_table(path, MAP | {"altitude_m": "h [ft]"})
 
 
 def test_every_unit_of_our_names_is_known_behind_theirs(tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ def test_every_unit_of_our_names_is_known_behind_theirs(tmp_path: Path) -> None:
         text = (FOLDER / "table.csv").read_text().replace("T (kN)", f"T ({unit})")
         path.write_text(text.replace(";2.4;", f";{2400.0 / factor!r};"))
         names = {key: name for key, name in MAP.items() if key != "thrust"}
-        found = tv.answers.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
+        found = tv.ascent.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
         assert found.at(3.0).thrust == pytest.approx(2400.0, rel=1e-14)
     for kind in set(QUANTITIES.values()) - {"number"}:
         for unit, factor in UNITS[kind].items():
@@ -217,7 +217,7 @@ def test_what_is_silently_wrong_is_refused_in_mapped_tables_too(tmp_path, what) 
         if old and name == old:
             columns[key] = new
     with pytest.raises(tv.InputError, match=said):
-        tv.answers.read_table(path, columns)
+        tv.ascent.read_table(path, columns)
 
 
 def _plain() -> str:
@@ -232,8 +232,8 @@ def test_marks_and_repeated_times_of_mapped_tables_are_read(tmp_path: Path) -> N
     lines.insert(4, lines[4].replace("756.601", "1"))
     path.write_text("\n".join(lines), encoding="utf-8-sig")
     found, plain = (
-        tv.answers.read_table(path, MAP),
-        tv.answers.read_table(FOLDER / "table.csv", MAP),
+        tv.ascent.read_table(path, MAP),
+        tv.ascent.read_table(FOLDER / "table.csv", MAP),
     )
     np.testing.assert_array_equal(
         found.vehicle.normal_force_slope, plain.vehicle.normal_force_slope
@@ -245,7 +245,7 @@ def test_a_slope_per_degree_is_asked_about_in_mapped_tables(tmp_path: Path) -> N
     names |= {"dynamic_pressure_Pa": "N", "reference_area_m2": 0.0165}
     for slope, said in ((0.035, "or per degree"), (114.6, "turned from degrees twice")):
         with pytest.raises(tv.InputError, match=said):
-            tv.answers.read_table(
+            tv.ascent.read_table(
                 FOLDER / "table.csv", names | {"normal_force_coefficient_slope_per_rad": slope}
             )
 
@@ -270,4 +270,4 @@ def test_what_is_silently_wrong_is_refused_in_rasaero_too(tmp_path, called, valu
     path = tmp_path / "flight.csv"
     path.write_text("\n".join(lines))
     with pytest.raises(tv.InputError, match=said):
-        tv.answers.read_rasaero(path, **ASKED)
+        tv.ascent.read_rasaero(path, **ASKED)

@@ -8,16 +8,16 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.answers.schedules.build import (
+from tvclin.ascent.importers.build import (
     MOST_ROWS,
     aerodynamic_arm_of,
     control_arm_of,
     schedule_of_flight,
     weight_of,
 )
-from tvclin.answers.schedules.checks import check_slope
-from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.checks import check_slope
+from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.tables import FileTable
@@ -103,7 +103,7 @@ def read_table(
     >>> arms = {"gimbal_station_m": 2.95, "gravity_station": "xcg (m)", "pressure_station_m": 0.96}
     >>> forces = {"thrust": "T (kN)", "axial_force_N": 190.0, "normal_force_slope_N_per_rad": "N"}
     >>> path = {"velocity": "V (m/s)", "attitude_deg": 84.0}
-    >>> flight = tv.answers.read_table("tests/schedules/table.csv", names | arms | forces | path)
+    >>> flight = tv.ascent.read_table("tests/schedules/table.csv", names | arms | forces | path)
     >>> flight.span, round(flight.at(3.0).control_arm, 3)
     ((1.0, 5.0), 1.214)
     """

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.sheet import Headings, sheet_in
 from tvclin.base.tables import FileTable
 from tvclin.base.text import MISSING_NUMBERS, lines_of
-from tvclin.flights.condition import load_flight_condition
 from tvclin.vehicle.file import (
     VEHICLE_TABLE,
     build_vehicle,

@@ -19,7 +19,7 @@ G = 9.80665
 def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
     """At any time by moments about the nose, in both of RocketPy's orientations."""
     flight = Flight(Rocket(forward))
-    found = tv.answers.schedule_from_rocketpy(flight, gimbal_position=forward * -1.2, most_rows=401)
+    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=forward * -1.2, most_rows=401)
     t = float(found.times[200])
     mass = 23.0 + 6.0 * (1.0 - t / BURN)
     p = mass - 23.0
@@ -50,22 +50,22 @@ def test_numbers_are_those_of_point_masses_and_forces(forward: float) -> None:
 
 def test_surfaces_are_left_out_by_name() -> None:
     """Without fins the nose alone pulls, 0.28 m behind its tip."""
-    found = tv.answers.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Fins",))
+    found = tv.ascent.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Fins",))
     t = float(found.times[0])
     x = -Rocket().center_of_mass(t)
     assert found.at(t).aerodynamic_arm == pytest.approx(1.7 - 0.28 + x, rel=1e-13)
     assert any("left out of slope and centre of pressure: Fins" in note for note in found.notes)
     with pytest.raises(tv.InputError, match="surfaces of the rocket, Nose Cone, Fins; got 'Wings'"):
-        tv.answers.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Wings",))
+        tv.ascent.schedule_from_rocketpy(Flight(), gimbal_position=-1.2, without=("Wings",))
     with pytest.raises(tv.InputError, match="nothing is left"):
-        tv.answers.schedule_from_rocketpy(
+        tv.ascent.schedule_from_rocketpy(
             Flight(), gimbal_position=-1.2, without=("Fins", "Nose Cone")
         )
 
 
 def test_generic_surfaces_are_told() -> None:
     surfaces = (*Rocket().surfaces, (GenericSurface("Canards", 1.0, 0.0), 0.5))
-    found = tv.answers.schedule_from_rocketpy(
+    found = tv.ascent.schedule_from_rocketpy(
         Flight(Rocket(surfaces=surfaces)), gimbal_position=-1.2
     )
     assert any("leaves generic surfaces out" in n and "Canards" in n for n in found.notes)
@@ -84,13 +84,13 @@ def test_generic_surfaces_are_told() -> None:
 )
 def test_what_is_no_flight_or_not_linear_is_refused(flight: Any, gimbal: float, said: str) -> None:
     with pytest.raises(tv.InputError, match=said):
-        tv.answers.schedule_from_rocketpy(flight, gimbal_position=gimbal)
+        tv.ascent.schedule_from_rocketpy(flight, gimbal_position=gimbal)
 
 
 def test_a_function_that_gives_no_number_is_refused() -> None:
     motor = SimpleNamespace(burn_out_time=BURN, thrust=lambda t: "much")
     with pytest.raises(tv.InputError, match=r"motor\.thrust a function that gives a number"):
-        tv.answers.schedule_from_rocketpy(
+        tv.ascent.schedule_from_rocketpy(
             Flight(replace(Rocket(), motor=motor)), gimbal_position=-1.2
         )
 
@@ -140,7 +140,7 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
     """From its parts, each about the common centre of mass, by parallel axes."""
     forward, flight = real
     rocket, motor = flight.rocket, flight.rocket.motor
-    found = tv.answers.schedule_from_rocketpy(flight, gimbal_position=-1.2 * forward, most_rows=401)
+    found = tv.ascent.schedule_from_rocketpy(flight, gimbal_position=-1.2 * forward, most_rows=401)
     for t in found.times[[0, 200, -2]]:
         parts = [
             (23.0, 0.0, 18.0),
@@ -163,7 +163,7 @@ def test_inertia_and_arms_of_the_package_itself(real: tuple[float, Any]) -> None
 
 def test_without_fins_the_nose_of_the_package_pulls_alone(real: tuple[float, Any]) -> None:
     forward, flight = real
-    found = tv.answers.schedule_from_rocketpy(
+    found = tv.ascent.schedule_from_rocketpy(
         flight, gimbal_position=-1.2 * forward, without=("Fins",)
     )
     t = float(found.times[0])

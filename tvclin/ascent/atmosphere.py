@@ -53,7 +53,7 @@ def standard_atmosphere(altitude: ArrayLike) -> Air:
 
     Examples
     --------
-    >>> from tvclin.flights.atmosphere import standard_atmosphere
+    >>> from tvclin.ascent.atmosphere import standard_atmosphere
     >>> round(float(standard_atmosphere(10_000.0).density), 5)
     0.41351
     """

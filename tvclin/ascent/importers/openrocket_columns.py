@@ -7,8 +7,8 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.answers.schedules.build import above_sea
-from tvclin.answers.schedules.flight import Flight
+from tvclin.ascent.importers.build import above_sea
+from tvclin.ascent.importers.flight import Flight
 from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.sheet import Column, Headings, Sheet, letters, read_sheet

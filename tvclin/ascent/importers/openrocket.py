@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.schedules.build import (
+from tvclin.ascent.importers.build import (
     MOST_ROWS,
     aerodynamic_arm_of,
     control_arm_of,
@@ -16,9 +16,9 @@ from tvclin.answers.schedules.build import (
     schedule_of_flight,
     weight_of,
 )
-from tvclin.answers.schedules.checks import check_slope
-from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.openrocket_columns import (
+from tvclin.ascent.importers.checks import check_slope
+from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.importers.openrocket_columns import (
     columns_of,
     free,
     rounded,
@@ -26,8 +26,8 @@ from tvclin.answers.schedules.openrocket_columns import (
     trusted_damping,
     unread,
 )
-from tvclin.answers.schedules.slopes import Slope
-from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.ascent.importers.slopes import Slope
+from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import between, finite, number
 from tvclin.base.sheet import Column
 
@@ -95,7 +95,7 @@ def read_openrocket(
     Examples
     --------
     >>> import tvclin as tv
-    >>> flight = tv.answers.read_openrocket(
+    >>> flight = tv.ascent.read_openrocket(
     ...     "tests/schedules/openrocket.csv",
     ...     gimbal_station=2.95, normal_force_coefficient_slope=2.0, ground=160.0,
     ... )

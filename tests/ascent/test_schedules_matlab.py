@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.schedules.matlab import MAX_NUMBERS, read_matlab
+from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab
 from tvclin.base.files import LARGEST
 
 WHOLE = ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
@@ -102,7 +102,7 @@ def test_an_unknown_type_of_numbers_is_refused(tmp_path: Path, kind: int) -> Non
     content[at : at + 4] = struct.pack("<I", kind)
     file.write_bytes(content)
     with pytest.raises(tv.InputError, match=r"log.mat is not a \.mat file of version 5 that can"):
-        tv.answers.read_log(file)
+        tv.ascent.read_log(file)
 
 
 @pytest.mark.parametrize(
@@ -119,11 +119,11 @@ def test_what_unpacks_to_more_than_a_text_may_hold_is_not_unpacked(
     savemat(file := tmp_path / "log.mat", {"time_s": np.zeros(count, "u1")}, do_compression=True)
     packed = file.read_bytes()
     assert len(packed) < LARGEST / 500
-    monkeypatch.setattr("tvclin.answers.schedules.matlab.read_bytes", lambda *_: packed)
+    monkeypatch.setattr("tvclin.ascent.importers.matlab.read_bytes", lambda *_: packed)
     tracemalloc.start()
     try:
         with pytest.raises(tv.InputError, match=words):
-            tv.answers.read_log(file)
+            tv.ascent.read_log(file)
         assert tracemalloc.get_traced_memory()[1] < most
     finally:
         tracemalloc.stop()
@@ -134,19 +134,19 @@ def test_numbers_that_stand_for_a_whole_column_count_as_one(tmp_path: Path) -> N
     single = {f"x{k}": 1.0 for k in range(columns)}
     savemat(file := tmp_path / "log.mat", {"time_s": np.arange(rows)} | single)
     with pytest.raises(tv.InputError, match=r"log.mat holds more than 5 million numbers; save the"):
-        tv.answers.read_log(file)
+        tv.ascent.read_log(file)
 
 
 def test_a_newer_version_says_how_to_save_it(tmp_path: Path) -> None:
     file = tmp_path / "log.mat"
     file.write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + b"\x89HDF")
     with pytest.raises(tv.InputError, match=r"of version 7\.3; save it in MATLAB with -v7$"):
-        tv.answers.read_log(file)
+        tv.ascent.read_log(file)
 
 
 def test_no_file_is_told_as_of_a_text(tmp_path: Path) -> None:
     with pytest.raises(tv.InputError, match=r"log.mat does not exist$"):
-        tv.answers.read_log(tmp_path / "log.mat")
+        tv.ascent.read_log(tmp_path / "log.mat")
     (tmp_path / "log.mat").mkdir()
     with pytest.raises(tv.InputError, match=r"is a directory; name the log of a simulation in it"):
-        tv.answers.read_log(tmp_path / "log.mat")
+        tv.ascent.read_log(tmp_path / "log.mat")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.slopes import LEAST, MOST
+from tvclin.ascent.importers.flight import Flight
+from tvclin.ascent.importers.slopes import LEAST, MOST
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, positive
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
