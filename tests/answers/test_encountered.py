@@ -14,7 +14,7 @@ from tvclin.answers.case_need import case_need
 from tvclin.answers.encountered import encountered_batch, encountered_requirement
 from tvclin.answers.varying_equations import at_pressure
 from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.winds.triangle import pressure_ratio
+from tvclin.winds.wind_angles import pressure_ratio
 
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
 

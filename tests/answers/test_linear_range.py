@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.winds.linear_range import BEYOND_LINEAR, DOUBTFUL
+from tvclin.winds.wind_angles import BEYOND_LINEAR, DOUBTFUL
 
 WIDE = ("configuration-i", "--peak-deg", "60", "--limit-deg", "12")
 SENTENCE = "the wind meets the flight at 60 deg, and above 30 deg linear aerodynamics says nothing"

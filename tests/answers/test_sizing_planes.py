@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tvclin.answers.planes import rectangle
-from tvclin.winds.speed import angles_from_speed, angles_of_vector
+from tvclin.winds.wind_angles import angles_from_speed, angles_of_vector
 
 GUST = tv.TriangularWind(peak=0.08, duration=7.5)
 TIMES = [56.0, 66.0]

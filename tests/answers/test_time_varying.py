@@ -15,7 +15,7 @@ from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.time_varying import varying_requirement
 from tvclin.answers.varying_equations import Equations, at_pressure
 from tvclin.kernels import choice
-from tvclin.winds.triangle import along_from_angle, pressure_ratio, wind_triangle
+from tvclin.winds.wind_angles import along_from_angle, pressure_ratio, wind_triangle
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
 PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}

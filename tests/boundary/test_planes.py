@@ -16,7 +16,7 @@ from tvclin.boundary.planes import optimum
 from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.planes.unforeseen import unforeseen
 from tvclin.winds import PlaneWind
-from tvclin.winds.speed import angle_from_speed
+from tvclin.winds.wind_angles import angle_from_speed
 
 BETA = 0.53
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=0.107))

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import tvclin as tv
-from tvclin.winds.file import wind_of
+from tvclin.winds.wind_file import wind_of
 
 TABLES = (
     "Altitude,1450\nTime (s),Height (m),Speed (m/s),Direction (°)\n0,5,3,270\n9,99,4,280\n",

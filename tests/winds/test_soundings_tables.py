@@ -9,7 +9,7 @@ import pytest
 
 import tvclin as tv
 from tests.archives import Balloon, jet
-from tvclin.winds.file import wind_of
+from tvclin.winds.wind_file import wind_of
 
 KNOT, FOOT, MILE = 1852 / 3600, 0.3048, 1609.344
 HEAD = "Altitude (m),Wind Speed (m/s),Wind Direction (deg)"

@@ -17,8 +17,8 @@ from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, beyond_linear
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
 
 _SIZE_TOLERANCE = 1e-9
 """Tolerance of the logarithm of a factor on the wind."""

@@ -1,7 +1,7 @@
 """What a wind requires at its own wind angles of attack and dynamic pressure.
 
 A wind known by its speed stays a velocity, so that angle and dynamic pressure follow from the wind
-triangle at each time (`winds.triangle`). A wind given by its angle is the velocity that has that
+triangle at each time (`winds.wind_angles`). A wind given by its angle is the velocity that has that
 angle. Whether a wind along the path is a head or a tail wind changes both; a wind across the path
 raises the dynamic pressure whichever side it comes from.
 """
@@ -27,10 +27,9 @@ from tvclin.base.errors import InputError, one_of
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
-from tvclin.winds.speed import along_and_across, angles_of_vector
+from tvclin.winds.wind_angles import EncounteredWind, along_and_across, angles_of_vector
 
 CROSS = "cross"
 """A wind across the path; the others are `SIGNS`."""

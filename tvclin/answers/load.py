@@ -18,7 +18,7 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.many import SURVIVED
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES, NOT_KNOWN
-from tvclin.winds.linear_range import beyond_linear
+from tvclin.winds.wind_angles import beyond_linear
 
 
 @dataclass(frozen=True, kw_only=True)

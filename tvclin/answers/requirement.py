@@ -35,7 +35,7 @@ from tvclin.boundary.limit import (
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, beyond_linear
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
 
 TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"

@@ -41,8 +41,8 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import linear_notes
 from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_angles import linear_notes
 
 _SURVIVES = "the limit survives peaks of up to"
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)

@@ -19,7 +19,7 @@ from tvclin.base.lines import (
     upper_pole,
 )
 from tvclin.boundary.limit import BOUNDARY, ROUNDING
-from tvclin.winds.linear_range import BEYOND_LINEAR
+from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
 """What stands below the boundaries of every control."""

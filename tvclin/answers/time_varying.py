@@ -39,8 +39,8 @@ from tvclin.base.errors import InputError
 from tvclin.kernels import limited_trim as flights
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import run
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import EncounteredWind
 
 STEP = 0.1
 """Length of a step times the fastest rate of vehicle and wind."""

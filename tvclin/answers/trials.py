@@ -25,10 +25,14 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
-from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
-from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
-from tvclin.winds.sampled import SampledWind
+from tvclin.winds.pulses import (
+    AsymmetricTriangularWind,
+    OneMinusCosineGust,
+    SampledWind,
+    TrapezoidalWind,
+    TriangularWind,
+)
 
 WINDS = (
     *("triangle", "sawtooth, stops dead", "sawtooth, jumps first", "1 - cosine", "trapezoid"),

@@ -27,8 +27,8 @@ from tvclin.linear.models import usual_model
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.linear_range import within_linear
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import within_linear
 
 PROVED, SEARCHED = "corners (proved)", "searched"
 LOOP = {

@@ -11,15 +11,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, flag, instance, number, one_of, positive, single
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE, checked_linear
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.sampled import SampledWind
-from tvclin.winds.soundings.passage import angles_along
-from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.speed import angle_in_plane
-from tvclin.winds.triangle import wind_triangle
+from tvclin.winds.pulses import SampledWind, checked_gust
+from tvclin.winds.soundings.profile import WindProfile, angles_along
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, angle_in_plane, checked_linear, wind_triangle
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or what gives the one that a vehicle meets: of a wind speed, an angle."""

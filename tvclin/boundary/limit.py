@@ -33,9 +33,8 @@ from tvclin.boundary.switching import Problem
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import RIGID, Plant
-from tvclin.winds.checks import check_end
-from tvclin.winds.equivalent import equivalent_triangle
 from tvclin.winds.histories import History
+from tvclin.winds.pulses import check_end, equivalent_triangle
 
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""

@@ -26,8 +26,8 @@ from tvclin.cli.wind import WindOptions
 from tvclin.control.comparison.duration import WorstDuration, worst_duration
 from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.linear_range import ATTACK, beyond_linear, linear_notes
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""

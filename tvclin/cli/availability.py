@@ -32,7 +32,7 @@ from tvclin.cli.wind import FormatOptions, GustOptions, noted_sounding
 from tvclin.vehicle.coefficients import IN_WORDS
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.read_soundings import read_soundings
+from tvclin.winds.soundings.sounding_files import read_soundings
 
 _OF_ARCHIVES = ("years", "station", "in_order", "dates", "utc_offset")
 

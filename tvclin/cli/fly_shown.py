@@ -10,7 +10,7 @@ from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_json, print_tables, say, say_notes
 from tvclin.cli.wind import wind_words
 from tvclin.flights.beside import PEAKS, FlightBeside
-from tvclin.winds.linear_range import linear_notes
+from tvclin.winds.wind_angles import linear_notes
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.verdict import Verdict, judge
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import beyond_linear, linear_notes
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
 _LARGEST = 700.0
 """Floating-point numbers end a little above e^709."""

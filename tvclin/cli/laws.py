@@ -25,8 +25,8 @@ from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.flexible import AnyPlant, plant_of
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import linear_notes
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import linear_notes
 
 
 def _quoted(name: str) -> str:

@@ -14,7 +14,7 @@ from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import linear_notes
+from tvclin.winds.wind_angles import linear_notes
 
 if TYPE_CHECKING:
     from tvclin.plots.curves import Curves

@@ -46,7 +46,7 @@ from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_no
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
-from tvclin.winds.soundings.read import read_sounding
+from tvclin.winds.soundings.sounding_files import read_sounding
 
 _COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""

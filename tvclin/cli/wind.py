@@ -17,10 +17,10 @@ from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
 from tvclin.vehicle.linear_vehicle import whole_vehicle
-from tvclin.winds import file
-from tvclin.winds.file import heading_of
+from tvclin.winds import wind_file
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_file import heading_of
 
 if TYPE_CHECKING:
     from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
@@ -64,7 +64,7 @@ class GustOptions:
             return None, None
         peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
         level = number("--gust-plateau", chosen(self.gust_plateau, 0.0), nonnegative, "s")
-        return file.gust_of(float(np.radians(peak)), duration, level), speed
+        return wind_file.gust_of(float(np.radians(peak)), duration, level), speed
 
 
 @dataclass(frozen=True)
@@ -188,9 +188,8 @@ class BiasOptions(FormatOptions, PulseOptions):
     @property
     def mean_wind(self) -> "WindProfile | None":
         """The wind for which the flight path is biased."""
-        from tvclin.winds.soundings.igra_archive import is_station
-        from tvclin.winds.soundings.read import read_sounding
-        from tvclin.winds.soundings.read_soundings import read_soundings
+        from tvclin.winds.soundings.igra import is_station
+        from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
 
         if self.bias is None:
             only_with("--bias", bias_month=self.bias_month)
@@ -325,7 +324,7 @@ def noted_sounding(file: Path, time: str | None, **reading: Any) -> "WindProfile
 
     `reading`: other arguments of `read_sounding`.
     """
-    from tvclin.winds.soundings.read import read_sounding
+    from tvclin.winds.soundings.sounding_files import read_sounding
 
     profile = read_sounding(file, time=time, **reading)
     for note in profile.notes:

@@ -39,7 +39,7 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import beyond_linear
+from tvclin.winds.wind_angles import beyond_linear
 
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""

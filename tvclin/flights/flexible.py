@@ -16,7 +16,7 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import SURVIVED, FlownCases, fly_many
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import beyond_linear
+from tvclin.winds.wind_angles import beyond_linear
 
 NOT_KNOWN = "not known"
 """Status of a flight in a wind beyond linear aerodynamics."""

@@ -40,7 +40,7 @@ from tvclin.plots.style import (
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.linear_range import BEYOND_LINEAR
+from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -1,4 +1,16 @@
-"""Pulses of straight lines: rectangle, triangles and trapezoid, all from t = 0 on."""
+"""Winds of analytical shape and sampled winds, as histories of the wind angle of attack alpha_w(t).
+
+With the peak a [rad], the duration T [s] and zero outside 0 <= t <= T:
+
+- rectangle: alpha_w = a;
+- triangle: alpha_w = a (1 - |2 t/T - 1|), or with its peak at any time;
+- trapezoid: a rise, a constant part and a fall, all linear in time;
+- one minus cosine: alpha_w = (a/2) (1 - cos(2 pi t/T)), or with a plateau at its peak;
+- samples: linear between given times.
+
+All have exact pieces (`Pieces`), so that their transforms are exact. `equivalent_triangle` is the
+triangle of the same area and peak as another wind.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +21,159 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import nonnegative
+from tvclin.base.errors import (
+    InputError,
+    ending,
+    finite,
+    instance,
+    nonnegative,
+    nonzero,
+    plain,
+    positive,
+    single,
+    small_angle,
+    together,
+    within,
+)
 from tvclin.numerics.pieces import Pieces
-from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
-from tvclin.winds.histories import History
-from tvclin.winds.sampled import straight_lines
+from tvclin.winds.histories import History, linear_pieces
+
+_FAINTEST = 1e-12
+SHORTEST, LONGEST = 1e-9, 1e9
+"""Beyond these, times and angles can no longer be added to each other without loss."""
+# Parts of the peak at the rates 0, +j omega and -j omega. Every piece counts its time from its own
+# start, where its half wave is at an extreme, so that all coefficients are real.
+_UP = [0.5, -0.25, -0.25]
+_PLATEAU = [1.0, 0.0, 0.0]
+_DOWN = [0.5, 0.25, 0.25]
+_CALM = [0.0, 0.0, 0.0]
+_CANCELLED = 1e-12
+"""An area this small against the sum of its parts is what rounding leaves of none."""
+
+
+def checked_peak(peak: ArrayLike) -> FloatArray:
+    """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
+    peak = small_angle("a wind angle", nonzero)("peak", peak)
+    if np.any(np.abs(peak) < _FAINTEST):
+        raise InputError(f"peak must be at least {_FAINTEST:g} rad in size; got {peak.min():.6g}")
+    return peak
+
+
+def checked_span(name: str, value: ArrayLike) -> FloatArray:
+    """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
+    value = positive(name, value, "s")
+    return within(name, value, SHORTEST, LONGEST, "s")
+
+
+def checked_part(name: str, value: ArrayLike) -> FloatArray:
+    """Return a part of a duration, which may be zero; `InputError` if it is shorter than 1 ns."""
+    value = within(name, nonnegative(name, value, "s"), 0.0, LONGEST, "s")
+    if np.any((value > 0.0) & (value < SHORTEST)):
+        raise InputError(
+            f"{name} must be zero, or {SHORTEST:g} s or longer; got {value.min():.6g} s"
+        )
+    return value
+
+
+def check_end(wind: History) -> None:
+    """Raise `InputError` for a wind that is zero throughout, or never ends."""
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    if np.any(np.isposinf(wind.end)):
+        raise InputError("wind must end: the last piece of its history must be zero")
+
+
+def keep(wind: History, **checked: FloatArray) -> None:
+    """Keep the checked fields of a frozen wind, all in the shape of its batch."""
+    together(**checked)
+    for name, value in zip(checked, np.broadcast_arrays(*checked.values()), strict=True):
+        object.__setattr__(wind, name, plain(value))
+
+
+def straight_lines(time: FloatArray, angle: FloatArray) -> Pieces:
+    """Return the pieces of straight lines between points ``(..., n)``, zero before and after.
+
+    Two points at one time are a jump.
+    """
+    width, rise = np.diff(time, axis=-1), np.diff(angle, axis=-1)
+    slope = np.where(width > 0.0, rise, 0.0) / np.where(width > 0.0, width, 1.0)
+    zero = np.zeros_like(slope[..., :1])
+    return linear_pieces(
+        time,
+        np.concatenate([angle[..., :-1], np.zeros_like(angle[..., :1])], axis=-1),
+        np.concatenate([slope, zero], axis=-1),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SampledWind(History):
+    """A wind given by samples and straight lines between them.
+
+    Parameters
+    ----------
+    time : array_like
+        Sample times [s], shape ``(n,)``, not decreasing. A time given twice is a jump. Before
+        the first and after the last sample there is no wind.
+    angle : array_like
+        Wind angle of attack [rad] at these times, shape ``(..., n)``.
+
+    Raises
+    ------
+    InputError
+        For fewer than two samples, lengths that differ, times that decrease or stand three
+        times over, angles beyond 90 degrees or not finite, or a wind that is zero throughout.
+    """
+
+    time: FloatArray
+    angle: FloatArray
+
+    def __post_init__(self) -> None:
+        time, angle = finite("time", self.time, "s"), finite("angle", self.angle, "rad")
+        if time.ndim != 1 or time.size < 2 or angle.ndim < 1 or angle.shape[-1] != time.size:
+            raise InputError(
+                "time must hold two or more samples and angle one for each along its last axis;"
+                f" got time of shape {time.shape} and angle of shape {angle.shape}"
+            )
+        _check_order(time)
+        within("time", time, -LONGEST, LONGEST, "s")
+        _check_angle(time, angle)
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "angle", angle)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        return straight_lines(self.time, self.angle)
+
+    def __repr__(self) -> str:
+        time = self.time
+        return f"SampledWind({time.size} samples from {time[0]:.6g} s to {time[-1]:.6g} s)"
+
+
+def _check_order(time: FloatArray) -> None:
+    step = np.diff(time)
+    thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
+    wrong = (step < 0.0) | thrice
+    if np.any(wrong):
+        late = int(np.argmax(wrong)) + 1
+        raise InputError(
+            "time must not decrease, and may stand twice (a jump) but not three times; got"
+            f" {time[late]:.6g} s at index {late}"
+        )
+
+
+def _check_angle(time: FloatArray, angle: FloatArray) -> None:
+    if np.any(np.abs(angle) >= np.pi / 2):
+        raise InputError(
+            "angle must be a wind within 90 degrees, in radians; got a largest size of"
+            f" {np.abs(angle).max():.6g} rad"
+        )
+    blows = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
+    if not np.all(np.any(blows & (np.diff(time) > 0.0), axis=-1)):
+        raise InputError(
+            "angle must be a wind that is not zero throughout; got one that is zero wherever"
+            f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,3 +315,157 @@ class TrapezoidalWind(History):
 def _lines(times: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> Pieces:
     time, angle = (np.stack(np.broadcast_arrays(*row), axis=-1) for row in (times, angles))
     return straight_lines(time, angle)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OneMinusCosineGust(Pulse):
+    """A gust that rises from t = 0 to its peak at T/2 and falls until T, both smoothly.
+
+        alpha_w = (peak/2) (1 - cos(2 pi t/T)),    0 <= t <= T
+
+    Parameters
+    ----------
+    peak : array_like
+        Wind angle of attack at its largest [rad], not zero, within 90 degrees.
+    duration : array_like
+        Duration T [s], positive; broadcasts with `peak`. In the words of airworthiness rules it
+        is twice the gust gradient distance over the speed.
+
+    Raises
+    ------
+    InputError
+        For a peak of zero or beyond 90 degrees, a duration not above zero, or shapes that do
+        not broadcast.
+
+    Notes
+    -----
+    The shape is that of 14 CFR 25.341(a)(2).
+    """
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        duration = np.asarray(self.duration)
+        knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
+        return _waves(np.asarray(self.peak), duration / 2, knots, [_UP, _DOWN, _CALM])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LayeredGust(History):
+    """A gust that rises smoothly to its peak, stays there, and falls as it rose.
+
+    The rise is (peak/2) (1 - cos(pi t/blend)), and the fall is its mirror image.
+
+    Parameters
+    ----------
+    peak : array_like
+        Wind angle of attack on the plateau [rad], not zero, within 90 degrees.
+    blend : array_like
+        How long the rise lasts [s], and the fall; zero or positive, zero being a jump.
+    plateau : array_like
+        How long the peak lasts [s]; zero or positive, and not zero where `blend` is. All three
+        broadcast.
+
+    Raises
+    ------
+    InputError
+        For a peak of zero or beyond 90 degrees, a negative blend or plateau, a gust that does
+        not last, or shapes that do not broadcast.
+
+    Notes
+    -----
+    It is the discrete gust of NASA-HDBK-1001, eq (2.69), flown through: the heights there, over
+    the rate of climb, are the times here. Not read in the handbook itself, but in the program
+    MAPLEAF (TurbulenceModelling.py), which cites it.
+    """
+
+    peak: float | FloatArray = field()  # type: ignore[assignment]
+    blend: float | FloatArray
+    plateau: float | FloatArray
+
+    def __post_init__(self) -> None:
+        peak, blend = checked_peak(self.peak), checked_part("blend", self.blend)
+        plateau = nonnegative("plateau", self.plateau, "s")
+        keep(self, peak=peak, blend=blend, plateau=plateau)
+        checked_span("blend + plateau", blend + plateau)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        blend = np.asarray(self.blend)
+        top = blend + self.plateau
+        knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)
+        return _waves(np.asarray(self.peak), blend, knots, [_UP, _PLATEAU, _DOWN, _CALM])
+
+
+def _waves(
+    peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
+) -> Pieces:
+    coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
+    omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
+    rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])
+    return Pieces(knots, coefficients[..., np.newaxis], rates)
+
+
+def checked_gust(gust: History | None) -> History | None:
+    """Return a gust, or none; `InputError` for a batch, and for one that does not end."""
+    if gust is not None:
+        instance("gust", gust, History, "such as OneMinusCosineGust")
+        single("gust", gust.batch)
+        ending("gust", gust.end)
+    return gust
+
+
+def equivalent_triangle(wind: History) -> History:
+    """Return the triangular wind with the area and the peak of a wind, from the same start on.
+
+    Its duration is twice the area over the peak.
+
+    Parameters
+    ----------
+    wind : History
+        Wind angle of attack, one or a batch, that ends.
+
+    Returns
+    -------
+    History
+        A `TriangularWind`, or one shifted (a plain history) where the wind does not start at
+        t = 0.
+
+    Raises
+    ------
+    InputError
+        For a wind that never ends, one whose area has not the sign of its peak (that of opposite
+        lobes which cancel, or of no wind at all), and a peak beyond 90 degrees.
+
+    Notes
+    -----
+    The report, under "Results": "reasonable results can be obtained by approximating the real
+    wind with a triangle of the same area and maximum velocity". `triangle_error` says how
+    reasonable, for a given plant.
+
+    Examples
+    --------
+    >>> from tvclin.winds.pulses import OneMinusCosineGust
+    >>> from tvclin.winds.pulses import equivalent_triangle
+    >>> equivalent_triangle(OneMinusCosineGust(peak=0.08, duration=6.0))
+    TriangularWind(peak=0.08, duration=6.0)
+    """
+    instance("wind", wind, History, "such as OneMinusCosineGust")
+    if np.any(wind.end == np.inf):
+        raise InputError("wind must end: the last piece of its history must be zero")
+    peak, area = np.asarray(wind.peak), wind.laplace(0.0)
+    _check_area(area, peak, _CANCELLED * wind.laplace_magnitude(0.0))
+    triangle = TriangularWind(peak=peak, duration=2.0 * area / peak)
+    return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle
+
+
+def _check_area(area: FloatArray, peak: FloatArray, least: FloatArray) -> None:
+    area, peak, least = np.broadcast_arrays(area, peak, least)
+    bad = np.sign(peak) * area <= least
+    if np.any(bad):
+        which = int(np.argmax(bad))
+        raise InputError(
+            f"wind must have a time integral with the sign of its peak; got {area.flat[which]:.6g}"
+            f" rad s with a peak of {peak.flat[which]:.6g} rad"
+        )

@@ -22,12 +22,18 @@ from tvclin.base.errors import (
 )
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.checks import LONGEST, checked_peak, checked_span
-from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
 from tvclin.winds.histories import History
-from tvclin.winds.pulses import RectangularWind, TriangularWind
-from tvclin.winds.sampled import SampledWind
-from tvclin.winds.speed import angle_in_plane, angles_from_speed, angles_of_vector
+from tvclin.winds.pulses import (
+    LONGEST,
+    OneMinusCosineGust,
+    RectangularWind,
+    SampledWind,
+    TriangularWind,
+    checked_gust,
+    checked_peak,
+    checked_span,
+)
+from tvclin.winds.wind_angles import angle_in_plane, angles_from_speed, angles_of_vector
 
 SHAPES: dict[str, Callable[..., Any]] = {
     "triangular": TriangularWind,

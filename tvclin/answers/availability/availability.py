@@ -28,10 +28,10 @@ from tvclin.base.errors import (
 )
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
+from tvclin.winds.pulses import checked_gust
 from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""

@@ -15,9 +15,9 @@ from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.soundings.archive import Soundings, gathered
-from tvclin.winds.soundings.passage import checked_flight, longest_run
+from tvclin.winds.soundings.profile import checked_flight, longest_run
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 Winds = tuple[FloatArray, FloatArray]
 """Knots [s], and the wind angles [rad] there, each ``(n, k)``; straight lines between them."""

@@ -17,7 +17,7 @@ from tvclin.answers.time_varying import curves
 from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import FloatArray
 from tvclin.winds.histories import History
-from tvclin.winds.triangle import wind_triangle
+from tvclin.winds.wind_angles import wind_triangle
 
 _RETURNS, _DRIFTS_FAST = 1.2, 1.02
 """Of what a wind asks for, so much a flight may need that meets the limit more than once while the

@@ -24,8 +24,8 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import BEYOND_LINEAR, within_linear
 from tvclin.winds.shaped import WindEnsemble
+from tvclin.winds.wind_angles import BEYOND_LINEAR, within_linear
 
 _TOGETHER = 4096
 """Cases that are held in memory at a time."""

@@ -33,8 +33,8 @@ from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.winds.file import GUST_TABLE, WIND_TABLE, met_by, winds_of
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, met_by, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),

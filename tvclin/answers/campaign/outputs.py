@@ -25,7 +25,7 @@ from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import within_linear
+from tvclin.winds.wind_angles import within_linear
 
 _FLOWN_TO = 5e-4
 """Boundaries are flown to this part of the largest trim deflection."""

@@ -34,8 +34,8 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import within_linear
 from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.wind_angles import within_linear
 
 _QUICK_CASES, _VECTORS = 2000, 32
 """Cases of `part_in_a_wind`, and of these whose vectors are solved before it looks again."""

@@ -23,7 +23,7 @@ from tvclin.flights.closed_loop.many import SURVIVED
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES, NOT_KNOWN
 from tvclin.vehicle.linear_vehicle import whole_vehicle
-from tvclin.winds.linear_range import beyond_linear
+from tvclin.winds.wind_angles import beyond_linear
 
 
 @dataclass(frozen=True)

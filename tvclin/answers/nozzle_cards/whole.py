@@ -53,7 +53,7 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.triangle import pressure_ratio
+from tvclin.winds.wind_angles import pressure_ratio
 
 _LOUDEST = 0.1
 """The largest noise of a gyro [rad/s] that is taken."""

@@ -39,8 +39,8 @@ from tvclin.base.errors import (
 )
 from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.linear_range import MAX_LINEAR_ANGLE
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""

@@ -17,8 +17,8 @@ from tvclin.answers.varying_equations import PRESSURES, Equations, at_pressure, 
 from tvclin.answers.varying_minimum import unstable_modes_of
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit import leading_pole
-from tvclin.winds.encountered import EncounteredWind
 from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import EncounteredWind
 
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.winds.linear_range import linear_notes
+from tvclin.winds.wind_angles import linear_notes
 
 _FEW = 2
 """Flight times that are named each."""

@@ -12,9 +12,9 @@ from tvclin.base.errors import InputError, NotKnownError, instance, number, one_
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import checked_linear
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import TriangularWind
+from tvclin.winds.wind_angles import checked_linear
 
 PLACINGS = ("peak", "flight")
 PEAK = PLACINGS[0]

@@ -28,7 +28,9 @@ from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.vehicle.file import source_tables
-from tvclin.winds.file import (
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
+from tvclin.winds.wind_file import (
     GUST_TABLE,
     SOUNDING,
     SOUNDING_TABLE,
@@ -38,9 +40,6 @@ from tvclin.winds.file import (
     wind_tables,
     winds_of,
 )
-from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.read import read_sounding
-from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:

@@ -18,7 +18,7 @@ from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, whole_number
 from tvclin.base.sheet import Column
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-from tvclin.winds.soundings.columns import LAND
+from tvclin.winds.soundings.wind_table import LAND
 
 MOST_ROWS = 200
 """Rows of a schedule, where not asked for otherwise."""

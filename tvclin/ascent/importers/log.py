@@ -30,9 +30,9 @@ from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.text import Text
 from tvclin.base.written_units import WRITTEN, unit_of
-from tvclin.winds.sampled import SampledWind
+from tvclin.winds.pulses import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.speed import angle_in_plane
+from tvclin.winds.wind_angles import angle_in_plane
 
 _WIND = {"wind_angle": "angle", "wind_speed": "speed", "flight_path_angle": "angle"}
 """What a log holds beside a flight; the angle of attack is one of its quantities already."""

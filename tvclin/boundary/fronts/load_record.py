@@ -13,7 +13,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
 from tvclin.base.lines import number as figure
 from tvclin.boundary.fronts.nozzle_point import left_of, point_table
-from tvclin.winds.linear_range import beyond_linear, linear_notes
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
 PROVED = 1e-4
 """A limit so near to its bound, relative, is found."""

@@ -12,7 +12,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.fronts.nozzle_point import left_of, point_table
-from tvclin.winds.linear_range import beyond_linear, linear_notes
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
 
 @dataclass(frozen=True, eq=False)

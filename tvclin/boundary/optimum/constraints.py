@@ -19,8 +19,8 @@ from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, number, single
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
-from tvclin.winds.checks import check_end
 from tvclin.winds.histories import History
+from tvclin.winds.pulses import check_end
 
 
 @dataclass(frozen=True, eq=False)

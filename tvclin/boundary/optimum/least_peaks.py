@@ -21,8 +21,8 @@ from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.numerics.pieces import rows
 from tvclin.numerics.searches import lowest
-from tvclin.winds.checks import check_end
 from tvclin.winds.histories import History
+from tvclin.winds.pulses import check_end
 
 _SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
 """Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""

@@ -18,7 +18,7 @@ from tvclin.flights.flexible import FATES
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
-from tvclin.winds.linear_range import linear_notes
+from tvclin.winds.wind_angles import linear_notes
 
 _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"

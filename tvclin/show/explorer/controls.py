@@ -23,9 +23,9 @@ from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import round_up
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
-from tvclin.winds.file import gust_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_file import gust_of
 
 IN_PLANE, FROM_SIDE = "in the plane", "from a direction"
 OWN, CANONICAL = "own gains", "canonical"

@@ -26,8 +26,8 @@ from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.show.explorer.choices import CONTROLS, REPORT
 from tvclin.winds.histories import History
-from tvclin.winds.linear_range import beyond_linear
 from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import beyond_linear
 
 LONGEST = 30.0
 """Longest wind [s] of the curve."""

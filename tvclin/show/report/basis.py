@@ -20,7 +20,7 @@ from tvclin.show.report.blocks import (
     as_sentence,
     checks,
 )
-from tvclin.winds.linear_range import DOUBTFUL
+from tvclin.winds.wind_angles import DOUBTFUL
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
 _PLANTS = {

@@ -13,7 +13,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import Check, Checks, Section
 from tvclin.show.report.verdict import SURVIVES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.linear_range import (
+from tvclin.winds.wind_angles import (
     BEYOND_LINEAR,
     MAX_CERTAIN_ANGLE,
     beyond_linear,

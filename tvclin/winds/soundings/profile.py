@@ -1,34 +1,147 @@
-"""The wind over height, and what a flight through it meets."""
+"""Wind profiles over height, and the wind angle of attack along a flight through them.
+
+A `WindProfile` is the horizontal wind (east, north) [m/s], linear between its levels. Along a
+direction of flight psi it has the components
+
+    u = east sin(psi) + north cos(psi)  (pitch, positive a tail wind),
+    v = north sin(psi) - east cos(psi)  (yaw, positive from the right),
+
+and a flight of speed V_R and flight path angle gamma encounters the wind angles of eq (B1e),
+sin(alpha_w) = (u/V_R) sin(gamma) in pitch and v/V_R in yaw. `Climb` is the simplest flight.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass, fields, replace
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import (
+    LATEST,
     InputError,
     bearing,
     between,
+    directions,
     each,
     finite,
+    instance,
     number,
     one_of,
+    positive,
+    single,
     text,
     within,
 )
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.sampled import SampledWind, straight_lines
-from tvclin.winds.soundings.passage import Flown, angles_along
+from tvclin.winds.pulses import SampledWind, straight_lines
+from tvclin.winds.wind_angles import angle_from_speed
 
+_FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
+_FAR = 1e9
 RANGES = {"height": (-1e4, 1e6, "m"), "east": (-1e3, 1e3, "m/s"), "north": (-1e3, 1e3, "m/s")}
 """What can be meant, generously."""
 _THINNEST, _THICKEST = 1e-3, 1e6
+
+
+class Flown(Protocol):
+    """A flight as arrays over its time, each of the shape ``(n,)``."""
+
+    @property
+    def time(self) -> Any:
+        """[s]."""
+
+    @property
+    def height(self) -> Any:
+        """[m]."""
+
+    @property
+    def speed(self) -> Any:
+        """[m/s]."""
+
+    @property
+    def flight_path_angle(self) -> Any:
+        """[rad]."""
+
+
+def angles_along(
+    flight: Flown, height: FloatArray, wind: FloatArray, plane: str, largest: float | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and wind angles [rad] of a flight through a wind [m/s] over heights [m].
+
+    The flight is straight between its times. In yaw the wind meets it at right angles. With a
+    `largest` angle [rad], the longest time that stays below it alone.
+    """
+    time, path, speed, climb = checked_flight(flight)
+    low, high = max(height[0], path[0]), min(height[-1], path[-1])
+    if not low < high:
+        raise InputError(
+            f"the flight does not reach the wind: it goes from {path[0]:.6g} to {path[-1]:.6g} m,"
+            f" and the wind is known from {height[0]:.6g} to {height[-1]:.6g} m"
+        )
+    met = np.concatenate([height, path])
+    met = np.unique(np.concatenate([met[(met > low) & (met < high)], [low, high]]))
+    when, known = np.interp(met, path, time), np.interp(met, height, wind)
+    apart = np.append(True, np.diff(when) > 0.0)
+    when, known = when[apart], known[apart]
+    angle = np.pi / 2 if plane == "yaw" else np.interp(when, time, climb)
+    flown = np.interp(when, time, speed)
+    sine = np.abs(known * np.sin(angle)) / flown
+    if largest is not None:
+        flat = longest_run(when, sine <= np.sin(largest))
+        if flat.stop - flat.start < 2:
+            raise InputError(
+                f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
+                " of which linear aerodynamics says nothing"
+            )
+        angle = np.broadcast_to(angle, when.shape)
+        return when[flat], angle_from_speed(known[flat], flown[flat], angle[flat])
+    if np.any(sine >= 1.0):
+        slow = met[apart][sine >= 1.0]
+        raise InputError(
+            f"the wind is faster than the flight can meet, first at {slow[0]:.6g} m; leave out the"
+            f" slow part of the flight with profile.between({slow[-1]:.6g}, ...)"
+        )
+    return when, angle_from_speed(known, flown, angle)
+
+
+def longest_run(times: FloatArray, good: BoolArray) -> slice:
+    """Return the places of the longest time in which all is good."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
+    runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
+    return max(runs, key=lambda one: times[one.stop - 1] - times[one.start], default=slice(0, 0))
+
+
+def checked_flight(flight: Flown) -> list[FloatArray]:
+    """Return the four arrays of a flight; `InputError` where they are none, or do not ascend."""
+    try:
+        given = {name: getattr(flight, name) for name in _FIELDS}
+    except AttributeError:
+        raise InputError(
+            f"flight must have arrays {', '.join(_FIELDS)} (see steady_climb); got"
+            f" {type(flight).__name__}"
+        ) from None
+    arrays = [within(name, given[name], -_FAR, _FAR, unit) for name, unit in _FIELDS.items()]
+    directions("flight_path_angle", arrays[3])
+    shape = arrays[0].shape
+    if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
+        raise InputError(
+            f"{', '.join(_FIELDS)} of a flight must be arrays of one length, two or more; got"
+            f" {', '.join(str(array.shape) for array in arrays)}"
+        )
+    for name, array in zip(("time", "height"), arrays, strict=False):
+        wrong = np.diff(array) <= 0.0
+        if np.any(wrong):
+            raise InputError(
+                f"{name} of a flight must ascend; it does not at index {wrong.argmax()}"
+            )
+    positive("speed", arrays[2], "m/s")
+    return arrays
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -277,3 +390,80 @@ class WindProfile(Carded):
         level = np.clip(np.searchsorted(self.height, height, side="right") - 1, 0, widths.size - 1)
         above, here = height - self.height[level], np.interp(height, self.height, wind)
         return np.asarray(whole[level] + above * (wind[level] + here) / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """A flight as `WindProfile.to_wind` asks for it; every array has the shape ``(n,)``.
+
+    Attributes
+    ----------
+    time : ndarray
+        [s], ascending.
+    height : ndarray
+        Geometric height above the sea [m], ascending.
+    speed : ndarray
+        [m/s].
+    flight_path_angle : ndarray
+        [rad].
+
+    Raises
+    ------
+    InputError
+        For arrays of different lengths or of one time, and for numbers that are not finite, times
+        and heights that do not ascend, and speeds that are not positive.
+    """
+
+    time: FloatArray
+    height: FloatArray
+    speed: FloatArray
+    flight_path_angle: FloatArray
+
+    def __post_init__(self) -> None:
+        for field, array in zip(fields(self), checked_flight(self), strict=True):
+            object.__setattr__(self, field.name, array)
+
+
+def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) -> Climb:
+    """Return the climb of a vehicle that keeps its speed and its flight path angle.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle; its attitude is the flight path angle, as in the nominal flight.
+    height : float
+        Where it is [m above the sea] at its own time (zero where it has none).
+    start, stop : float
+        First and last time [s].
+
+    Raises
+    ------
+    InputError
+        For a batch, a stop not after the start, and a vehicle that does not climb.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> tv.winds.steady_climb(vehicle, height=11950.0, start=53.0, stop=79.0).height.round(1)
+    array([ 7011.8, 16888.2])
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    single("vehicle", vehicle.batch)
+    begin, end = (
+        number(name, value, between(-LATEST, LATEST), "s")
+        for name, value in (("start", start), ("stop", stop))
+    )
+    if not begin < end:
+        raise InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")
+    rate = float(vehicle.velocity * np.sin(vehicle.attitude))
+    if not rate > 0.0:
+        raise InputError(f"vehicle must climb; its height changes by {rate:.6g} m/s")
+    time = np.array([begin, end])
+    own = 0.0 if vehicle.time is None else float(vehicle.time)
+    return Climb(
+        time=time,
+        height=number("height", height, unit="m") + rate * (time - own),
+        speed=np.full(2, float(vehicle.velocity)),
+        flight_path_angle=np.full(2, float(vehicle.attitude)),
+    )

@@ -1,6 +1,12 @@
-"""Winds made by rule: a gust added to a profile, and a profile built up by shear."""
+"""Synthetic wind profiles: an envelope with shear build-up, discrete gusts, and their TOML files.
+
+A profile reaches the speed of an envelope at one height and falls off above and below it by a
+given shear; a gust adds half cosines over height. A file has the tables [synthetic] and [[gust]].
+"""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,13 +22,34 @@ from tvclin.base.errors import (
     number,
     positive,
 )
+from tvclin.base.files import tables_of
+from tvclin.base.tables import FileTable, known
+from tvclin.base.text import Text
+from tvclin.winds.soundings.levels import Found, Levels
 from tvclin.winds.soundings.profile import WindProfile
 
-_STEPS = 32
+_FLANK_PIECES = 32
 """A flank of a gust has so many straight pieces; they miss the cosine by 6e-4 of the gust."""
-_THINNEST, _THICKEST = 1e-3, 1e6
+_MIN_BLEND, _MAX_BLEND = 1e-3, 1e6
 _LAYER = 1000.0
 _EXPONENT = 0.7
+_WIND = FileTable(
+    "[synthetic]",
+    {
+        **dict.fromkeys(("height", "thickness", "peak_height"), "length"),
+        **dict.fromkeys(("speed", "change"), "speed"),
+        "direction": "angle",
+    },
+)
+_GUST = FileTable(
+    "[[gust]]",
+    {
+        **dict.fromkeys(("base", "blend", "thickness"), "length"),
+        "amplitude": "speed",
+        "direction": "angle",
+    },
+)
+HEADING = _WIND.heading
 
 
 def add_gust(
@@ -65,14 +92,14 @@ def add_gust(
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     low, angle = number("base", base, unit="m"), bearing("azimuth", azimuth)
-    flank = number("blend", blend, between(_THINNEST, _THICKEST), "m")
+    flank = number("blend", blend, between(_MIN_BLEND, _MAX_BLEND), "m")
     top = low + flank + number("thickness", thickness, nonnegative, "m")
     if low < profile.height[0] or top + flank > profile.height[-1]:
         raise InputError(
             f"the gust from {low:.6g} to {top + flank:.6g} m must lie within the profile, which is"
             f" known from {profile.height[0]:.6g} to {profile.height[-1]:.6g} m"
         )
-    steps = np.linspace(0.0, flank, _STEPS + 1)
+    steps = np.linspace(0.0, flank, _FLANK_PIECES + 1)
     height = np.unique(np.concatenate([profile.height, low + steps, top + steps]))
     inside = np.minimum(height - low, top + flank - height)
     rise = (1.0 - np.cos(np.pi * np.clip(inside / flank, 0.0, 1.0))) / 2
@@ -183,3 +210,43 @@ def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: Float
         )
     if any(np.any(np.diff(values) <= 0.0) for values in rising):
         raise InputError(f"{names} must ascend")
+
+
+def soundings_in(text: Text) -> list[Found]:
+    """Return the wind of [synthetic], with each [[gust]], as `synthetic_profile` and `add_gust`.
+
+    Directions are those from which they blow.
+    """
+    return [Found(lambda: _read(text))]
+
+
+def _read(text: Text) -> Levels:
+    document = tables_of("\n".join(text.lines), text.source)
+    known(f"table in {text.source}", document, [_WIND.name, _GUST.name])
+    profile = synthetic_profile(**_towards(_WIND, _WIND.one(document)))
+    for one in _GUST.each(document):
+        profile = add_gust(profile, **_towards(_GUST, one))
+    return Levels(
+        text=text,
+        line=np.ones(profile.height.size, dtype=np.int64),
+        height=profile.height,
+        east=profile.east,
+        north=profile.north,
+        title=profile.source,
+        notes=profile.notes,
+    )
+
+
+def _towards(table: FileTable, given: dict[str, Any]) -> dict[str, Any]:
+    """What a table gives, in SI units, with the azimuth that its direction blows towards."""
+    known(f"key in {table.heading}", given, table.keys)
+    found: dict[str, Any] = {}
+    for key, value in given.items():
+        name, factor = table.keys[key]
+        if name in found:
+            raise InputError(f"{name} is given twice in {table.heading}; keep one")
+        found[name] = finite(f"{key} in {table.heading}", value) * factor
+    missing = [table.spelled(name) for name in table.quantities if name not in found]
+    if missing:
+        raise InputError(f"{table.heading} needs {', '.join(missing)}")
+    return {"azimuth": found.pop("direction") - np.pi, **found}

@@ -9,8 +9,8 @@ from tvclin.base.errors import InputError, number, one_of, positive
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
 from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
-from tvclin.winds.gusts import LayeredGust, OneMinusCosineGust
 from tvclin.winds.histories import History
+from tvclin.winds.pulses import LayeredGust, OneMinusCosineGust
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _PULSE = {"peak": "angle", "duration": "time"}

@@ -1,4 +1,8 @@
-"""Files of many soundings: station files of IGRA, and folders of single ones."""
+"""Readers of sounding files: one profile (`read_sounding`), or an archive (`read_soundings`).
+
+The format of a file is recognised from its content (`READERS`). Files of one sounding get their
+time [UTC] from the caller, a list of dates, their first level or their name, in this order.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +17,25 @@ import numpy as np
 from tvclin.base.errors import InputError, callable_for, flag, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
-from tvclin.base.sheet import Headings, sheet_in
+from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, sheet_in
 from tvclin.base.text import Text, read_lines
-from tvclin.winds.soundings import columns
-from tvclin.winds.soundings.archive import Soundings, minutes
-from tvclin.winds.soundings.columns import Reading
-from tvclin.winds.soundings.igra_archive import is_station, read_station
+from tvclin.winds.soundings import igra, rocketpy, synthetic, wind_table, wyoming
+from tvclin.winds.soundings.archive import Collected, Soundings, Wanted, minutes
+from tvclin.winds.soundings.igra import is_station, read_station
 from tvclin.winds.soundings.levels import Found, profile_of
-from tvclin.winds.soundings.many import Collected, Wanted
-from tvclin.winds.soundings.read import READERS, no_table, soundings_in
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.wind_table import Reading
 
+READERS = {
+    "csv": wind_table.soundings_in,
+    "openrocket": wind_table.soundings_in,
+    "wyoming": wyoming.soundings_in,
+    "igra": igra.soundings_in,
+    "rocketpy": rocketpy.soundings_in,
+    "synthetic": synthetic.soundings_in,
+}
+_TABLES = ("csv", "openrocket")
+_SHOWN = 5
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
 _Reader = Callable[[Path], tuple[Text, list[Found]]]
@@ -39,6 +52,113 @@ _NO_TIME = (
     " the files in their order (--in-order)"
 )
 _FIRST_DAY = np.datetime64("2000-01-01T00:00", "m")
+
+
+def read_sounding(
+    path: str | PathLike[str],
+    format: str | None = None,
+    *,
+    time: str | None = None,
+    units: str | None = None,
+    above_ground: float | None = None,
+) -> WindProfile:
+    """Return the wind profile in a file.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    format : {"csv", "openrocket", "wyoming", "igra", "rocketpy", "synthetic"}, optional
+        Recognised from the content where it is not named. "csv" has a header whose names carry
+        their units (height_m, speed_kt, direction_deg; or east_m_per_s, north_m_per_s), as the
+        CSV of the University of Wyoming does. "openrocket" has no units in its header: m above the
+        sea, m/s and degrees are assumed, with a note. "wyoming" is the text list, "igra" the
+        station file of NOAA's IGRA version 2, "rocketpy" Python or JSON with the lists wind_u and
+        wind_v, "synthetic" TOML with a table [synthetic] for `synthetic_profile`, and [[gust]] for
+        `add_gust`.
+    time : str, optional
+        Which sounding of a file that holds several, as "2024-01-15 12" [UTC]; the first where it
+        is not given, with a note.
+    units : str, optional
+        Units of a table that names none, as "ft,mph": those of heights, speeds and directions.
+    above_ground : float, optional
+        Elevation of the site above the sea [m], from -450 to 9000, for a table of heights above the
+        ground.
+
+    Returns
+    -------
+    WindProfile
+        Directions are taken as where the wind comes from; geopotential heights become geometric.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read or is in no known format, a unit that is missing or
+        unknown, numbers out of range, and heights out of order; the message names the line.
+    """
+    text = read_lines(path)
+    found = soundings_in(text, format, units, above_ground)
+    return profile_of(_chosen(text, found, time).levels())
+
+
+def soundings_in(
+    text: Text, format: str | None, units: str | None, above_ground: float | None
+) -> list[Found]:
+    """Return the soundings of a text; the other arguments as of `read_sounding`."""
+    name = recognised(text) if format is None else one_of("format", format, READERS)
+    if name in _TABLES:
+        reading = Reading.of(units, above_ground, assumed=name == "openrocket")
+        return wind_table.soundings_in(text, reading)
+    if units is not None or above_ground is not None:
+        raise no_table(text.source, name)
+    return READERS[name](text)
+
+
+def no_table(source: str, name: str) -> InputError:
+    """Return the error about units or a site of a file whose format says both itself."""
+    return InputError(
+        "units and above_ground (--units, --above-ground) are for tables of the formats"
+        f" {' and '.join(_TABLES)}; {source} is of the format {name}"
+    )
+
+
+def recognised(text: Text) -> str:
+    """Return the format of a file by its content; `InputError` for none that is known."""
+    content = "\n".join(text.lines[:200])
+    if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
+        return "igra"
+    if re.search(r"W I N D {2,}S T A T", content):
+        raise InputError(
+            f"{text.source} holds monthly statistics, not one wind; read it with"
+            " read_range_reference"
+        )
+    if re.search(r"\bPRES\s+HGHT\b", content):
+        return "wyoming"
+    if re.search(r"\bwind_[uv][\"']?\s*[=:]", "\n".join(text.lines)):
+        return "rocketpy"
+    if synthetic.HEADING in map(str.strip, text.lines):
+        return "synthetic"
+    if wind_table.head_line(text) is not None:
+        return "csv"
+    raise InputError(
+        f"{text.source} is in no format that is recognised; a table needs a header such as"
+        f" height_m,speed_m_per_s,direction_deg in its first {MAX_HEAD_LINE} lines, with at most"
+        f" {MAX_COLUMNS} columns (or name the format,"
+        f" --winds-format in a shell: {', '.join(READERS)})"
+    )
+
+
+def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
+    known = [one.time for one in found if one.time]
+    if time is None:
+        note = f"the first of {len(found)} soundings in the file; choose another by its time"
+        return found[0].noted(note) if len(found) > 1 else found[0]
+    for one in found:
+        if isinstance(time, str) and one.time == time:
+            return one
+    there = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
+    more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {there}{more}")
 
 
 def read_soundings(
@@ -236,7 +356,7 @@ def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
         return given
     if one.time:
         return np.datetime64(one.time.replace(" ", "T"), "m")
-    header = columns.head_line(text)
+    header = wind_table.head_line(text)
     below = text.lines[header + 1 :][:_LOOKED_AT] if header is not None else ()
     for line in below:
         written = _WRITTEN.search(line)
