@@ -13,7 +13,7 @@ from tvclin.answers.nozzle_cards.unjudged import flight_reason
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
 from tvclin.answers.questions import questions
 from tvclin.base.lines import text
-from tvclin.control.laws.filtered import NoisyLaw
+from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.show.report.verdict import sentence
 

@@ -13,7 +13,7 @@ from tvclin.answers.least_gains import least as search_of
 from tvclin.answers.least_gains.question import MISSES, Question
 from tvclin.answers.least_gains.race import needs, stopped
 from tvclin.answers.search import least_points
-from tvclin.control.autopilot.peaks import deflection_peaks
+from tvclin.control.autopilot.wind_response import deflection_peaks
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = {"actuator": tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7), "delay": 0.02}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.control.margins.record import loop_margins
+from tvclin.control.margins.margins import loop_margins
 
 VEHICLE = tv.load_vehicle("configuration-i")
 COEFFICIENTS = tv.Coefficients.from_vehicle(VEHICLE)

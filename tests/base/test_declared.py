@@ -25,7 +25,7 @@ from tvclin.base.declared import (
 )
 from tvclin.base.errors import InputError, between, positive, small_angle
 from tvclin.base.files import tables_of
-from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 
 EACH = (SizingAsked, StudyPlan, Nozzle, AutopilotDesign, AvailabilityAsked)
 

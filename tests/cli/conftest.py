@@ -2,7 +2,7 @@
 
 import pytest
 
-from tvclin.control.comparison import duration
+from tvclin.control import comparison as duration
 from tvclin.vehicle.file import vehicle_text
 
 

@@ -6,7 +6,7 @@ from scipy.optimize import minimize_scalar, newton
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
-from tvclin.control.autopilot.actuated import INPUTS, actuated
+from tvclin.control.autopilot.actuator import INPUTS, actuated
 
 ACTUATOR = tv.Actuator(natural_frequency=22.0, damping=0.8)
 

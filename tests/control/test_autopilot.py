@@ -20,7 +20,7 @@ from tvclin import (
 )
 from tvclin.control import canonical_gains
 from tvclin.control.autopilot.actuator import pade_delay
-from tvclin.control.autopilot.diagram import LOOP_DIAGRAM
+from tvclin.control.autopilot.wiring import LOOP_DIAGRAM
 from tvclin.linear.models import MODELS
 
 mpl.use("Agg")

@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.control.autopilot.wind_gain import wind_gain
+from tvclin.control.comparison import wind_gain
 from tvclin.linear.models import MODELS
 from tvclin.plots import comparison_chart, curves_of
 

@@ -10,7 +10,7 @@ from tests.margin_numbers import NUMBERS
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Requirement
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import loop_margins
+from tvclin.control.margins.margins import loop_margins
 from tvclin.linear.models import MODELS
 
 DRIFTING = Coefficients(

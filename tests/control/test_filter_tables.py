@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
-from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.vehicle.filters import cells_of
 
 TABLES = """

@@ -9,8 +9,8 @@ import pytest
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
 from tests.turns import usual
-from tvclin.control.autopilot.actuated import actuated
-from tvclin.control.autopilot.wind_gain import wind_gain
+from tvclin.control.autopilot.actuator import actuated
+from tvclin.control.comparison import wind_gain
 
 FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
 AUTOPILOT = tv.Autopilot(

@@ -10,11 +10,10 @@ import pytest
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Measurement
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw as LeanLaw
-from tvclin.control.laws.trim import TrimLaw
+from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 
 MODELS = ("fixed-path", "drift", "drift-exact")
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)

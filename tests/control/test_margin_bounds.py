@@ -7,7 +7,7 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE
-from tvclin.control.margins.record import loop_margins
+from tvclin.control.margins.margins import loop_margins
 
 
 def least_norm(points, values):

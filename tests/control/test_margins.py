@@ -11,7 +11,7 @@ from scipy.special import lambertw
 import tvclin as tv
 from tests.margin_numbers import NUMBERS
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import loop_margins
+from tvclin.control.margins.margins import loop_margins
 
 OMEGA = np.geomspace(1e-4, 2e3, 9_000)
 COURSE = [1.317 * 1.59, 1.317 * 1.88], [1, 0, -0.228]

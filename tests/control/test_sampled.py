@@ -12,7 +12,7 @@ from scipy.signal import bilinear, tf2ss
 import tvclin as tv
 from tests.control.test_flexible_loops import AUTOPILOT, FILTERS, booster, to_margin
 from tests.flexible import BOOSTER, transfer
-from tvclin.control.autopilot.actuated import actuated
+from tvclin.control.autopilot.actuator import actuated
 from tvclin.control.autopilot.wiring import COMMAND
 
 SAMPLED = replace(AUTOPILOT, sample_rate=25.0)

@@ -7,7 +7,7 @@ import numpy as np
 from tvclin.ascent.schedule_file import load_schedule
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.gains import canonical_gains
-from tvclin.control.comparison.trim import compare_with_trim
+from tvclin.control.comparison import compare_with_trim
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle

@@ -7,7 +7,7 @@ import pytest
 
 from tests.control.test_margins import NUMBERS, actuated, brute_force, random_loops
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import Crossings, loop_margins
+from tvclin.control.margins.margins import Crossings, loop_margins
 from tvclin.numerics import polynomials
 
 FREQUENCIES = [

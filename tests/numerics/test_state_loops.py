@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.control.margins.record import Margins
+from tvclin.control.margins.margins import Margins
 from tvclin.numerics import state_space
 from tvclin.numerics.loop_margins import loop_findings
 

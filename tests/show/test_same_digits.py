@@ -13,7 +13,7 @@ from tvclin.answers.study_tables import verdict
 from tvclin.answers.trial_tables import bounds, needed
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app
-from tvclin.control.margins.tables import margin_table
+from tvclin.control.margins.criteria import margin_table
 from tvclin.show.report import control, sections
 
 TEXT = """

@@ -8,7 +8,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Measure, Question, questions
 from tvclin.base.lines import Line, Table, least, number, significant
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
-from tvclin.control.margins.record import margin
+from tvclin.control.margins.margins import margin
 
 HEAD = ("question", "enough?", "needed", "there", "left", "why")
 _SUFFIXES = {"%": "percent"}

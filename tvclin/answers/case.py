@@ -20,7 +20,7 @@ from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.autopilot.rules import AutopilotDesign
+    from tvclin.control.autopilot.design_rules import AutopilotDesign
     from tvclin.linear.flexible import AnyPlant
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
@@ -88,7 +88,7 @@ class Case:
             )
         instance("nozzle", self.nozzle, Nozzle, "of a limit, a stop, a rate limit, an actuator")
         if self.design is not None:
-            from tvclin.control.autopilot.rules import AutopilotDesign
+            from tvclin.control.autopilot.design_rules import AutopilotDesign
 
             instance("design", self.design, AutopilotDesign, "of gains, or a rule for them")
 
@@ -178,7 +178,7 @@ class Case:
     @property
     def asked(self) -> AutopilotDesign:
         """The design of the autopilot; the canonical gains where nothing is said."""
-        from tvclin.control.autopilot.rules import AutopilotDesign
+        from tvclin.control.autopilot.design_rules import AutopilotDesign
 
         return self.design or AutopilotDesign()
 

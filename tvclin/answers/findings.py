@@ -35,10 +35,10 @@ if TYPE_CHECKING:
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.comparison import TrimComparison
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.control.margins.record import Margins
+    from tvclin.control.margins.margins import Margins
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.closed_loop.flown_record import FlownMargins
     from tvclin.linear.flexible import AnyPlant
@@ -263,7 +263,7 @@ def _trials(
 
 
 def _comparison(study: Study, loop: Loop) -> TrimComparison:
-    from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.control.comparison import compare_with_trim
 
     return compare_with_trim(*loop(), study.history)
 

@@ -12,8 +12,7 @@ from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.filtered import FilteredLaw
-from tvclin.control.laws.law import Law
+from tvclin.control.laws.law import FilteredLaw, Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
@@ -24,7 +23,7 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from tvclin.control.autopilot.rules import AutopilotDesign
+    from tvclin.control.autopilot.design_rules import AutopilotDesign
     from tvclin.control.margins.criteria import Criteria
 
 _LONG, _POINTS = 2.0, 401

@@ -11,7 +11,7 @@ import numpy as np
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.margins.criteria import Criteria
 from tvclin.linear.flexible import FlexiblePlant
 

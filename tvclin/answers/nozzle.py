@@ -17,8 +17,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.sizes import sized
+from tvclin.control.autopilot.actuator import Actuator, sized
 from tvclin.vehicle.structure import Engine
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}

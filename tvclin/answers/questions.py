@@ -12,7 +12,7 @@ from tvclin.answers.study_notes import in_calm_air
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, listed, significant, text
 from tvclin.control.margins.criteria import Judgement
-from tvclin.control.margins.record import DIGITS, factor_to
+from tvclin.control.margins.margins import DIGITS, factor_to
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
 _HEAD = ", with the dynamic pressure at the peak of a head wind throughout"

@@ -22,7 +22,7 @@ from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins, margin
+from tvclin.control.margins.margins import MARGINS, Margins, factor_to, loop_margins, margin
 from tvclin.linear.models import usual_model
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients

@@ -23,8 +23,12 @@ from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, At, Given, Rig
 from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
-from tvclin.control.comparison.duration import WorstDuration, worst_duration
-from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
+from tvclin.control.comparison import (
+    TrimComparison,
+    WorstDuration,
+    compare_with_trim,
+    worst_duration,
+)
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes

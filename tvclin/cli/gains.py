@@ -10,7 +10,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, nonnegative, number, positive
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import DESIGN, GROUP, SAMPLE_RATE, Given, asked
-from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
+from tvclin.control.autopilot.design_rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
 from tvclin.vehicle.filters import Filter
 
 

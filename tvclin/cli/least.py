@@ -11,7 +11,7 @@ from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import asked, switch
 from tvclin.cli.output import print_tables, say, say_notes
-from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.margins.criteria import Criteria
 from tvclin.winds.shaped import ShapedWind
 

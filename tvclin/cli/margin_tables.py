@@ -10,13 +10,12 @@ from tvclin.base.errors import InputError
 from tvclin.base.lines import quantities
 from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.bounds import MarginBounds, margin_bounds
 from tvclin.control.autopilot.detuning import Detuned, detuned
+from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
 from tvclin.control.margins.bands import BandMargins
-from tvclin.control.margins.criteria import Criteria, Judgement
-from tvclin.control.margins.record import Margins
-from tvclin.control.margins.sampled_loop import SampledLoop
-from tvclin.control.margins.tables import band_table, margin_table
+from tvclin.control.margins.criteria import Criteria, Judgement, band_table, margin_table
+from tvclin.control.margins.loop import SampledLoop
+from tvclin.control.margins.margins import Margins
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.vehicle.structure import Structure
 

@@ -31,8 +31,8 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.detuning import Detuned
-from tvclin.control.autopilot.rules import LEAST_NOZZLE
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.flights.closed_loop.flown_margins import flown_margins
 from tvclin.flights.closed_loop.flown_record import FlownMargins, flown_table

@@ -202,7 +202,7 @@ GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
 SHAPE = asked(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular")
 STUDY = "answers.study_file.plan.StudyPlan"
-DESIGN = "control.autopilot.rules.AutopilotDesign"
+DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """The panels of the help in which options stand together."""

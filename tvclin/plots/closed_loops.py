@@ -7,10 +7,10 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance
-from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.comparison.trim import TrimComparison
-from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.control.autopilot.wind_response import WindAnswer
+from tvclin.control.comparison import TrimComparison
+from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one

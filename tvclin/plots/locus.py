@@ -10,8 +10,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.control.autopilot.actuator import pade_delay
-from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.sampled_loop import SampledLoop
+from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.numerics import polynomials
 from tvclin.numerics.rational import Rational
 

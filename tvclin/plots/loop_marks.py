@@ -8,7 +8,7 @@ from tvclin.base.lines import significant, text
 from tvclin.control.margins.bands import GAIN as BY_GAIN
 from tvclin.control.margins.bands import PHASE as BY_PHASE
 from tvclin.control.margins.bands import UNSTABLE, ModeBand
-from tvclin.control.margins.record import margin
+from tvclin.control.margins.margins import margin
 from tvclin.plots.loop_samples import LoopSamples, mode_frequency
 from tvclin.plots.marks import Mark
 from tvclin.plots.style import COLOURS, WARM

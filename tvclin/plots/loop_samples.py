@@ -11,7 +11,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.numerics.loop_grid import frequencies

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError, nonnegative
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.sampled_loop import SampledLoop
+from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.locus import LocusPoles

@@ -29,7 +29,7 @@ from tvclin.base.errors import Faults, InputError, between, naming, number, one_
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
-from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
+from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle

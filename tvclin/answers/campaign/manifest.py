@@ -20,7 +20,7 @@ from tvclin.answers.nozzle import Nozzle, NozzleData
 from tvclin.base.errors import InputError, missing, shown
 from tvclin.base.files import called, exists, make_directory, reason, write_text
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.kernels.choice import available, remedy
 from tvclin.numerics.pieces import Pieces
 from tvclin.vehicle.filters import Filter

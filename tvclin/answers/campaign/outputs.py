@@ -20,7 +20,7 @@ from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import ROUNDING
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
-from tvclin.control.margins.record import loop_margins
+from tvclin.control.margins.margins import loop_margins
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES

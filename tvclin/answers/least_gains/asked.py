@@ -9,7 +9,7 @@ from tvclin.answers.least_gains.least import least_deflection_gains
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.rules import LEAST_NOZZLE
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.margins.criteria import Criteria
 from tvclin.winds.histories import History
 

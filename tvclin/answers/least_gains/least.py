@@ -23,11 +23,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.bounds import margin_bounds
-from tvclin.control.autopilot.peaks import deflection_peaks
+from tvclin.control.autopilot.margin_bounds import margin_bounds
+from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import CRITERIA, Criteria
-from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins
+from tvclin.control.margins.margins import MARGINS, Margins, factor_to, loop_margins
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes

@@ -27,7 +27,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import band_margins
 from tvclin.control.margins.criteria import Criteria, Requirement
-from tvclin.control.margins.record import MARGINS, Margins, margins_of
+from tvclin.control.margins.margins import MARGINS, Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.flexible_modes import named_modes

@@ -10,7 +10,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.margins.record import Margins
+from tvclin.control.margins.margins import Margins
 
 PEAK, BOUNDARY = "peak", "boundary"
 

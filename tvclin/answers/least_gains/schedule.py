@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from tvclin.answers.least_gains.least import least_deflection_gains
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.errors import InputError, instance, times_row
-from tvclin.control.autopilot.schedule import GainSchedule
+from tvclin.control.autopilot.gains import GainSchedule
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 

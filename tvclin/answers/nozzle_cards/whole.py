@@ -43,7 +43,7 @@ from tvclin.base.errors import (
 from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
-from tvclin.control.laws.filtered import FilteredLaw, NoisyLaw
+from tvclin.control.laws.law import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
 from tvclin.flights.closed_loop.nozzle import fly_nozzle
 from tvclin.flights.flexible import FATES

@@ -144,7 +144,7 @@ def example() -> str:
     """Return the study file of the package, which is commented and names every declared key."""
     from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
     from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
-    from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
+    from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 
     folder = files("tvclin.answers.study_file")
     text = folder.joinpath("example.toml").read_text(encoding="utf-8")

@@ -1,9 +1,7 @@
-"""The autopilot: attitude and rate feedback, with actuator and delay, around one plant.
+"""The autopilot: feedback of attitude, rate and angle of attack, with actuator and delay.
 
-The files inside: `actuator` holds what lies between a command and the deflection, `actuated` puts
-a plant behind it, `feedback` the numbers of an autopilot, `wiring` writes down the loop that
-`diagram` shows, `systems` gives it to python-control, `sampled` makes steps of it, `warnings` tells
-what is legal and hardly ever meant, `autopilot` is the autopilot itself; `detuning` moves the modes
-of the vehicle, `answer` and `wind_gain` say what a wind does, `gains` and `optimal` find gains,
-`rules` calls them by name, as files and options do, and `schedule` holds them over the flight.
+Files, lowest first: `actuator` between command and deflection; `feedback`, the checked numbers of
+an autopilot; `wiring`, its loop in state space and polynomials, sampled or not; `wind_response` of
+the closed loop; `autopilot` itself; `gains` by design methods, and over the flight; `design_rules`,
+as files name them; `margin_bounds` of any autopilot; `detuning` of bending modes and tanks.
 """

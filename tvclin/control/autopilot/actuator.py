@@ -1,4 +1,14 @@
-"""What lies between a deflection command and the deflection: the actuator and the delay."""
+"""The actuator between a deflection command and the deflection, and the plant behind it.
+
+With the natural frequency w and the damping ratio zeta a second-order actuator has the states delta
+and delta', and
+
+    delta'' = w^2 (command - delta) - 2 zeta w delta'.
+
+The inertia of an engine follows this acceleration; a first-order actuator, delta' = w (command -
+delta), has none to give. The actuator is stiff: the motion of the vehicle does not move the nozzle.
+Rate and deflection limits belong to the flight, not to the actuator.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +17,42 @@ from math import comb, perm
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.documents import keyed
-from tvclin.base.errors import InputError, plain, together
-from tvclin.control.autopilot.sizes import sized
+from tvclin.base.errors import InputError, finite, plain, positive, together, within
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.system import LinearSystem, connect, gain
 
 if TYPE_CHECKING:
     import control
+
+
+LARGEST = 1e9
+"""Of gains, frequencies, damping ratios and times in SI units, and one over the smallest."""
+LEAST_GAIN = 1e-30
+"""A smaller gain is zero or a mistake; rounding leaves larger ones."""
+
+
+def sized(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
+    """Return `value` as an array; `InputError` unless it is positive and of a size to work with."""
+    return within(name, positive(name, value, unit), 1.0 / LARGEST, LARGEST, unit)
+
+
+def zero_or_sized(name: str, value: ArrayLike, least: float, unit: str = "") -> FloatArray:
+    """Return `value` as an array; `InputError` where its size is not zero, or `least` to 1e9."""
+    array = finite(name, value, unit)
+    size = np.abs(array)
+    bad = (size > LARGEST) | ((size > 0.0) & (size < least))
+    if np.any(bad):
+        raise InputError(
+            f"{name} must be zero or {least:.6g} to {LARGEST:.6g}{unit and ' ' + unit} in size;"
+            f" got {array[bad].flat[0]:.6g}"
+        )
+    return array
+
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
@@ -117,3 +154,46 @@ def pade_delay(delay: float, order: int) -> Matrices:
     A[-1], B[-1] = -denominator[:0:-1], 1.0
     C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]
     return A * unit / delay, B * unit / delay, C, numerator[:1, np.newaxis]
+
+
+INPUTS = ("deflection_command", "deflection_disturbance", "wind")
+_STATES = ("actuator_deflection", "actuator_rate")
+_DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
+_AT_ONCE = gain("deflection", {"deflection_command": 1.0})
+
+
+def actuated(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
+    """Return a plant with its actuator, from the command to the outputs.
+
+    The inputs are `INPUTS`. A disturbance turns the thrust and not the engine, so that it has no
+    inertia. The outputs are those of the plant, and the deflection with its disturbance.
+
+    `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
+    plant; None: the deflection follows its command at once. `InputError` for an engine with inertia
+    and any but a second-order actuator.
+    """
+    check_engine(plant, actuator)
+    blocks = [plant.system, turning(actuator), _DISTURBED]
+    return connect(blocks, INPUTS, (*plant.outputs, "deflection"))
+
+
+def turning(actuator: Actuator | None) -> LinearSystem:
+    """Return an actuator from its command to deflection and, of second order, its acceleration."""
+    if actuator is None:
+        return _AT_ONCE
+    A, B, C, D = actuator.matrices()
+    order = A.shape[-1]
+    C, D = (
+        np.concatenate([of, as_it_turns[..., 1:, :]], -2) for of, as_it_turns in ((C, A), (D, B))
+    )
+    outputs = ("deflection", "deflection_acceleration")[:order]
+    return LinearSystem(A, B, C, D, ("deflection_command",), outputs, _STATES[:order])
+
+
+def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:
+    """Raise `InputError` for an engine with inertia and any but a second-order actuator."""
+    if "deflection_acceleration" in plant.inputs and (actuator is None or actuator.damping is None):
+        raise InputError(
+            "the inertia of an engine needs an actuator of second order, which says how fast the"
+            " deflection speeds up; give the actuator a damping, or leave the engine out"
+        )

@@ -20,7 +20,7 @@ from tvclin.base.lines import Line, Table, number
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
-from tvclin.control.margins.record import MARGINS, Margins, loop_margins
+from tvclin.control.margins.margins import MARGINS, Margins, loop_margins
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.numerics.stability import stability

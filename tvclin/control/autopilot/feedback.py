@@ -12,8 +12,7 @@ from tvclin.base.cards import Carded
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, Table, significant
-from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, sized, zero_or_sized
+from tvclin.control.autopilot.actuator import LARGEST, LEAST_GAIN, Actuator, sized, zero_or_sized
 from tvclin.vehicle.filters import Filter, cells_of
 
 GAINS = {

@@ -1,19 +1,42 @@
-"""Gains from what they should do: poles, or the least drift or load.
+"""Gains of an autopilot by pole placement, wind relief or quadratic cost, and over the flight.
 
-All are arrays where the coefficients are: gains for every flight condition in one call.
+On a fixed path, eq (5), without actuator and delay, and with the vehicle's damping d, the loop is
+
+    s^2 + (mu_delta a1 + d) s + mu_delta (a0 + b0) - mu_alpha = s^2 + 2 zeta omega_n s + omega_n^2,
+
+which gives a1 and the sum a0 + b0. How the sum is divided between attitude and angle of attack sets
+how far the vehicle turns into a steady wind: alpha/alpha_w = -a0/(a0 + b0 - B). All gains have the
+shape of the coefficients: every flight condition in one call.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
-from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.sizes import sized
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    between,
+    broadcast,
+    callable_for,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    plain,
+    positive,
+)
+from tvclin.control.autopilot.actuator import sized
+from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 
@@ -321,3 +344,198 @@ def _stiffness(
                 f" {wanted[short]:.6g} 1/s"
             )
         return plain(stiffness), plain(np.asarray((wanted - own) / c.mu_delta))
+
+
+_HEAVIEST = 1e12
+"""Of a weight, and of one over another."""
+_NEGLIGIBLE = 1e-8
+"""A pole nearer to the axis than this part of the largest is left without a cost."""
+
+
+def lqr_gains(
+    plant: Plant,
+    *,
+    attitude_weight: float = 1.0,
+    rate_weight: float = 0.0,
+    alpha_weight: float = 0.0,
+    deflection_weight: float = 1.0,
+    **options: Any,
+) -> Autopilot:
+    """Return the autopilot that minimises a quadratic cost, by `control.lqr`.
+
+    The cost is the integral of attitude_weight theta^2 + rate_weight theta'^2 + alpha_weight
+    alpha^2 + deflection_weight delta^2, without wind. On a model with drift the third state,
+    the flight path angle, is fed back as the angle of attack.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant, "fixed-path", "drift" or "drift-exact".
+    attitude_weight, rate_weight, alpha_weight : float
+        Zero or positive.
+    deflection_weight : float
+        Positive; only the ratios of the weights count.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on. They are not designed
+        for: look at the margins.
+
+    Raises
+    ------
+    InputError
+        For a batch, for "drift-and-speed", whose fourth state an autopilot does not measure, and
+        for weights that leave an unstable mode without a cost.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    if plant.batch or plant.model == "drift-and-speed":
+        raise InputError(
+            "lqr_gains needs one plant whose states an autopilot measures (fixed-path, drift or"
+            f" drift-exact); got {plant.model} of shape {plant.batch}"
+        )
+    weights = {
+        "attitude_weight": attitude_weight,
+        "rate_weight": rate_weight,
+        "alpha_weight": alpha_weight,
+    }
+    costs = [number(name, value, nonnegative) for name, value in weights.items()]
+    cost = number("deflection_weight", deflection_weight, positive)
+    for name, weight in zip((*weights, "deflection_weight"), (*costs, cost), strict=True):
+        number(name, weight, between(0.0, _HEAVIEST))
+    if cost * _HEAVIEST < max(costs):
+        raise InputError(f"deflection_weight must be at least 1/{_HEAVIEST:g} of the others")
+    on_attitude, on_rate, *on_path = (-_optimal_feedback(plant, costs, cost)).tolist()
+    path = sum(on_path)
+    return Autopilot(
+        attitude_gain=on_attitude + path,
+        rate_gain=on_rate,
+        alpha_gain=0.0 - path,
+        **options,
+    )
+
+
+def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArray:
+    """The gains on the states with which delta = -gains . x costs least."""
+    import control
+
+    A, B, C, _ = plant.matrices()
+    seen = C[[0, 1, -1]]
+    Q, R = seen.T @ np.diag(costs) @ seen, np.array([[cost]])
+    try:
+        gains, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
+    except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
+        poles, gains = np.ones(1), np.zeros((1, len(A)))
+    if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
+        raise InputError(
+            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
+            " alpha_weight"
+        )
+    return np.asarray(gains[0])
+
+
+@dataclass(frozen=True, eq=False)
+class GainSchedule:
+    """Gains at several flight times, straight lines between them.
+
+    Attributes
+    ----------
+    time : ndarray
+        Flight times [s], rising, ``(n,)``.
+    autopilot : Autopilot
+        Its gains at those times, ``(n,)`` or the same for all; actuator and delay as they are.
+
+    Raises
+    ------
+    InputError
+        For times that do not rise, fewer than two, and gains of another shape.
+    """
+
+    time: FloatArray
+    autopilot: Autopilot
+
+    def __post_init__(self) -> None:
+        time = finite("time", self.time, "s")
+        if time.ndim != 1 or time.size < 2 or np.any(np.diff(time) <= 0.0):
+            raise InputError("time must be two or more rising flight times in s")
+        instance("autopilot", self.autopilot, Autopilot, "whose gains are one for each time")
+        if self.autopilot.batch not in {(), time.shape}:
+            raise InputError(
+                f"autopilot must have one gain for each of the {time.size} times; got a batch of"
+                f" shape {self.autopilot.batch}"
+            )
+        object.__setattr__(self, "time", time)
+
+    @classmethod
+    def design(
+        cls,
+        time: ArrayLike,
+        coefficients: Coefficients,
+        rule: Callable[..., Autopilot],
+        **arguments: Any,
+    ) -> Self:
+        """Return the schedule that a rule gives, such as `design_gains` or `canonical_gains`.
+
+        Parameters
+        ----------
+        time : array_like
+            Flight times [s], rising, ``(n,)``.
+        coefficients : Coefficients
+            Those of the vehicle at each time, ``(n,)``.
+        rule : callable
+            Any of the functions that return an autopilot from coefficients.
+        **arguments
+            What the rule asks for.
+
+        Examples
+        --------
+        >>> import tvclin as tv
+        >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28, 0.2], mu_delta=[2.0, 2.6, 3.0])
+        >>> rule = {"natural_frequency": 1.0, "damping": 0.7}
+        >>> times = [40.0, 66.0, 90.0]
+        >>> schedule = tv.control.GainSchedule.design(times, c, tv.design_gains, **rule)
+        >>> round(schedule.at(53.0).attitude_gain, 4)
+        0.5212
+        >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()
+        True
+        """
+        callable_for("rule", rule, "from coefficients to an Autopilot, such as design_gains")
+        return cls(finite("time", time, "s"), rule(coefficients, **arguments))
+
+    def at(self, time: ArrayLike) -> Autopilot:
+        """Return the autopilot at a flight time, or at several.
+
+        Raises
+        ------
+        InputError
+            For a time outside the schedule: gains are not extrapolated.
+        """
+        when = finite("time", time, "s")
+        outside = (when < self.time[0]) | (when > self.time[-1])
+        if np.any(outside):
+            raise InputError(
+                f"time must lie in the schedule, {self.time[0]:.6g} to {self.time[-1]:.6g} s;"
+                f" got {when[outside].ravel()[0]:.6g}"
+            )
+        held = {name: getattr(self.autopilot, name) for name in (*GAINS, "delay")}
+        changes: dict[str, Any] = {
+            name: np.interp(when, self.time, np.broadcast_to(values, self.time.shape))
+            for name, values in held.items()
+        }
+        if self.autopilot.actuator is not None and self.autopilot.actuator.batch:
+            raise InputError("an actuator that changes over the flight is not interpolated")
+        return replace(self.autopilot, **changes)
+
+    def margins(self, plants: Plant) -> Margins:
+        """Return the margins at every flight time.
+
+        Parameters
+        ----------
+        plants : Plant
+            The plant at each of the times, ``(n,)``.
+
+        Warns
+        -----
+        UserWarning
+            As `Autopilot.loop`.
+        """
+        loop = self.autopilot.exact_loop(plants)
+        warn_of_feedback(self.autopilot, plants)
+        return loop_margins(loop)

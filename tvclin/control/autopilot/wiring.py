@@ -1,25 +1,61 @@
-"""The loop written down: in state space, and as polynomials around a rigid plant.
+"""The loop of an autopilot around a plant: state space, polynomials, and difference equations.
 
-Both say the same blocks, those of `diagram`; tests hold them to each other.
+All three forms wire the blocks of `LOOP_DIAGRAM`; tests compare them with each other. The sampled
+loop is exact: at t_k = k h the law reads the outputs y_k, and its command reaches the actuator one
+delay later and is held (zero-order hold); vehicle, actuator and sensor lags become
+`LinearSystem.to_steps`. Filters become difference equations by the bilinear rule, each exact at its
+own frequency; the integral is that of the held samples. With z = (1 + w h/2)/(1 - w h/2) the
+sampled L(z) is a rational function of w, with the same values at w = j nu, nu = (2/h) tan(omega
+h/2), so that its margins are computed like those of a continuous loop (Franklin, Powell and
+Workman, Digital Control of Dynamic Systems).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from inspect import cleandoc
+from textwrap import indent
+from typing import Any, TypeVar
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.actuated import actuated
-from tvclin.control.autopilot.actuator import Matrices, pade_delay
+from tvclin.control.autopilot.actuator import Matrices, actuated, pade_delay
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
-from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.numerics import polynomials, state_space
+from tvclin.numerics.state_loop import StateLoop
 from tvclin.vehicle.filters import Filter
+
+_Documented = TypeVar("_Documented", bound=Callable[..., Any])
+
+LOOP_DIAGRAM = """\
+attitude_command                          deflection_disturbance               wind
+       | -                                                    |                  |
+       v     +-----------+                                    |                  v
+ +-->( + )-->| a0 + aI/s |--+                                 |              +-------+
+ |           +-----------+  v     +-------+   +----------+    v              |       |
+ |  +------->|    a1     |>(+)-x->| delay |-->| actuator |-->(+)-deflection->| plant |
+ |  |        +-----------+  ^     +-------+   +----------+                   |       |
+ |  |  +---->|    b0     |--+                                                +-------+
+ |  |  |     +-----------+                                                     | | |
+ |  |  +---------------------------- angle_of_attack --------------------------+ | |
+ |  +------------------------------- attitude_rate ------------------------------+ |
+ +---------------------------------- attitude -------------------------------------+
+
+ x  deflection_command: loop() is broken here, and L is minus what returns"""
+
+
+def with_diagram(documented: _Documented) -> _Documented:
+    """Put the loop diagram where the docstring says LOOP_DIAGRAM."""
+    text = cleandoc(documented.__doc__ or "")
+    documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
+    return documented
+
 
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
@@ -207,3 +243,58 @@ def _engine(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
         return np.ones(1), np.ones(1)
     below = autopilot.actuator.denominator
     return below[..., -1:], below
+
+
+_MOST_PERIODS, _MOST_GROWTH = 25, 50.0
+"""The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
+
+
+def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
+    """Return the loop of an autopilot that has a sample rate.
+
+    `autopilot`: with a sample_rate [Hz]. Its delay is that from the sample to the command at the
+    actuator, up to 25 periods, whole or not. `plant`: one or a batch. `InputError` for a filter
+    whose own frequency is not below half the sample rate, a delay above 25 periods, and a vehicle
+    that grows beyond all bounds in one.
+    """
+    period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
+    sensed = (*plant.sensed, "angle_of_attack")
+    vehicle = actuated(plant, autopilot.actuator).select((COMMAND,), sensed)
+    growth = vehicle.poles.real.max(axis=-1) * period
+    if np.any(growth > _MOST_GROWTH):
+        raise InputError(
+            f"sample_rate = {np.min(1.0 / period):.6g} Hz is too low for a vehicle whose motion"
+            f" grows by e^{np.max(growth):.3g} from one sample to the next"
+        )
+    if np.any(delay / period > _MOST_PERIODS):
+        raise InputError(
+            f"delay must be at most {_MOST_PERIODS} sample periods; got"
+            f" {np.max(delay / period):.6g} (lower sample_rate, or leave it out: so fast a law is"
+            " continuous)"
+        )
+    law = connect(law_of(autopilot, plant, period), sensed, (RETURNED,))
+    batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
+    h, late = (np.broadcast_to(one, batch) for one in (period, delay))
+
+    def steps_later(delays: FloatArray, cases: IndexArray) -> LinearSystem:
+        own, seen = (one.some(cases, batch) for one in (vehicle, law))
+        return own.to_steps(h.ravel()[cases], delays).series(seen)
+
+    def later(delays: FloatArray, cases: IndexArray) -> StateLoop:
+        return _in_plane(steps_later(delays, cases), h.ravel()[cases])
+
+    def closed_later(delays: FloatArray, cases: IndexArray) -> ComplexArray:
+        return steps_later(delays, cases).feedback(RETURNED, COMMAND).poles
+
+    open_loop = _in_plane(vehicle.to_steps(h, late).series(law), h)
+    return SampledLoop(open_loop, batch, h, late, later, closed_later)
+
+
+def _in_plane(steps: LinearSystem, period: FloatArray) -> StateLoop:
+    """The loops in w of what goes round in steps of periods ``(...)``."""
+    found = state_space.from_steps(steps.matrices(), 0.5 * period)
+    A, B, C, D = (
+        np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])
+        for m in found
+    )
+    return StateLoop.balanced(A, B[..., 0], 0.0 - C[:, 0], 0.0 - D[:, 0, 0], np.zeros(len(A)))

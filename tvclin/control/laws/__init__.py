@@ -1,7 +1,7 @@
-"""Laws that say which deflection to ask for; the limits are the flight's.
+"""Control laws of flights: functions from measurements to the commanded deflection.
 
-The files inside: `law` says what a law is; `attitude` (gains), `accelerometer` (gains without a
-vane), `trim` (ideal trim), `dead_band` (the report's control) and `recoverable` (lean as far as one
-can return from) are the laws, `filtered` is any of them with filters, and `estimator` finds the
-wind where the angle of attack is not measured.
+Files: `law` defines a law and adds filters to one; `attitude` (gains), `accelerometer` (gains
+without a vane), `trim` (ideal trim, and the report's dead band) and `recoverable` (attitude within
+the recoverable set) are laws; `estimator` replaces the vane by an observer, `both_planes` flies a
+law in pitch and yaw, and `registry` designs laws by name. Limits belong to the flight.
 """

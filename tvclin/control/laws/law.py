@@ -1,21 +1,20 @@
-"""What a law is: a pure function from what is measured to the deflection asked for.
+"""Control laws: a pure function from measurements to the commanded deflection, and its filters.
 
-A law may have states of its own, which are linear in what is measured (an integral, an observer).
-It holds no memory itself: states are handed to it, so that one law flies a thousand flights at
-once.
+A law may have linear states (an integral, an observer): s' = F s + G m with the measurements m. It
+keeps no memory itself: the flight passes the states in, so that one law flies many flights at once.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
-from tvclin.base.errors import InputError, between
+from tvclin.base.errors import InputError, between, each, instance
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import SEEN
 from tvclin.kernels.control_laws import LawNumbers
@@ -133,3 +132,86 @@ def rate_over_pole(plant: Plant, rate_limit: float) -> float:
     """Return r/(p |B|) [rad]: a rate limit r as an angle, with the fastest unstable pole p."""
     pole = float(seen_coordinates(plant).poles[0])
     return rate_limit / (pole * abs(float(plant.coefficients.B)))
+
+
+@dataclass(frozen=True)
+class FilteredLaw(Law):
+    """Any law, with filters; for flights by samples.
+
+    Parameters
+    ----------
+    law : Law
+        The law, without filters of its own.
+    filters : tuple of Filter
+        Between what the law asks for and the limit, as of an `Autopilot`.
+    attitude_filters, rate_filters : tuple of Filter
+        Between the sensors and the law.
+
+    Raises
+    ------
+    InputError
+        For what is no law or no filter, batches of filters, and a law that has filters already.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> notch = tv.vehicle.Filter.notch(30.0, zero_damping=0.05, pole_damping=0.5)
+    >>> law = tv.control.FilteredLaw(tv.TrimLaw(plant), filters=(notch,))
+    """
+
+    law: Law
+    filters: tuple[Filter, ...] = ()
+    attitude_filters: tuple[Filter, ...] = ()
+    rate_filters: tuple[Filter, ...] = ()
+
+    def __post_init__(self) -> None:
+        instance("law", self.law, Law, "such as TrimLaw")
+        if any(self.law.chains):
+            raise InputError("law has filters already; give all of them to one FilteredLaw")
+        for name in ("filters", "attitude_filters", "rate_filters"):
+            chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
+            if any(one.batch for one in chain):
+                raise InputError(f"{name} must be single filters; a law flies with one of each")
+            object.__setattr__(self, name, chain)
+        for name in ("engage", "release"):
+            object.__setattr__(self, name, getattr(self.law, name))
+
+    _keys = "law attitude_filters rate_filters filters"
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """Those of the law; the flight keeps those of the filters."""
+        return self.law.states
+
+    @property
+    def chains(self) -> Chains:
+        """The filters."""
+        return Chains(self.attitude_filters, self.rate_filters, self.filters)
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """That of the law, which its filters pass."""
+        return self.law.rate_noise
+
+    @property
+    def numbers(self) -> LawNumbers | None:
+        """Those of the law."""
+        return self.law.numbers
+
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
+        """Return what the law asks for [rad], before the filters behind it."""
+        return self.law.demand(measured, states, limit)
+
+
+@dataclass(frozen=True)
+class NoisyLaw(FilteredLaw):
+    """A law with filters and a gyro that is noisy: its noise [rad/s], rms for each sample."""
+
+    noise: float = 0.0
+    seed: int = 0
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """Its own noise."""
+        return self.noise, self.seed

@@ -18,11 +18,9 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.dead_band import DeadBandLaw
-from tvclin.control.laws.filtered import FilteredLaw
-from tvclin.control.laws.law import RATES, Law
+from tvclin.control.laws.law import RATES, FilteredLaw, Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import TrimLaw
+from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import RIGID, Plant
 
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"

@@ -1,4 +1,9 @@
-"""Ideal trim as a feedback."""
+"""Ideal trim as a feedback, and the report's control with a dead band.
+
+Trim cancels the wind's moment, delta = B alpha, and a feedback of the unstable coordinate z keeps
+the attitude. `DeadBandLaw` adds the switch of the report: from K times the limit on, the full
+limit.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import nonnegative, number, small_angle, unlimited
+from tvclin.base.errors import between, nonnegative, number, small_angle, unlimited
 from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
@@ -96,3 +101,54 @@ class TrimLaw(Law):
         """B, and z as parts of attitude, rate and flight path: plain, for the innermost loop."""
         row = seen_coordinates(self.plant).rows[0]
         return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
+
+
+_LETTING_GO = 0.9
+"""Of the dead band, at which the whole limit is let go."""
+
+
+@dataclass(frozen=True)
+class DeadBandLaw(TrimLaw):
+    """The report's control as a feedback: trim inside the dead band, then the whole limit.
+
+    When the deflection asked for reaches K times the limit, the whole limit is used until it has
+    fallen to 0.9 K of the limit: the work is done, and trim and attitude feedback have the nozzle
+    again. It switches on the deflection asked for, so with drift it meets the
+    literal dead band, not that of (18).
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on.
+    gain : float
+        Gain of the feedback on z, over that of trim. One places the poles about where
+        the canonical gains do; with more, the attitude feedback undoes the lean that the dead band
+        is for.
+    dead_band : float
+        K, from 0.01 to one.
+
+    Raises
+    ------
+    InputError
+        As `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on any rounding.
+    """
+
+    gain: float = 1.0
+    dead_band: float = 0.5
+
+    _keys = "model=plant.model gain dead_band"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        K = number("dead_band", self.dead_band, between(0.01, 1.0))
+        object.__setattr__(self, "dead_band", K)
+
+    @property
+    def engage(self) -> float:  # type: ignore[override]
+        """K."""
+        return self.dead_band
+
+    @property
+    def release(self) -> float:  # type: ignore[override]
+        """A little less than K, so that the nozzle does not chatter on the edge."""
+        return _LETTING_GO * self.dead_band

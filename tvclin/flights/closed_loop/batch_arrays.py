@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.control.autopilot.actuated import actuated
+from tvclin.control.autopilot.actuator import actuated
 from tvclin.flights.closed_loop.batch import Batch, places_in
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.law_batch import LawBatch

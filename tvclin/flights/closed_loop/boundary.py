@@ -21,8 +21,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, between, callable_for, nonnegative, number, positive
 from tvclin.boundary.recoverable import unstable_coordinates
-from tvclin.control.autopilot.actuated import check_engine
-from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (

@@ -11,7 +11,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.lines import Line, Table, number, significant
-from tvclin.control.margins.record import margin
+from tvclin.control.margins.margins import margin
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
 

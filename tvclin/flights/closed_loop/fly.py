@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, positive, small_angle, times_row
-from tvclin.control.autopilot.actuated import check_engine
-from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (

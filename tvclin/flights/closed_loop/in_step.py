@@ -9,8 +9,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.boundary.stops import Stop, Vectors
+from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law
-from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.closed_loop.batch import Batch, Hardware
 from tvclin.flights.closed_loop.batch_arrays import flights
 from tvclin.flights.closed_loop.law_batch import law_batch

@@ -22,8 +22,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
-from tvclin.control.autopilot.actuated import check_engine
-from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.flights.closed_loop.afterwards import swings_on
 from tvclin.flights.closed_loop.batch import Batch, Hardware
 from tvclin.flights.closed_loop.checks import (

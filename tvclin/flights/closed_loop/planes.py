@@ -17,8 +17,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law
-from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.closed_loop.batch import Hardware
 from tvclin.flights.closed_loop.checks import (
     check_actuator,

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.control.autopilot.actuated import INPUTS
-from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.actuator import INPUTS, Actuator
 from tvclin.linear.system import LinearSystem, connect, rising
 from tvclin.numerics.state_space import beside
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.control.autopilot.actuated import INPUTS, actuated
-from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.actuator import INPUTS, Actuator, actuated
 from tvclin.flights.closed_loop.batch import Batch
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.flights.closed_loop.sampled import flown

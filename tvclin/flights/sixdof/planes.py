@@ -10,8 +10,8 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.stops import Stop
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law, Measurement
-from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.answer import FARTHEST
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.falls import has_fallen, watched_until

@@ -12,7 +12,7 @@ from math import copysign
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.control.autopilot.actuated import turning
+from tvclin.control.autopilot.actuator import turning
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.control import ONSET, Command

@@ -13,7 +13,7 @@ from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
-from tvclin.control.margins.record import Margins
+from tvclin.control.margins.margins import Margins
 from tvclin.flights.flexible import FATES
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts

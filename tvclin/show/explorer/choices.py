@@ -6,7 +6,7 @@ from typing import Any
 from tvclin.answers.case_need import pulse_of
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.control.autopilot.rules import AutopilotDesign
+from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
 from tvclin.winds.shaped import ShapedWind
 

@@ -15,7 +15,7 @@ from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.stops import STOPS
-from tvclin.control.autopilot.rules import LEAST_NOZZLE, OWN_GAINS, AutopilotDesign
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, OWN_GAINS, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.models import MODELS
 from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_of

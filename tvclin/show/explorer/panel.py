@@ -12,7 +12,7 @@ from tvclin.answers.case_need import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study, vehicle_source
 from tvclin.base.errors import InputError, missing
-from tvclin.control.autopilot.rules import OWN_GAINS
+from tvclin.control.autopilot.design_rules import OWN_GAINS
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.show.explorer import controls as asked
 from tvclin.show.explorer.answer import Answer, answer

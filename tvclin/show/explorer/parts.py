@@ -17,7 +17,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.warned import warned
 from tvclin.control.laws.registry import DEAD_BAND
-from tvclin.control.margins.record import Margins
+from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.many import fly_many
 from tvclin.flights.flexible import NOT_KNOWN

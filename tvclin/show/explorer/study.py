@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import exists, write_new
-from tvclin.control.autopilot.filter_tables import PLACES
+from tvclin.control.autopilot.design_rules import PLACES
 from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.controls import plateau_of
 from tvclin.vehicle.file import vehicle_table

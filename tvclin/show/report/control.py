@@ -7,9 +7,9 @@ from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Line, degrees, number, quantities
-from tvclin.control.comparison.trim import TrimComparison
-from tvclin.control.margins.record import Margins
-from tvclin.control.margins.tables import margin_table
+from tvclin.control.comparison import TrimComparison
+from tvclin.control.margins.criteria import margin_table
+from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.flown_record import flown_table
 from tvclin.linear.plant import Plant

@@ -7,7 +7,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.base.lines import Line, Table, degrees, least, number, significant
-from tvclin.control.margins.tables import band_table
+from tvclin.control.margins.criteria import band_table
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.models import USUAL_MODEL

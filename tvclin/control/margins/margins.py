@@ -1,4 +1,8 @@
-"""The margins of a loop, under names that cannot be misread."""
+"""Stability margins of a loop, under names that cannot be misread.
+
+All follow from L(j omega): gain and phase at its crossings, the disk margin and the peaks of S =
+1/(1 + L) and T = L/(1 + L). The arithmetic is that of `numerics.loop_margins`.
+"""
 
 from __future__ import annotations
 
@@ -264,7 +268,7 @@ def loop_margins(loop: Loop) -> Margins:
     Examples
     --------
     >>> from tvclin.control.margins.loop import Loop
-    >>> from tvclin.control.margins.record import loop_margins
+    >>> from tvclin.control.margins.margins import loop_margins
     >>> m = loop_margins(Loop([1.317 * 1.59, 1.317 * 1.88], [1, 0, -0.228]))
     >>> round(m.phase_margin_deg, 1), round(m.aero_margin_dB, 1), m.gain_increase
     (62.4, 20.7, inf)
