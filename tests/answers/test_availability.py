@@ -15,8 +15,8 @@ from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.availability.met import FlownPath
 from tvclin.answers.availability.needs import _CURVED, needs_of_winds
 from tvclin.answers.availability.tables import flight_tables
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.flights.closed_loop.edges import FINE, LAST_PARTS
 
@@ -88,7 +88,7 @@ def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=Fal
 )
 def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, seed) -> None:
     """`flight_requirement` marches through each wind by itself."""
-    mode = GrowingMode(flight, model, plane, flight.span)
+    mode = FlightMode(flight, model, plane, flight.span)
     tables = flight_tables(mode)
     met = tv.fly_through(profile(seed), flight, azimuth=EAST, plane=plane)
     angle = met.wind.angle
@@ -111,7 +111,7 @@ def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, see
 )
 def test_no_trim_is_above_the_largest_that_counts(flight, model, plane) -> None:
     """Trim by LSODA; between knots what makes it of the wind changes by a tenth at the most."""
-    mode = GrowingMode(flight, model, plane, flight.span)
+    mode = FlightMode(flight, model, plane, flight.span)
     for seed in range(4):
         met = tv.fly_through(profile(seed), flight, azimuth=EAST, plane=plane)
         times = FlownPath.of(flight).finer(met.wind.time[np.newaxis])

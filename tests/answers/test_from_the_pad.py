@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eig
 
 import tvclin as tv
 from tests.small_launcher import sounding, write
 from tests.turns import usual
+from tvclin.answers.sizing import flight_mode
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.study_file.parse import parse_study
 
 EAST = np.radians(90.0)
@@ -24,26 +26,59 @@ def test_a_row_that_stands_still_is_left_out_and_said(flight) -> None:
     assert flight.notes == ("the vehicle does not move before line 2, after which it begins",)
 
 
-def test_the_growing_direction_is_that_of_the_adjoint_equation(flight) -> None:
-    """Also through the first seconds, in which two modes swing together."""
-    mode = GrowingMode(flight, "drift-exact", "pitch", flight.span)
-    start, stop = 4.0, 60.0
-    end, reach = mode.at(stop)
-    order = end.size
+def costates(flight, model, times):
+    """Return costate of length one and control reach at falling times [s], by LSODA."""
+    end = FlightMode(flight, model, "pitch", flight.span).at(flight.span[1])
+    y, t = np.append(*end), flight.span[1]
 
     def rates(t, y):
-        A, inputs = mode.matrices(t)
-        p, _ = y[:-1], y[-1]
-        return np.append(-p @ A, -p @ inputs[:, 0])
+        A, inputs = (x.squeeze() for x in flight.plants(t, model, "pitch").matrices()[:2])
+        return np.append(-y[:-1] @ A, -y[:-1] @ inputs[:, 0])
 
-    found = solve_ivp(
-        rates, (stop, start), [*end, reach], "Radau", rtol=1e-9, atol=1e-12, t_eval=[30, 8, start]
-    ).y
-    for k, t in enumerate((30.0, 8.0, start)):
-        row, held = mode.at(t)
-        length = np.linalg.norm(found[:order, k])
-        assert found[:order, k] / length == pytest.approx(row, abs=1e-6)
-        assert found[order, k] / length == pytest.approx(held, rel=1e-6)
+    for time in times:
+        for knot in [*flight.times[(flight.times > time) & (flight.times < t)][::-1], time]:
+            y = solve_ivp(rates, (t, knot), y, "LSODA", rtol=1e-9, atol=1e-12).y[:, -1]
+            y, t = y / np.linalg.norm(y[:-1]), knot
+        yield y
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
+def test_costate_and_reach_are_those_of_the_adjoint_equation(flight, model) -> None:
+    """Also through the first seconds, in which two modes oscillate together."""
+    part = tv.FlightSchedule(flight.at([4.0, 8.0, 15.0, 30.0, 45.0, 60.0]))
+    mode = FlightMode(part, model, "pitch", part.span)
+    times = (30.0, 8.0, 4.0)
+    for time, exact in zip(times, costates(part, model, times), strict=True):
+        costate, reach = mode.at(time)
+        assert costate == pytest.approx(exact[:-1], abs=1e-6)
+        assert reach == pytest.approx(exact[-1], rel=1e-6)
+
+
+def test_the_march_along_a_flight_is_of_fourth_order(flight, monkeypatch) -> None:
+    """Half the step, a sixteenth of the error, within the third that the next order adds."""
+    part = tv.FlightSchedule(flight.at([20.0, 40.0]))
+    (exact,) = costates(part, "drift-exact", (20.25,))
+    errors = []
+    for step in (0.4, 0.2, 0.1):
+        monkeypatch.setattr(flight_mode, "_STEP", step)
+        costate, reach = FlightMode(part, "drift-exact", "pitch", part.span).at(20.25)
+        errors.append(np.abs(np.append(costate, reach) / exact - 1.0).max())
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 16.0, rtol=1 / 3)
+
+
+def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuration_i) -> None:
+    """Over six hundred time constants, in which the costate falls by more than all numbers."""
+    constant = tv.FlightSchedule(configuration_i.replace(time=[0.0, 1500.0]))
+    mode = FlightMode(constant, "drift-exact", "pitch", constant.span)
+    A, inputs = (x[0] for x in mode.matrices(np.zeros(1)))
+    values, rows = eig(A, left=True, right=False)
+    row = np.real(rows[:, np.argmax(values)])
+    row = row * np.sign(row[1]) / np.linalg.norm(row)
+    for time in (0.0, 700.3, 1500.0):
+        costate, reach = mode.at(time)
+        np.testing.assert_allclose(costate, row, rtol=1e-12, atol=1e-12)
+        assert reach == pytest.approx(row @ inputs[:, 0] / values.real.max(), rel=2e-6)
+        assert mode.growth_rate(time) == pytest.approx(values.real.max(), rel=1e-9)
 
 
 def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None:
@@ -80,7 +115,7 @@ def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
         delta = np.clip(command, -limits, limits)
         rates = x @ A[k].T + np.outer(delta, inputs[k, :, 0]) + wind[k] * inputs[k, :, 1]
         x = x + step * rates
-    row, reach = GrowingMode(flight, "drift-exact", "pitch", flight.span).at(times[-1])
+    row, reach = FlightMode(flight, "drift-exact", "pitch", flight.span).at(times[-1])
     lost = np.abs(x @ row) > limits * abs(reach)
     assert lost.tolist() == [True, False]
 
@@ -126,7 +161,7 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     met = tv.fly_through(sounding(), turned, azimuth=EAST)
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
     assert sized == pytest.approx(found.need[0], rel=1e-3)
-    mode = GrowingMode(turned, "drift-exact", "pitch", turned.span)
+    mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
     steps = flight_steps(mode)
     wind = tv.fly_through(sounding(), turned, azimuth=EAST).wind(steps)
     limits = found.need[0] * np.array([[1.02, 1.2, 2.0]])

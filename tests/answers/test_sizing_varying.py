@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.engines import planar_verdict
 
@@ -170,7 +170,7 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     noise = np.random.default_rng(3).normal(0, 20, height.size)
     profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
     met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
-    mode, vehicle = GrowingMode(flight, model, "pitch", flight.span), flight.at(75.0)
+    mode, vehicle = FlightMode(flight, model, "pitch", flight.span), flight.at(75.0)
     winds = (FlightWind(one(vehicle)) for one in (met, met.to_both_sides))
     need = flight_requirement(mode, next(winds), np.ones(1), next(winds)).required[0]
 
@@ -273,7 +273,7 @@ def test_a_gust_behind_one_from_the_other_side_is_survived_with_what_is_said() -
     wind = tv.SampledWind(time=times, angle=np.array([0.0, -1.0, -1.0, 1.0, 1.0, 0.0]) * 0.05)
     part = tv.SampledWind(time=times, angle=np.maximum(wind.angle, 0.0))
     schedule = tv.FlightSchedule(vehicle.replace(time=[0.0, 40.0]))
-    mode = GrowingMode(schedule, "fixed-path", "pitch", (0.0, 40.0))
+    mode = FlightMode(schedule, "fixed-path", "pitch", (0.0, 40.0))
     said = flight_requirement(mode, FlightWind(part), np.ones(1), FlightWind(wind)).required[0]
     trim = plant.coefficients.B * 0.05
     assert said / trim == pytest.approx(1.0 - np.exp(-0.5), rel=1e-3)

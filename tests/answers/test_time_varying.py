@@ -10,8 +10,8 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.answers import time_varying
 from tvclin.answers.campaign.cases import nominal
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightEquations, FlightWind, flight_requirement
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.time_varying import varying_requirement
 from tvclin.answers.varying_equations import Equations, at_pressure
 from tvclin.kernels import choice
@@ -96,7 +96,7 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
 def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> None:
     """LSODA with the vehicle of each time, from the onset to the end, and the costate there."""
     flight = tv.load_schedule("configuration-i")
-    mode = GrowingMode(flight, model, "pitch", flight.span)
+    mode = FlightMode(flight, model, "pitch", flight.span)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(62.0)
     costate, reach = mode.at(69.5)
 
@@ -283,7 +283,7 @@ def test_the_wind_triangle_is_that_of_its_vectors() -> None:
 
 def test_dead_bands_of_a_wind_of_two_signs_are_not_defined() -> None:
     flight = tv.load_schedule("configuration-i")
-    mode = GrowingMode(flight, "drift-exact", "pitch", flight.span)
+    mode = FlightMode(flight, "drift-exact", "pitch", flight.span)
     time = np.array([60.0, 62.0, 64.0, 66.0])
     wind = tv.SampledWind(time=time, angle=np.array([0.0, 0.02, -0.02, 0.0]))
     found = flight_requirement(mode, FlightWind(wind), np.array([1.0, 0.5]))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.answers.availability.met import on_lines
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 
 _LEAST, _MOST, _LOOKS = 0.5, 1.2, 24
@@ -29,7 +29,7 @@ class PlaneFlights:
     `bound` is the largest min(trim, demand) [rad], ``(r,)``.
     """
 
-    mode: GrowingMode
+    mode: FlightMode
     winds: Sequence[tuple[FloatArray, FloatArray]]
     bound: FloatArray
 

@@ -19,8 +19,8 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines
 from tvclin.answers.availability.sides import Sides, at_most, flown_needs, in_air
 from tvclin.answers.availability.tables import FlightTables, flight_tables
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightEquations
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.time_varying import even_steps
 from tvclin.answers.varying_equations import Equations
 from tvclin.ascent.schedule import FlightSchedule
@@ -113,7 +113,7 @@ class Judge:
     ) -> Judge:
         """Return that of a flight; what is not known will be as strong as in the archive.
 
-        `InputError` as `GrowingMode` and `FlownPath`.
+        `InputError` as `FlightMode` and `FlownPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlownPath.of(flight)
         known = KnownWinds.of(soundings[soundings.usable], path)
@@ -323,8 +323,8 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
     """Return the parts of a flight, kept for the next question about it."""
     found = []
     for part in flight.parts:
-        every = {plane: GrowingMode(part, model, plane, part.span) for plane in planes}
-        grow = {plane: mode for plane, mode in every.items() if mode.grows}
+        every = {plane: FlightMode(part, model, plane, part.span) for plane in planes}
+        grow = {plane: mode for plane, mode in every.items() if mode.unstable}
         flights = {plane: FlightEquations(mode) for plane, mode in grow.items()}
         steps = {plane: even_steps(one, part.span) for plane, one in flights.items()}
         found.append(

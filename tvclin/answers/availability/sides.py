@@ -11,8 +11,8 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, Winds, on_lines, with_gust
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.time_varying import curves
 from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import FloatArray
@@ -151,7 +151,7 @@ def _limit_and_trim(
 
 
 def flown_needs(
-    mode: GrowingMode, times: FloatArray, angle: FloatArray, need: FloatArray
+    mode: FlightMode, times: FloatArray, angle: FloatArray, need: FloatArray
 ) -> FloatArray:
     """Return needs ``(3, n)`` in wind angles [rad], flown where they differ."""
     doubted = at_most(need) > need[0]

@@ -1,6 +1,6 @@
 """The needs of a flight in any wind, integrated once: a wind is a sum over its straight lines.
 
-With p = m l of `GrowingMode`, m' = -mu m, the wind still to come at the time a is
+With p = m l of `FlightMode`, m' = -mu m, the wind still to come at the time a is
 
     m(a) future(a) = U(a) = integral from a on of m (l.w) alpha_w dt,
 
@@ -21,8 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.answers.sizing.collocation import solved
-from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.trim_flown import path_counts
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.limit import leading_pole
@@ -48,7 +47,7 @@ class FlightTables:
     step: float
     rows: FloatArray
     order: int
-    mode: GrowingMode
+    mode: FlightMode
 
     def at(self, times: FloatArray) -> TableRows:
         """Return the rows at times [s] within the flight, straight lines between them."""
@@ -103,13 +102,13 @@ class TableRows:
         return np.asarray(self.rows[..., -1] > 0.0)
 
 
-def flight_tables(mode: GrowingMode) -> FlightTables:
+def flight_tables(mode: FlightMode) -> FlightTables:
     """Return the tables of a flight, in which the air turns the vehicle to one side alone.
 
     `InputError` for a vehicle without a real unstable pole.
     """
     start, stop = mode.span
-    fastest = float(np.max(mode.rate(np.linspace(start, stop, 1000))))
+    fastest = float(np.max(mode.growth_rate(np.linspace(start, stop, 1000))))
     count = max(math.ceil((stop - start) * fastest / _STEP), 2)
     times = np.linspace(start, stop, count + 1)
     step = (stop - start) / count
@@ -119,7 +118,7 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
     side = float(np.sign(trim[np.argmax(np.abs(trim))]))
     looks = np.linspace(start, stop, _LOOKS)
     held = mode.schedule.plants(looks, mode.model, mode.plane)
-    growth = np.exp(_from_the_end(mode.rate(times), step))
+    growth = np.exp(_from_the_end(mode.growth_rate(times), step))
     driven = np.asarray(np.einsum("jt,tj->t", row, inputs[:, :, 1]), dtype=float)
     ahead = _from_the_end(growth * driven, step)
     Psi = _path_under_trim(mode, times)
@@ -140,15 +139,19 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
     return FlightTables(start, step, np.concatenate(columns, axis=-1), Psi.shape[-1], mode)
 
 
-def _path_under_trim(mode: GrowingMode, times: FloatArray) -> FloatArray:
-    """Psi at times [s], ``(n, order, order)``."""
+def _path_under_trim(mode: FlightMode, times: FloatArray) -> FloatArray:
+    """Psi at times [s], ``(n, order, order)``, by Runge and Kutta's rule of fifth order."""
+    from scipy.integrate import solve_ivp
+
     order = mode.matrices(times[0])[0].shape[-1] - 2
+    if not order:
+        return np.zeros((times.size, 0, 0))
 
-    def rates(t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        F, _ = mode.under_trim(t)
-        return F, np.zeros_like(F)
+    def rates(t: float, Psi: FloatArray) -> FloatArray:
+        return np.ravel(mode.under_trim(t)[0] @ Psi.reshape(order, order))
 
-    return np.asarray(solved(rates, mode.steps, np.eye(order))(times))
+    found = solve_ivp(rates, mode.span, np.eye(order).ravel(), t_eval=times, rtol=1e-8, atol=1e-10)
+    return np.asarray(found.y.T).reshape(-1, order, order)
 
 
 def _from_the_start(values: FloatArray, step: float) -> FloatArray:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tvclin.answers.case import FROZEN, SIGNS, Case
 from tvclin.answers.encountered import CROSS
 from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
-from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
 from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
@@ -254,13 +254,13 @@ class SizingAsked:
 
         return by_direction(found, len(pulses), at, self._mode(case, found))
 
-    def _mode(self, case: Case, found: Sizing) -> GrowingMode | None:
+    def _mode(self, case: Case, found: Sizing) -> FlightMode | None:
         """The flight over the schedule and all winds, where parameters vary in one plane."""
         if case.nozzle.stop is not None or not base_of(found).endswith(VARYING):
             return None
         first, last = self.schedule.span
         span = np.nanmin([first, *found.begins.flat]), np.nanmax([last, *found.ends.flat])
-        return GrowingMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
+        return FlightMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
 
     def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""

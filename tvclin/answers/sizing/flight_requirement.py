@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.time_varying import varying_requirement
 from tvclin.answers.trim_flown import path_counts
 from tvclin.answers.varying_equations import PRESSURES, Equations, at_pressure, of_pressure
@@ -32,12 +32,12 @@ class FlightEquations:
     end of a wind is that of the rest of the flight.
     """
 
-    mode: GrowingMode
+    mode: FlightMode
 
     @property
     def fastest(self) -> FloatArray:
         """Largest rate [1/s] of the attitude over the flight, ``(1,)``."""
-        return np.array([self.mode.quickest])
+        return np.array([self.mode.fastest])
 
     @property
     def breakpoints(self) -> FloatArray:
@@ -47,7 +47,7 @@ class FlightEquations:
     def over(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``."""
         flight, mode = self.mode.schedule, self.mode
-        inside = np.minimum(times.ravel(), mode.bends[-1])
+        inside = np.minimum(times.ravel(), mode.last_unstable)
         plants = [
             replace(flight, vehicle=at_pressure(flight.vehicle, r)).plants(
                 inside, mode.model, mode.plane
@@ -137,13 +137,13 @@ class FlightRequirement:
 
 
 def flight_requirement(
-    mode: GrowingMode, wind: FlightWind, dead_bands: FloatArray, whole: FlightWind | None = None
+    mode: FlightMode, wind: FlightWind, dead_bands: FloatArray, whole: FlightWind | None = None
 ) -> FlightRequirement:
     """Return the deflections that a wind requires of a vehicle along its flight.
 
     Parameters
     ----------
-    mode : GrowingMode
+    mode : FlightMode
         The flight, with a span that covers the wind.
     wind : FlightWind
         One wind that ends.
@@ -171,7 +171,7 @@ def flight_requirement(
 
 
 def requirement_of_parts(
-    mode: GrowingMode, wind: FlightWind | EncounteredWind, dead_band: float
+    mode: FlightMode, wind: FlightWind | EncounteredWind, dead_band: float
 ) -> tuple[float, float, float]:
     """Return required deflection and minimum [rad], and the exit time [s], of parts of a flight.
 
@@ -185,9 +185,9 @@ def requirement_of_parts(
         parts, ends = (mode.schedule,), list(mode.span)
     required, minimum, time = 0.0, 0.0, np.nan
     for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
-        inside = mode if whole else GrowingMode(part, mode.model, mode.plane, (start, stop))
+        inside = mode if whole else FlightMode(part, mode.model, mode.plane, (start, stop))
         blows = wind if whole else wind.between(start, stop)
-        if inside.grows and not blows.calm:
+        if inside.unstable and not blows.calm:
             found = varying_requirement(FlightEquations(inside), blows, dead_band)
             if not (np.isnan(required) or found.required[0] <= required):
                 required, time = float(found.required[0]), float(found.time[0])

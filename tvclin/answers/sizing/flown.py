@@ -2,7 +2,7 @@
 
     delta = -(A_2.x + w_2 alpha_w + gain mu_alpha z)/b_2,    z = theta + theta' l_2/l_1,
 
-within the limit, for x' = A x + b delta + w alpha_w and the row l of `GrowingMode`: the moment is
+within the limit, for x' = A x + b delta + w alpha_w and the row l of `FlightMode`: the moment is
 trimmed, and the growing part of the attitude brought back. Where parameters change so fast that
 l_2/l_1 is not of the size of 1/sqrt(mu_alpha), it counts as three times that at the most. Many
 winds and limits at once, by Heun's rule.
@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.flights.closed_loop.edges import edges_above_losses
 
@@ -33,20 +33,20 @@ _TINY = 1e-12
 """A limit [rad] in place of none."""
 
 
-def flight_steps(mode: GrowingMode, wind: tuple[float, float] | None = None) -> FloatArray:
+def flight_steps(mode: FlightMode, wind: tuple[float, float] | None = None) -> FloatArray:
     """Return the times [s] of a flight at which `trim_law_needs` asks for winds, ``(t,)``.
 
     Those of all of it, or from the onset of a wind to a while after its end.
     """
     start, stop = mode.span
-    fastest = float(np.max(mode.rate(np.linspace(start, stop, 200))))
+    fastest = float(np.max(mode.growth_rate(np.linspace(start, stop, 200))))
     if wind is not None:
         start, stop = max(start, wind[0]), min(stop, wind[1] + _AFTER / fastest)
     return np.linspace(start, stop, max(math.ceil((stop - start) * fastest / _STEP), 2) + 1)
 
 
 def trim_law_needs(
-    mode: GrowingMode, times: FloatArray, winds: FloatArray, expected: ArrayLike
+    mode: FlightMode, times: FloatArray, winds: FloatArray, expected: ArrayLike
 ) -> FloatArray:
     """Return the least limits [rad] above which all that are tried survive, ``(r,)``.
 
@@ -63,7 +63,7 @@ def trim_law_needs(
 
 
 def trim_law_lost(
-    mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
+    mode: FlightMode, times: FloatArray, winds: FloatArray, limits: FloatArray
 ) -> BoolArray:
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
     A, inputs = mode.matrices(times)
@@ -94,7 +94,7 @@ def trim_law_lost(
     return np.asarray(np.abs(np.tensordot(row[:, -1], x, 1)) > limits * abs(reach[-1]))
 
 
-def _largest_trim(mode: GrowingMode, times: FloatArray, winds: FloatArray) -> FloatArray:
+def _largest_trim(mode: FlightMode, times: FloatArray, winds: FloatArray) -> FloatArray:
     """The largest deflection of ideal trim [rad], with what drift adds or relieves, ``(r,)``."""
     A, inputs = mode.matrices(times)
     x, most = np.zeros((winds.shape[0], A.shape[-1] - 2)), np.zeros(winds.shape[0])

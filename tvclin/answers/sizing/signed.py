@@ -10,8 +10,8 @@ import numpy as np
 from tvclin.answers.case import Case
 from tvclin.answers.case_need import CaseNeed, case_need
 from tvclin.answers.encountered import encountered_wind
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import requirement_of_parts
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
@@ -28,7 +28,7 @@ def base_of(found: Sizing) -> str:
 
 
 def by_direction(
-    found: Sizing, pulses: int, case_at: Callable[[float, int], Case], mode: GrowingMode | None
+    found: Sizing, pulses: int, case_at: Callable[[float, int], Case], mode: FlightMode | None
 ) -> Sizing:
     """Return a sizing with what its first winds require at the dynamic pressure encountered.
 
@@ -43,7 +43,7 @@ def by_direction(
         How many winds these are.
     case_at : callable
         From a flight time [s] and the number of a pulse to its case.
-    mode : GrowingMode or None
+    mode : FlightMode or None
         The flight, where parameters vary.
     """
     unknown, why, K = np.zeros(found.known.shape, dtype=bool), "", float(found.dead_bands[0])
@@ -73,7 +73,7 @@ def by_direction(
     return replace(found, unsigned=unknown, notes=(*found.notes, said))
 
 
-def _along(mode: GrowingMode, need: CaseNeed, direction: str, begins: float) -> float:
+def _along(mode: FlightMode, need: CaseNeed, direction: str, begins: float) -> float:
     """The required deflection [rad] along the flight of a pulse that begins at a time [s]."""
     vehicle = whole_vehicle(need.vehicle, "the dynamic pressure encountered").rigid
     wind = encountered_wind(need.placed, vehicle, need.plane, direction)

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.concurrent import concurrent_trim
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import (
     FlightRequirement,
     FlightWind,
     flight_requirement,
 )
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
-from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.notes import doubtful_winds, flight_times, notes_of, unknown_rows
 from tvclin.answers.sizing.placing import (
     PlacedWind,
@@ -200,7 +200,7 @@ def _sized(
     said, arises = _said(asked.times, needs), {}
     if varying is not False:
         try:
-            mode = _growing(schedule, model, plane, placed)
+            mode = _flight_mode(schedule, model, plane, placed)
             along = _along(mode, placed, bands, told)
             required |= {f"{name}{VARYING}": one for name, one in _columns(along, bands).items()}
             arises = _arises(placed, along, bands)
@@ -272,17 +272,17 @@ def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
     return []
 
 
-def _growing(
+def _flight_mode(
     schedule: FlightSchedule, model: str, plane: str, placed: list[list[PlacedWind]]
-) -> GrowingMode:
-    """The growing direction over the schedule and all winds."""
+) -> FlightMode:
+    """Return the unstable mode over the schedule and all winds."""
     spans = [schedule.span, *(w.span for row in placed for w in row if not w.calm)]
     first, last = (f(x) for f, x in zip((min, max), zip(*spans, strict=True), strict=True))
-    return GrowingMode(schedule, model, plane, (first, last))
+    return FlightMode(schedule, model, plane, (first, last))
 
 
 def _along(
-    mode: GrowingMode,
+    mode: FlightMode,
     placed: list[list[PlacedWind]],
     bands: FloatArray,
     told: Callable[[FlightRequirement], FlightRequirement],
