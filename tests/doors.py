@@ -723,6 +723,10 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "PairGrowth": Door(tv.answers.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
         "RectangularWind": Door(tv.RectangularWind, pulse),
+        "Requirement": Door(
+            tv.answers.Requirement,
+            {"quantity": "dead band", "dead_band": 0.5, "varying": True, "direction": "head"},
+        ),
         "ReportControl": Door(tv.flights.ReportControl, {"dead_band": 0.5}),
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),

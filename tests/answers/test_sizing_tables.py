@@ -88,7 +88,7 @@ def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
 def test_of_one_wind_the_worst_is_that_wind(answers):
     _, _, sizing, _ = answers
     worst, only = (tables.over_time(sizing, "K = 1", wind) for wind in (None, 0))
-    width = len([name for name in sizing.required if "varying" not in name])
+    width = len([one for one in sizing.required if not one.varying])
     for both in zip(worst, only, strict=True):
         first, second = ([texts(row)[:width] for row in one.rows] for one in both)
         assert first == second

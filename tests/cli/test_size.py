@@ -51,8 +51,8 @@ def test_json_equals_the_library() -> None:
 
     times = [60.0, 70.0, 80.0]
     found = tv.size(schedule, {"w": met}, times=times, dead_bands=1.0)
-    counted = "K = 1, varying, head wind"
-    needs = np.radians(document["required_deg"][counted])
+    counted = tv.answers.Requirement(varying=True, direction="head")
+    needs = np.radians(document["required_deg"][counted.label])
     pulse = tv.ShapedWind("triangular", 0.05, 7.5)
     studies = [
         tv.Study.of(tv.Case(vehicle=v, wind=pulse.of_speed(60.0, v, "pitch"), sign="head"))
@@ -70,7 +70,7 @@ def test_json_equals_the_library() -> None:
         limit=np.radians(0.4),
     )
     for name, values in found.required.items():
-        assert document["required_deg"][name] == np.degrees(values).tolist()
+        assert document["required_deg"][name.label] == np.degrees(values).tolist()
     assert document["total"]["total_deg"] == pytest.approx(np.degrees(total.total), rel=1e-12)
     assert document["verdict"]["sufficient"] is total.sufficient
     assert result.exit_code == (0 if total.sufficient else 1)
@@ -130,9 +130,9 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
-    for name, values in expected.required.items():
+    for one, values in expected.required.items():
         np.testing.assert_allclose(
-            document["required_deg"][name], np.degrees(values), rtol=1e-9, err_msg=name
+            document["required_deg"][one.label], np.degrees(values), rtol=1e-9, err_msg=one.label
         )
     assert any("geopotential heights made geometric" in note for note in document["notes"])
     side = ("--to", "60", "--plane", "yaw", "--json")

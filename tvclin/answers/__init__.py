@@ -4,8 +4,8 @@
   a `Study`, or with dispersions `disperse_study`.
 - Files: `load_study`, `load_sizing`, `load_campaign`; as records `StudyPlan`,
   `SizingAsked`, `SoundingAsked`, `AvailabilityAsked`, `LawsAsked`, `Document`.
-- A flight: its `size`, the `DeflectionTotal` of `total_deflection`, `worst_total`, and the
-  `ControllabilityRatio` of `controllability_ratio`.
+- A flight: its `size`, with numbers by `Requirement`, the `DeflectionTotal` of `total_deflection`,
+  `worst_total`, and the `ControllabilityRatio` of `controllability_ratio`.
 - Days of an archive: `tvclin.availability`; what the wind may become: `PairGrowth`, `WindGrowth`.
 - Many cases: `Campaign` of `Dispersion` and `Dispersions`; `run_campaign`, `open_campaign`,
   `resume_campaign`.

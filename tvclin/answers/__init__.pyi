@@ -31,6 +31,7 @@ from .nozzle_cards.card import NozzleCard as NozzleCard
 from .nozzle_cards.card import nozzle_card as nozzle_card
 from .nozzle_cards.record import FlightCard as FlightCard
 from .nozzle_cards.whole import flight_card as flight_card
+from .quantity import Requirement as Requirement
 from .requirement import RequiredDeflection as RequiredDeflection
 from .requirement import is_sufficient as is_sufficient
 from .requirement import required_deflection as required_deflection

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 SIGNS = {"head": -1.0, "tail": 1.0}
 """Of the wind angle in the pitch plane."""
+CROSS = "cross"
+"""A wind across the path."""
+DIRECTIONS = (*SIGNS, CROSS)
+"""Directions of a wind, on which the dynamic pressure encountered depends."""
 FROZEN = "frozen"
 """The dynamic pressure of calm air, for either sign."""
 ANY_NOZZLE = Nozzle()

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case import FROZEN, SIGNS, Case
+from tvclin.answers.case import CROSS, FROZEN, SIGNS, Case
 from tvclin.answers.time_varying import (
     VaryingRequirement,
     batch_requirements,
@@ -30,9 +30,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 from tvclin.winds.wind_angles import EncounteredWind, along_and_across, angles_of_vector
-
-CROSS = "cross"
-"""A wind across the path; the others are `SIGNS`."""
 
 
 def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:

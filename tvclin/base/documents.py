@@ -46,7 +46,7 @@ def picked(record: Any, keys: str) -> dict[str, Any]:
             value = _degrees(value)
         elif name.endswith("_dB") and not path.endswith("_dB"):
             value = decibels(value)
-        found[name] = value
+        found[name] = {str(k): v for k, v in value.items()} if isinstance(value, dict) else value
     return found
 
 

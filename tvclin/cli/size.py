@@ -10,6 +10,7 @@ import typer
 
 from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
 from tvclin.answers.case import FROZEN
+from tvclin.answers.quantity import DEAD_BAND, Requirement
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.asked_winds import SoundingAsked
@@ -221,7 +222,7 @@ def _print(
     total: DeflectionTotal,
     ratio: ControllabilityRatio | None,
     source: str,
-    counted: str,
+    counted: Requirement,
     said: list[str],
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
@@ -236,7 +237,7 @@ def _print(
     if 1 < len(found.winds) <= _COLUMNS:
         print_tables(*tables.each_wind(found, counted))
     say(f"{tables.legend(found)}\n")
-    print_tables(total_table(total, counted))
+    print_tables(total_table(total, counted.label))
     say_lines(total.verdict)
     if ratio is not None:
         print_tables(ratio.table)
@@ -294,16 +295,14 @@ def flight_asked(
 
 def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted(found, case.sign)
-    band = counted.split(",")[0]
-    if band not in bands or counted not in found.worst:
+    if counted.quantity != DEAD_BAND or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
     worst, pulses = found.worst[counted], asked.pulses(case)
     at = found.winds.index(worst.wind)
     if at >= len(pulses):
         met, vehicle = asked.winds(case)[worst.wind], asked.schedule.at(worst.time)
         assert isinstance(met, MeasuredWind | MeasuredPlanes)
-        return part_in_a_wind(vehicle, met(vehicle), case, bands[band])
-    nominal = Study.of(asked.at(case, worst.time, pulses[at]), bands[band])
+        return part_in_a_wind(vehicle, met(vehicle), case, counted.dead_band)
+    nominal = Study.of(asked.at(case, worst.time, pulses[at]), counted.dead_band)
     return disperse_study(nominal).part

@@ -1,10 +1,12 @@
 """Required deflection against flight time, in the worst wind of each."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.answers.sizing.record import IN_A, MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
+from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
+from tvclin.answers.sizing.record import Sizing
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 _LIMIT = "available limit"
-_MARKS = {IN_A["head"]: "^", IN_A["tail"]: "v", IN_A["cross"]: "x"}
+_MARKS = {"head": "^", "tail": "v", "cross": "x"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 
@@ -42,7 +44,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    rows = {name: np.degrees(sizing.at_times(name))[order] for name in sizing.required}
+    rows = {one.label: np.degrees(sizing.at_times(one))[order] for one in sizing.required}
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
@@ -59,17 +61,16 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:
     """A colour for each requirement, the same for frozen and varying parameters."""
-    bands = [f"K = {K:g}" for K in sizing.dead_bands]
+    bands = [Requirement(dead_band=K) for K in sizing.dead_bands]
     colours = dict(zip([TRIM, NO_FORECAST, MINIMUM, *bands], (INK, *cycle(_COLOURS)), strict=False))
     lines = dict(zip([TRIM, *bands, NO_FORECAST, MINIMUM], cycle(LINES), strict=False))
     styles: dict[str, Style] = {}
-    for name in sizing.required:
-        if ending := next((one for one in _MARKS if name.endswith(one)), ""):
-            marker, colour = _MARKS[ending], colours[bands[0]]
-            styles[name] = {"ls": "", "marker": marker, "ms": 4.5, "color": colour}
-            continue
-        kind = name.removesuffix(VARYING)
-        styles[name] = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
-        if name != kind:
-            styles[name] |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
+    for one in sizing.required:
+        kind = replace(one, varying=False, direction="")
+        style: Style = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
+        if one.direction:
+            style = {"ls": "", "marker": _MARKS[one.direction], "ms": 4.5, "color": colours[kind]}
+        elif one.varying:
+            style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
+        styles[one.label] = style
     return styles

@@ -45,7 +45,8 @@ class CardPoint(Shown):
     what became of the flight, as of `fly_many`, empty where nothing is flown, and `why` the reason
     where it cannot be judged; `card` is None then, and where it is lost. `said` is of the design of
     the law. `alone` is travel [rad] and energy [J] of the flight beside what
-    noise takes by itself, `quiet` that [rad/s, W].
+    noise takes by itself, `quiet` that [rad/s, W]. `direction`, head or tail, is that of a pulse
+    whose dynamic pressure depends on it.
     """
 
     time: float
@@ -60,6 +61,7 @@ class CardPoint(Shown):
     said: tuple[str, ...] = ()
     alone: FloatArray = field(default_factory=lambda: np.zeros(2))
     quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
+    direction: str = ""
 
     @property
     def least_rate(self) -> float:

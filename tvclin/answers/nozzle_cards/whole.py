@@ -23,10 +23,10 @@ from tvclin.answers.nozzle_cards.record import CardPoint, Duty, FlightCard
 from tvclin.answers.nozzle_cards.unjudged import flight_reason, unjudged_flights, unknown_winds
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
+from tvclin.answers.quantity import in_wind
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.notes import doubtful_winds
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, angle_at, place_in
-from tvclin.answers.sizing.record import IN_A
 from tvclin.answers.varying_equations import at_pressure
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
@@ -204,8 +204,9 @@ class _Flying:
                 yield CardPoint(time, name, plane, limits[plane])
                 continue
             share = self.edges[i : i + 2] if measured else None
-            for called, met, history in self._met(name, vehicle, one, placed, share, signed):
-                point = CardPoint(time, called, plane, limits[plane])
+            for direction, met, history in self._met(vehicle, one, placed, share, signed):
+                wind = f"{name}{in_wind(direction)}"
+                point = CardPoint(time, wind, plane, limits[plane], direction=direction)
                 yield self._flown(point, met, history, share)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
@@ -223,31 +224,33 @@ class _Flying:
 
     def _met(
         self,
-        name: str,
         vehicle: Vehicle,
         placed: PlacedWind,
         planes: dict[str, PlacedWind],
         share: FloatArray | None,
         signed: bool,
     ) -> Iterator[tuple[str, Vehicle, History]]:
-        """Yield a wind by its sign, and the vehicle in the largest dynamic pressure met in it."""
+        """Yield the direction of a wind, the vehicle in its largest dynamic pressure, and the wind.
+
+        The direction is empty for winds that are known to have one alone.
+        """
         wind, asked = (placed.whole or placed.history).shift(placed.zero), self.case.sign
         along, angle = planes.get("pitch"), np.zeros(())
         if share is not None:  # a measured wind, which knows its own unless it is frozen
             ratio = 1.0 if placed.pressure is None else _largest(*placed.pressure, share)
-            yield name, at_pressure(vehicle, ratio), wind
+            yield "", at_pressure(vehicle, ratio), wind
             return
         if along is not None and not along.calm and asked != FROZEN:
             angle = np.asarray(along.history.peak)
         ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
         if not angle or np.isnan(ratio):
-            yield name, vehicle, wind
+            yield "", vehicle, wind
         elif not signed:  # it has a direction
-            yield name, at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
+            yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
         else:
             for sign in SIGNS if asked is None else (asked,):
                 met = at_pressure(vehicle, ratio) if sign == "head" else vehicle
-                yield f"{name}{IN_A[sign]}", met, wind * float(SIGNS[sign] * np.sign(angle))
+                yield sign, met, wind * float(SIGNS[sign] * np.sign(angle))
 
     def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:
         """A point with its flight."""
@@ -359,7 +362,7 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
                 else "; the vehicle meets the largest dynamic pressure there"
             )
         )
-    if any(IN_A["head"] in one.wind for one in points):
+    if any(one.direction == "head" for one in points):
         yield (
             "a head wind meets the vehicle with the dynamic pressure of its peak throughout, a tail"
             " wind with that of calm air"

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.case import FROZEN, SIGNS, Case
-from tvclin.answers.encountered import CROSS
+from tvclin.answers.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
+from tvclin.answers.quantity import TRIM, Requirement, requirement_among
 from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
-from tvclin.answers.sizing.record import IN_A, TRIM, VARYING, Sizing
+from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.signed import base_of, by_direction
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import worst_total
@@ -147,7 +147,7 @@ class SizingAsked:
         if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
 
-    def counted(self, found: Sizing, sign: str | None = None) -> str:
+    def counted(self, found: Sizing, sign: str | None = None) -> Requirement:
         """Return the requirement that counts as the wind's, where none is named.
 
         That of the largest dead band; with varying parameters if these are known wherever frozen
@@ -155,14 +155,16 @@ class SizingAsked:
         Where none is, in the one of the possible directions that requires most.
         """
         if self.count is not None:
-            return one_of("count", self.count, found.required)
+            return requirement_among("count", self.count, found.required)
         instance("found", found, Sizing, "see sizing()")
         if sign is not None:
             one_of("sign", sign, (*SIGNS, FROZEN))
-        name = base_of(found)
-        endings = IN_A.values() if sign is None else [IN_A[x] for x in (sign, CROSS) if x in IN_A]
-        known = [name + x for x in (() if sign == FROZEN else endings) if name + x in found.worst]
-        return max(known, key=lambda one: found.worst[one].deflection, default=name)
+        base, worst = base_of(found), found.worst
+        if sign == FROZEN:
+            return base
+        directions = DIRECTIONS if sign is None else (sign, CROSS)
+        known = [one for one in (replace(base, direction=x) for x in directions) if one in worst]
+        return max(known, key=lambda one: worst[one].deflection, default=base)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
         """Return the winds whose peak meets each flight time, with the gust of the case."""
@@ -242,10 +244,10 @@ class SizingAsked:
             stop=case.nozzle.stop or "round",
             progress=progress,
         )
-        if self.soundings and f"K = {found.dead_bands[0]:g}{VARYING}" in found.required:
+        if self.soundings and any(one.varying for one in found.required):
             air = "of calm air" if case.sign == FROZEN else "that the wind makes"
             names = ", ".join(self.soundings)
-            said = f"each K{VARYING} counts the dynamic pressure {air} in {names}"
+            said = f"each K, varying counts the dynamic pressure {air} in {names}"
             found = replace(found, notes=(*found.notes, said))
         pulses = self.pulses(case)
 
@@ -256,7 +258,7 @@ class SizingAsked:
 
     def _mode(self, case: Case, found: Sizing) -> FlightMode | None:
         """The flight over the schedule and all winds, where parameters vary in one plane."""
-        if case.nozzle.stop is not None or not base_of(found).endswith(VARYING):
+        if case.nozzle.stop is not None or not base_of(found).varying:
             return None
         first, last = self.schedule.span
         span = np.nanmin([first, *found.begins.flat]), np.nanmax([last, *found.ends.flat])

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from tvclin.answers.planes import VectorNeed, rectangle, vector_need
+from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.answers.sizing.placing import PlacedWind
-from tvclin.answers.sizing.record import (
-    MINIMUM,
-    NO_FORECAST,
-    TRIM,
-    VARYING,
-    Sizing,
-    beyond_one_pole,
-)
+from tvclin.answers.sizing.record import Sizing, beyond_one_pole
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.stops import Stop
 from tvclin.linear.models import ONE_POLE
@@ -73,7 +68,7 @@ def in_both_planes(
     )
 
 
-def _arises(pitch: Sizing, yaw: Sizing, name: str) -> FloatArray:
+def _arises(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
     """When a number of a fixed wind arises [s]: in the plane that needs more, ``(m,)``."""
     times = [one.arising(name) for one in (pitch, yaw)]
     sizes = [np.nanmax(one.required[name], axis=0, initial=0.0) for one in (pitch, yaw)]
@@ -86,9 +81,9 @@ def _required(
     yaw: Sizing,
     needs: list[list[VectorNeed]],
     stop: Stop,
-    arises: dict[str, FloatArray],
-) -> tuple[dict[str, FloatArray], BoolArray]:
-    """What both planes require, by names, and where the vector asks for more than each by itself.
+    arises: dict[Requirement, FloatArray],
+) -> tuple[dict[Requirement, FloatArray], BoolArray]:
+    """What both planes require, and where the vector asks for more than each by itself.
 
     Of the trim, the minimum and the bound without a forecast the larger of both planes counts, of
     dead bands the corner of both; and what the vector of the wind asks for, if that is more.
@@ -105,10 +100,10 @@ def _required(
     required[MINIMUM] = _larger(alone[MINIMUM], needs, lambda one: one.minimum)
     if pitch.law == "bound":
         required[NO_FORECAST] = _larger(alone[NO_FORECAST], needs, lambda one: one.no_forecast)
-    names = [f"K = {K:g}" for K in pitch.dead_bands]
+    names = [Requirement(dead_band=K) for K in pitch.dead_bands]
     for k, name in enumerate(names):
         required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
-        if (along := f"{name}{VARYING}") in held:  # what the vector asks for beyond the planes
+        if (along := replace(name, varying=True)) in held:  # what the vector asks for besides
             beyond_planes = np.divide(
                 required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
             )

@@ -106,10 +106,10 @@ def _at_the_ends(found: Sizing) -> list[str]:
     """What is largest at the first or the last flight time, and may be larger beyond it."""
     order = np.argsort(found.times)
     ends: dict[str, list[str]] = {}
-    for name in found.required:
-        if ", " in name:  # as the same with frozen parameters in calm air
+    for requirement in found.required:
+        if requirement.varying or requirement.direction:  # as with frozen ones at nominal pressure
             continue
-        values = found.at_times(name)[order]
+        name, values = requirement.label, found.at_times(requirement)[order]
         times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:
             continue

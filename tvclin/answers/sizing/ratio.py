@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.sizing.record import TRIM, Sizing
+from tvclin.answers.quantity import TRIM
+from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.total import SAME, flight_end, total_deflection
 from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, at_time, rows_of
 from tvclin.answers.sizing.total_record import Line as Part

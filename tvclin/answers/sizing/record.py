@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.encountered import CROSS
 from tvclin.answers.planes import missing_part
+from tvclin.answers.quantity import Requirement, requirement_among
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown, table
@@ -25,11 +25,6 @@ if TYPE_CHECKING:
 
 STEADY = 0.1
 """Frozen parameters are doubted where beta or B changes by more than this part of itself."""
-TRIM, NO_FORECAST, MINIMUM = "trim", "no forecast", "minimum"
-VARYING = ", varying"
-"""What the name of a requirement ends with when parameters vary while the wind blows."""
-IN_A = {"head": ", head wind", "tail": ", tail wind", CROSS: ", cross wind"}
-"""What it ends with at the dynamic pressure encountered in a wind of this direction."""
 
 
 def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
@@ -62,12 +57,10 @@ class Sizing(Tabled):
         Names of the winds, m of them.
     dead_bands : ndarray
         K, falling, ``(k,)``.
-    required : dict of str to ndarray
-        By name, required deflections [rad], ``(n, m)``: "trim", "K = 1" and so on, "no forecast",
-        "minimum", and, where it was asked for, the same with ", varying" for parameters that vary
-        while the wind blows. NaN where one is not defined; `said` tells why. With varying
-        parameters "minimum" is that of one pole, and not defined beyond it. NaN as well where the
-        wind is not known.
+    required : dict of Requirement to ndarray
+        Required deflections [rad], ``(n, m)``; ``required["K = 1"]`` finds one by its label as
+        well. NaN where one is not defined; `said` tells why. With varying parameters the minimum is
+        that of one pole, and not defined beyond it. NaN as well where the wind is not known.
     law : str
         What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
         the recoverable-attitude law needs in flight.
@@ -100,8 +93,8 @@ class Sizing(Tabled):
         known there, ``(n, m)``; None where no sign was asked about.
     stop : Stop or None
         For both planes, what the nozzle can do; deflections are in its measure.
-    arises : dict of str to ndarray
-        By name of the requirements with varying parameters, for winds that meet every flight time
+    arises : dict of Requirement to ndarray
+        By requirement with varying parameters, for winds that meet every flight time
         as one and the same, as a sounding without a window: their number is one for the flight,
         repeated in each row, and this the flight time [s] at which it arises, ``(m,)``: of a dead
         band its exit, of trim and the minimum that of the largest trim. NaN for other winds.
@@ -113,7 +106,7 @@ class Sizing(Tabled):
     times: FloatArray
     winds: tuple[str, ...]
     dead_bands: FloatArray
-    required: dict[str, FloatArray]
+    required: dict[Requirement, FloatArray]
     law: str
     model: str
     plane: str
@@ -130,16 +123,16 @@ class Sizing(Tabled):
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
     unsigned: BoolArray | None = None
-    arises: Mapping[str, FloatArray] = field(default_factory=dict)
+    arises: Mapping[Requirement, FloatArray] = field(default_factory=dict)
     concurrent: ConcurrentTrim | None = None
 
     _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
 
     @property
-    def pitch_misses(self) -> dict[str, FloatArray]:
+    def pitch_misses(self) -> dict[Requirement, FloatArray]:
         """By which part of each requirement the pitch plane alone asks for too little, ``(n, m)``.
 
-        By name; 0.4 says that a limit for the pitch plane alone would be 40 percent too small.
+        0.4 says that a limit for the pitch plane alone would be 40 percent too small.
         Empty for one plane.
         """
         if not self.alone:
@@ -162,13 +155,16 @@ class Sizing(Tabled):
             **planes,
             **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
             **picked(self, "single_pole_edge_s=edge worst"),
-            "worst_by_wind": {wind: self.worst_in(wind) for wind in self.winds},
+            "worst_by_wind": {
+                wind: {key.label: one for key, one in self.worst_in(wind).items()}
+                for wind in self.winds
+            },
         }
 
     def _repr_html_(self) -> str:
         rows = tuple(
-            ((name,), degrees(name, at.deflection), significant("", at.time, 6), (at.wind,))
-            for name, at in self.worst.items()
+            ((key.label,), degrees("", one.deflection), significant("", one.time, 6), (one.wind,))
+            for key, one in self.worst.items()
         )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         name = self.schedule.vehicle.name or "Sizing"
@@ -196,16 +192,16 @@ class Sizing(Tabled):
         return words[self.law]
 
     @property
-    def worst(self) -> dict[str, Worst]:
-        """The largest of each requirement, by name; those defined nowhere are left out."""
+    def worst(self) -> dict[Requirement, Worst]:
+        """The largest of each requirement; those defined nowhere are left out."""
         return self._largest(range(len(self.winds)))
 
     @property
-    def largest(self) -> dict[str, float]:
+    def largest(self) -> dict[Requirement, float]:
         """The same as deflections [rad] alone."""
         return {name: one.deflection for name, one in self.worst.items()}
 
-    def worst_in(self, wind: str) -> dict[str, Worst]:
+    def worst_in(self, wind: str) -> dict[Requirement, Worst]:
         """Return the largest of each requirement in one wind, as `worst` has it for all.
 
         Raises
@@ -216,31 +212,31 @@ class Sizing(Tabled):
         return self._largest([self.winds.index(one_of("wind", wind, self.winds))])
 
     @property
-    def freezing_error(self) -> dict[str, FloatArray]:
+    def freezing_error(self) -> dict[Requirement, FloatArray]:
         """Frozen requirement over the varying one, minus one, ``(n, m)``; empty without these."""
-        pairs = {name: f"{name}{VARYING}" for name in self.required}
+        pairs = {frozen: replace(frozen, varying=True) for frozen in self.required}
         with np.errstate(invalid="ignore", divide="ignore"):
             return {
-                name: self.required[name] / self.required[varying] - 1.0
-                for name, varying in pairs.items()
-                if varying in self.required
+                frozen: self.required[frozen] / self.required[varying] - 1.0
+                for frozen, varying in pairs.items()
+                if varying in self.required and not frozen.varying
             }
 
-    def at_times(self, name: str) -> FloatArray:
+    def at_times(self, name: Requirement | str) -> FloatArray:
         """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
 
-        Winds in which it is not known do not count; see `not_sized`.
+        By itself or its label. Winds in which it is not known do not count; see `not_sized`.
 
         Raises
         ------
         InputError
             For an unknown name.
         """
-        values = self.required[one_of("name", name, self.required)]
+        values = self.required[requirement_among("name", name, self.required)]
         with np.errstate(invalid="ignore"):
             return np.fmax.reduce(values, axis=1)
 
-    def arising(self, name: str) -> FloatArray:
+    def arising(self, name: Requirement | str) -> FloatArray:
         """Return `arises` of a requirement [s], ``(m,)``; NaN where it has a number for each time.
 
         Raises
@@ -248,10 +244,10 @@ class Sizing(Tabled):
         InputError
             For an unknown name.
         """
-        one_of("name", name, self.required)
-        return np.asarray(self.arises.get(name, np.full(len(self.winds), np.nan)))
+        one = requirement_among("name", name, self.required)
+        return np.asarray(self.arises.get(one, np.full(len(self.winds), np.nan)))
 
-    def not_sized(self, name: str) -> tuple[str, ...]:
+    def not_sized(self, name: Requirement | str) -> tuple[str, ...]:
         """Return in words where a requirement is not known in every wind; nothing if it is.
 
         Raises
@@ -259,7 +255,7 @@ class Sizing(Tabled):
         InputError
             For an unknown name.
         """
-        values = self.required[one_of("name", name, self.required)]
+        values = self.required[requirement_among("name", name, self.required)]
         first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
         early, late = self.times < first, self.times > last
         rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
@@ -271,7 +267,7 @@ class Sizing(Tabled):
         }
         return tuple(word for word, there in words.items() if there)
 
-    def _largest(self, winds: Sequence[int]) -> dict[str, Worst]:
+    def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
         found = {}
         for name, values in self.required.items():
             part = values[:, winds]
@@ -284,9 +280,9 @@ class Sizing(Tabled):
         return found
 
     def _columns(self) -> Columns:
-        needs = {_key(name): values for name, values in self.required.items()}
+        needs = {one.column: values for one, values in self.required.items()}
         for plane, found in self.alone.items():
-            needs |= {f"{_key(k)}_{plane}_alone": v for k, v in found.required.items()}
+            needs |= {f"{k.column}_{plane}_alone": v for k, v in found.required.items()}
         others = "change known covered slow_mode beyond_one_pole"
         return Columns(
             (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),
@@ -298,8 +294,3 @@ class Sizing(Tabled):
             ),
             {"vehicle": self.schedule.vehicle.name, **picked(self, "model plane law")},
         )
-
-
-def _key(name: str) -> str:
-    """A name without blanks and signs, for columns and variables."""
-    return name.replace(" = ", "").replace(", ", "_").replace(" ", "_")

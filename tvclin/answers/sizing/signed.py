@@ -10,21 +10,23 @@ import numpy as np
 from tvclin.answers.case import Case
 from tvclin.answers.case_need import CaseNeed, case_need
 from tvclin.answers.encountered import encountered_wind
+from tvclin.answers.quantity import Requirement
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import requirement_of_parts
-from tvclin.answers.sizing.record import IN_A, VARYING, Sizing
+from tvclin.answers.sizing.record import Sizing
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 
-def base_of(found: Sizing) -> str:
+def base_of(found: Sizing) -> Requirement:
     """Return the largest dead band: with varying parameters, if known wherever frozen ones are."""
-    name = f"K = {found.dead_bands[0]:g}"
-    frozen, along = found.required[name], found.required.get(f"{name}{VARYING}")
-    if along is None or np.isnan(along).all() or np.any(np.isnan(along) & ~np.isnan(frozen)):
-        return name
-    return f"{name}{VARYING}"
+    frozen = Requirement(dead_band=found.dead_bands[0])
+    varying = replace(frozen, varying=True)
+    known, along = ~np.isnan(found.required[frozen]), found.required.get(varying)
+    if along is None or np.isnan(along).all() or np.any(np.isnan(along) & known):
+        return frozen
+    return varying
 
 
 def by_direction(
@@ -47,25 +49,25 @@ def by_direction(
         The flight, where parameters vary.
     """
     unknown, why, K = np.zeros(found.known.shape, dtype=bool), "", float(found.dead_bands[0])
-    name = base_of(found)
-    columns: dict[str, FloatArray] = {}
+    base = base_of(found)
+    columns: dict[Requirement, FloatArray] = {}
     for i, j in np.argwhere(found.known[:, :pulses]).tolist():
         try:
             need = case_need(case_at(float(found.times[i]), j), K)
             if need.encountered_unknown:
                 raise InputError(need.encountered_unknown)
             for direction in need.encountered:
-                column = columns.setdefault(name + IN_A[direction], found.required[name].copy())
-                along = name.endswith(VARYING) and mode is not None and not need.in_both
-                if along and mode is not None:
+                one = replace(base, direction=direction)
+                column = columns.setdefault(one, found.required[base].copy())
+                if base.varying and mode is not None and not need.in_both:
                     column[i, j] = _along(mode, need, direction, float(found.begins[i, j]))
                 elif need.nominal_deflection > 0.0:
                     column[i, j] *= need.encountered[direction] / need.nominal_deflection
         except InputError as error:  # no such wind at this path, no real pole: as it stands
             unknown[i, j], why = True, why or f"{found.times[i]:g} s: {error}"
     arises = dict(found.arises)
-    if name in arises:
-        arises |= dict.fromkeys(columns, arises[name])
+    if base in arises:
+        arises |= dict.fromkeys(columns, arises[base])
     found = replace(found, required=found.required | columns, arises=arises)
     if not (why and columns):
         return found

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.concurrent import concurrent_trim
 from tvclin.answers.sizing.flight_mode import FlightMode
@@ -28,13 +29,7 @@ from tvclin.answers.sizing.placing import (
     place_in,
     placings,
 )
-from tvclin.answers.sizing.record import (
-    MINIMUM,
-    NO_FORECAST,
-    TRIM,
-    VARYING,
-    Sizing,
-)
+from tvclin.answers.sizing.record import Sizing
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
@@ -202,7 +197,7 @@ def _sized(
         try:
             mode = _flight_mode(schedule, model, plane, placed)
             along = _along(mode, placed, bands, told)
-            required |= {f"{name}{VARYING}": one for name, one in _columns(along, bands).items()}
+            required |= _varying(_columns(along, bands))
             arises = _arises(placed, along, bands)
             said += _missing(required, bands)
         except InputError as error:
@@ -263,10 +258,15 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
     return frozen_need(plant, wind.history, bands, law, wind.whole)
 
 
-def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
+def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
+    """Return values by requirement as those with varying parameters."""
+    return {replace(one, varying=True): each for one, each in values.items()}
+
+
+def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
     """Why dead bands are defined for frozen parameters and not for varying ones."""
     for K in bands:
-        frozen, along = (required[f"K = {K:g}{ending}"] for ending in ("", VARYING))
+        frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
             return ["B changes its sign while a wind blows: no dead bands, varying, there"]
     return []
@@ -306,19 +306,17 @@ def _along(
 
 def _arises(
     placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
-) -> dict[str, FloatArray]:
-    """Flight times [s] at which the numbers of fixed winds arise, by names, ``(m,)`` each."""
+) -> dict[Requirement, FloatArray]:
+    """Flight times [s] at which the numbers of fixed winds arise, ``(m,)`` each."""
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():
         return {}
     first = fixed.argmax(axis=0)
     one = [along[i][j] for j, i in enumerate(first.tolist())]
-    names = {TRIM: [x.trim_time for x in one], MINIMUM: [x.trim_time for x in one]}
-    names |= {f"K = {K:g}": [x.times[k] for x in one] for k, K in enumerate(bands)}
-    return {
-        f"{name}{VARYING}": np.where(fixed.any(axis=0), times, np.nan)
-        for name, times in names.items()
-    }
+    times = {TRIM: [x.trim_time for x in one], MINIMUM: [x.trim_time for x in one]}
+    times |= {Requirement(dead_band=K): [x.times[k] for x in one] for k, K in enumerate(bands)}
+    known = fixed.any(axis=0)
+    return _varying({key: np.where(known, each, np.nan) for key, each in times.items()})
 
 
 def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
@@ -333,11 +331,11 @@ def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callabl
     return told
 
 
-def _columns(needs: Any, bands: FloatArray) -> dict[str, FloatArray]:
-    """What is required by names, of needs by flight times and winds."""
+def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
+    """Return requirements with frozen parameters of needs by flight times and winds."""
     found = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
-        found[f"K = {K:g}"] = _table(needs, lambda need, k=k: need.required[k])
+        found[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
     if isinstance(needs[0][0], FrozenNeed):
         found[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
     return found | {MINIMUM: _table(needs, lambda need: need.minimum)}

@@ -1,10 +1,12 @@
 """A sizing as tables over flight time, and what stands in their columns, in words."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from tvclin.answers.sizing.record import IN_A, STEADY, VARYING, Sizing
+from tvclin.answers.quantity import Requirement
+from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.base.arrays import BoolArray
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 
@@ -30,11 +32,11 @@ def legend(s: Sizing) -> str:
     """Return what the requirements of a sizing are, in sentences."""
     trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
     signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
-    signed *= any(name.endswith(tuple(IN_A.values())) for name in s.required)
+    signed *= any(one.direction for one in s.required)
     return f"No forecast: {s.law_words}. Minimum: the wind is known (appendix C).{trusts}{signed}"
 
 
-def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
+def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
     """Return by flight time what one wind asks for, of its place, or the worst wind of each time.
 
     First with parameters that vary while the wind blows, where the sizing has them, and in head and
@@ -42,7 +44,7 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     arises. Then with those of each flight time; and for both planes what each by itself asks for of
     the requirement that is counted.
     """
-    frozen = [name for name in s.required if ", " not in name]
+    frozen = [one for one in s.required if not (one.varying or one.direction)]
     first = _first(s)
     of = "" if wind is None else f": {s.winds[wind]}"
     doubts = ("",) if wind is None else ("change [%]", "one pole", "data")
@@ -51,7 +53,7 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     def of_names(
         caption: str,
         times: list[Line],
-        names: list[str],
+        names: list[Requirement],
         last: Sequence[str],
         more: list[list[Line]],
     ) -> Table:
@@ -67,9 +69,9 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     if whole and fixed.size == 1:
         tables = [whole_flight(s, wind or 0)]
     if s.freezing_error:
-        name = f"K = {s.dead_bands[0]:g}"
-        off = [[_off(s, name, i, wind)] for i in range(s.times.size)]
-        caption, last = "The same with the vehicle frozen at each flight time", [_OFF.format(name)]
+        band = Requirement(dead_band=s.dead_bands[0])
+        off = [[_off(s, band, i, wind)] for i in range(s.times.size)]
+        caption, last = "The same with the vehicle frozen at each flight time", [_OFF.format(band)]
         if whole:
             caption = "Required deflection with the vehicle frozen at each flight time"
             off = [[*one, *more] for one, more in zip(off, marks, strict=True)]
@@ -79,11 +81,9 @@ def over_time(s: Sizing, counted: str, wind: int | None = None) -> list[Table]:
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
         head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
-        calm = next(
-            (counted.removesuffix(x) for x in IN_A.values() if counted.endswith(x)), counted
-        )
-        by = tuple(_by_planes(s, calm, i, wind) for i in _differing(s, calm, wind))
-        tables.append(Table(f"{calm} by planes [deg]{of}", tuple(head), by))
+        nominal = replace(counted, direction="")
+        by = tuple(_by_planes(s, nominal, i, wind) for i in _differing(s, nominal, wind))
+        tables.append(Table(f"{nominal} by planes [deg]{of}", tuple(head), by))
     return tables
 
 
@@ -99,12 +99,12 @@ def whole_flight(s: Sizing, wind: int) -> Table:
     return Table(f"Required deflection over the whole flight: {name}", head, tuple(rows))
 
 
-def _fixed(s: Sizing, names: Sequence[str]) -> BoolArray:
+def _fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
     """Which winds have one number for the whole flight of all of these requirements, ``(m,)``."""
     return np.all([~np.isnan(s.arising(name)) for name in names], axis=0)
 
 
-def _differing(s: Sizing, name: str, wind: int | None) -> Sequence[int]:
+def _differing(s: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
     """Indices of the flight times at which a requirement differs: the first of a fixed wind."""
     fixed = ~np.isnan(s.arising(name))
     known = np.isfinite(s.required[name])
@@ -113,7 +113,7 @@ def _differing(s: Sizing, name: str, wind: int | None) -> Sequence[int]:
     return [int(np.argmax(known.any(axis=1) if wind is None else known[:, wind]))]
 
 
-def by_wind(s: Sizing, counted: str) -> Table:
+def by_wind(s: Sizing, counted: Requirement) -> Table:
     """Return the largest of each requirement in each wind, and when what counts is."""
     names = _first(s)
     rows = []
@@ -126,7 +126,7 @@ def by_wind(s: Sizing, counted: str) -> Table:
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
 
-def each_wind(s: Sizing, counted: str) -> list[Table]:
+def each_wind(s: Sizing, counted: Requirement) -> list[Table]:
     """Return one requirement by flight time, with a column for each wind that has a row for each.
 
     Nothing where there are fewer than two such winds.
@@ -142,14 +142,13 @@ def each_wind(s: Sizing, counted: str) -> list[Table]:
     return [Table(f"{counted} in each wind [deg]", head, tuple(rows))]
 
 
-def _first(s: Sizing) -> list[str]:
+def _first(s: Sizing) -> list[Requirement]:
     """The requirements that come first: varying ones, if there are any, in calm air and winds."""
-    ends = (VARYING, *IN_A.values())
-    varying = [name for name in s.required if name.endswith(ends)]
+    varying = [one for one in s.required if one.varying or one.direction]
     return varying if s.freezing_error else list(s.required)
 
 
-def _required(s: Sizing, names: Sequence[str], wind: int | None) -> list[tuple[Line, ...]]:
+def _required(s: Sizing, names: Sequence[Requirement], wind: int | None) -> list[tuple[Line, ...]]:
     by_time = {k: np.where(np.isnan(s.arising(k)), s.required[k], np.nan) for k in names}
     found = {
         k: np.fmax.reduce(by_time[k], axis=1) if wind is None else s.required[k][:, wind]
@@ -181,22 +180,19 @@ def _marks(s: Sizing, i: int) -> str:
     return "".join(mark for mark, there in marks.items() if there)
 
 
-def _off(s: Sizing, name: str, i: int, wind: int | None) -> Line:
+def _off(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
     """By how much a frozen requirement is off at a flight time, in the worst wind or in one."""
-    along = s.required[f"{name}{VARYING}"][i]
+    along = s.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
     return number(f"{_key(i, wind)}.frozen_off_percent", 100.0 * s.freezing_error[name][i, j], 1)
 
 
-def _short(name: str) -> str:
-    """A requirement as the head of its column."""
-    for ending in IN_A.values():
-        if name.endswith(ending):
-            return ending.removeprefix(", ")
-    return name.removesuffix(VARYING)
+def _short(requirement: Requirement) -> str:
+    """Return a requirement as the head of its column: the direction of the wind, or its name."""
+    return f"{requirement.direction} wind" if requirement.direction else requirement.name
 
 
-def _by_planes(s: Sizing, counted: str, i: int, wind: int | None) -> tuple[Line, ...]:
+def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
     """What each plane asks for at a flight time, in one wind or in that which is worst for both."""
     both, key = s.required[counted][i], f"{_key(i, wind)}.planes"
     j = int(np.argmax(np.nan_to_num(both, nan=-1.0))) if wind is None else wind

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tvclin.answers.quantity import Requirement, requirement_among
 from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.total_record import RATES, DeflectionTotal, Line
 from tvclin.base.errors import (
@@ -115,7 +116,7 @@ def total_deflection(
 
 def worst_total(
     sizing: Sizing,
-    name: str,
+    name: Requirement | str,
     *,
     dispersion: float = 0.0,
     rate_limit: float | None = None,
@@ -128,8 +129,8 @@ def worst_total(
     sizing : Sizing
         The winds' requirements; its schedule gives the vehicle and the nominal deflection. Where
         one is not known, the total says so in `not_sized`.
-    name : str
-        Which of its requirements counts as the wind, such as "K = 1".
+    name : Requirement or str
+        Which of its requirements counts as the wind, or its label, such as "K = 1".
     dispersion : float
         What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
     rate_limit : float, optional
@@ -146,8 +147,8 @@ def worst_total(
     part = number("dispersion", dispersion, nonnegative)
     if rate_limit is not None:
         rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
-    winds = _needs(sizing, name)
-    not_sized = sizing.not_sized(name)
+    requirement = requirement_among("name", name, sizing.required)
+    winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
     if not winds:
         reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
         return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
@@ -173,12 +174,12 @@ def worst_total(
     return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
 
 
-def _needs(sizing: Sizing, name: str) -> list[tuple[float, float]]:
+def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
     """Flight times [s], and what the worst wind of each asks for [rad].
 
     A wind that is fixed in the flight asks once, at the time at which that arises.
     """
-    arises, required = sizing.arising(name), sizing.required[name]
+    arises, required = sizing.arising(requirement), sizing.required[requirement]
     fixed = np.isfinite(arises)
     by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
     found = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))

@@ -46,7 +46,7 @@ def _over_flight(found: Findings) -> list[Block]:
     )
     verdict = [Paragraph(line) for line in total.verdict]
     beside: list[Block] = [ratio.table, Paragraph(ratio.verdict)] if ratio else []
-    blocks += [total_table(total, counted), *verdict, *beside]
+    blocks += [total_table(total, counted.label), *verdict, *beside]
     if (card := found.card) is not None:
         said = Paragraph((f"The card of the nozzle, {card.law} flown: {card.verdict.words}.",))
         blocks += [said, *card.tables(), *checks((), card.notes)]

@@ -1,12 +1,14 @@
 """On what the verdict rests: each assumption, and where it stops holding."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from tvclin.answers.case import FROZEN
 from tvclin.answers.findings import Findings
-from tvclin.answers.sizing.record import STEADY, VARYING
+from tvclin.answers.quantity import Requirement
+from tvclin.answers.sizing.record import STEADY
 from tvclin.answers.study import outlasts_one_pole
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -124,9 +126,9 @@ def _frozen(found: Findings) -> Iterator[Check]:
     if total.time is None:
         return
     i = int(np.argmin(np.abs(s.times - total.time)))
-    kept = f"K = {s.dead_bands.max():g}"
+    kept = Requirement(dead_band=s.dead_bands[0])
     counted = kept in s.freezing_error
-    each = s.required[f"{kept}{VARYING}" if counted else kept][i]
+    each = s.required[replace(kept, varying=counted)][i]
     j = int(np.nanargmax(each))
     changes = float(s.change[i, j])
     percent = number("rests.change_percent", 100.0 * changes, 1, "%")
