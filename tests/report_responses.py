@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, finite, nonnegative, plain, positive, together, within
-from tvclin.numerics.limits import psi
+from tvclin.boundary.closed_forms import psi
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded, slow_ends
-from tvclin.numerics.propagation import exponentials
+from tvclin.numerics.propagation import matrix_exponentials
 
 VEHICLE = tv.load_vehicle("configuration-i")
 PEAK = 0.08
@@ -187,7 +187,7 @@ def test_exponentials_of_a_batch_are_scipys():
 
     matrices = np.random.default_rng(1).normal(size=(6, 5, 5)) * 3
     np.testing.assert_allclose(
-        exponentials(matrices, np.full(6, 0.7)), expm(0.7 * matrices), rtol=1e-11
+        matrix_exponentials(matrices, np.full(6, 0.7)), expm(0.7 * matrices), rtol=1e-11
     )
 
 

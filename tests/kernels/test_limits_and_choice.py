@@ -14,7 +14,6 @@ from tvclin.base.warned import MachineWarning
 from tvclin.boundary import closed_forms
 from tvclin.kernels import choice, threads
 from tvclin.kernels.small_roots import small_roots
-from tvclin.numerics import limits
 
 CASES = 20_000
 
@@ -45,7 +44,7 @@ def exact_12(p, K):
 
 def test_the_boundary_is_exact_to_1e_15(cases):
     p, K = (a[::97] for a in cases)
-    found = limits.triangular(p, K)
+    found = closed_forms.solve_triangular(p, K)
     error = [float(abs(mp.mpf(y) / exact_12(*at) - 1)) for y, *at in zip(found, p, K, strict=True)]
     assert max(error) <= 1e-15
 
@@ -53,8 +52,10 @@ def test_the_boundary_is_exact_to_1e_15(cases):
 def test_the_boundary_of_a_very_long_wind_tends_to_its_limits():
     p = np.array([1e3, 1e6])
     # K = 1: y = L/p = 1 - ln 2/p;  K = 0: y = 1/p
-    np.testing.assert_allclose(limits.triangular(p, np.ones(2)), 1.0 - np.log(2.0) / p, rtol=1e-15)
-    np.testing.assert_allclose(limits.triangular(p, np.zeros(2)), 1.0 / p, rtol=1e-15)
+    np.testing.assert_allclose(
+        closed_forms.solve_triangular(p, np.ones(2)), 1.0 - np.log(2.0) / p, rtol=1e-15
+    )
+    np.testing.assert_allclose(closed_forms.solve_triangular(p, np.zeros(2)), 1.0 / p, rtol=1e-15)
 
 
 def test_with_drift_the_printed_equation_is_met(cases):
@@ -83,9 +84,9 @@ def test_with_drift_the_printed_equation_is_met(cases):
 
 def test_a_case_does_not_depend_on_its_batch(cases):
     p, K = cases
-    whole = limits.triangular(p, K)
+    whole = closed_forms.solve_triangular(p, K)
     for first, last in ((0, 1), (3, 20), (77, 1000), (CASES - 5, CASES)):
-        part = limits.triangular(p[first:last], K[first:last])
+        part = closed_forms.solve_triangular(p[first:last], K[first:last])
         np.testing.assert_array_equal(part, whole[first:last])
 
 

@@ -19,7 +19,7 @@ from tvclin.winds.histories import Piecewise
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 AGREE = 1e-13
-"""Of the largest value of each output, as `numerics.responses` states."""
+"""Of the largest value of each output, as `numerics.modal` states."""
 
 
 @pytest.fixture(params=[False, True], ids=["plain Python", "machine code"])

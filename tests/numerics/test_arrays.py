@@ -9,8 +9,7 @@ import pytest
 import tvclin as tv
 from tests.turns import usual
 from tvclin.numerics import polynomials
-from tvclin.numerics.moments import moments
-from tvclin.numerics.pieces import Pieces
+from tvclin.numerics.pieces import Pieces, moments
 from tvclin.numerics.searches import first_crossing
 from tvclin.winds.histories import Piecewise
 

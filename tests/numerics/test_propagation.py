@@ -6,9 +6,14 @@ import pytest
 from scipy.linalg import expm, matrix_balance
 from scipy.optimize import minimize_scalar
 
-from tvclin.numerics.peaks import largest
 from tvclin.numerics.pieces import Pieces
-from tvclin.numerics.propagation import driven, exponentials, inputs_at, motion
+from tvclin.numerics.propagation import (
+    augmented_matrix,
+    input_states,
+    matrix_exponentials,
+    motion,
+    peak_output,
+)
 
 EPS = np.finfo(float).eps
 STEPS = np.array([0.0, 1e-12, 1e-3, 0.1, 1.0, 30.0])
@@ -39,7 +44,7 @@ def exact(matrix, step):
 @EACH_MATRIX
 def test_exponentials_are_those_of_sixty_digits(matrix):
     """One rounding for each of the norm's units: no method that squares does better."""
-    found = exponentials(matrix, STEPS)
+    found = matrix_exponentials(matrix, STEPS)
     balanced = matrix_balance(matrix, permute=False)[0]
     rounding = 4 * EPS * max(np.linalg.norm(balanced, 1) * STEPS.max(), 1.0)
     for step, one in zip(STEPS, found, strict=True):
@@ -52,8 +57,8 @@ def test_exponentials_are_those_of_sixty_digits(matrix):
 def test_a_short_step_keeps_its_digits_beside_a_very_long_one(matrix):
     steps = np.array([1e-3, 1e5])
     with np.errstate(over="ignore", invalid="ignore"):  # what grows may overflow in so long a time
-        found = exponentials(matrix, steps)[0]
-    np.testing.assert_array_equal(found, exponentials(matrix, steps[:1])[0])
+        found = matrix_exponentials(matrix, steps)[0]
+    np.testing.assert_array_equal(found, matrix_exponentials(matrix, steps[:1])[0])
     balanced, scaling = matrix_balance(matrix, permute=False)
     balanced_found = np.linalg.inv(scaling) @ found @ scaling
     expected = exact(balanced, 1e-3)
@@ -64,32 +69,32 @@ def test_a_short_step_keeps_its_digits_beside_a_very_long_one(matrix):
 @EACH_MATRIX
 @pytest.mark.parametrize("step", [1e-3, 0.3, 4.0])
 def test_exponentials_are_those_of_scipy(matrix, step):
-    found, expected = exponentials(matrix, np.array([step]))[0], expm(matrix * step)
+    found, expected = matrix_exponentials(matrix, np.array([step]))[0], expm(matrix * step)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("name", ["any", "complex", "nilpotent", "undamped", "growing"])
 def test_backwards_and_forwards_is_nowhere(name):
-    there, back = exponentials(MATRICES[name], np.array([0.7, -0.7]))
+    there, back = matrix_exponentials(MATRICES[name], np.array([0.7, -0.7]))
     np.testing.assert_allclose(there @ back, np.eye(len(there)), atol=1e-13)
     np.testing.assert_allclose(back, exact(MATRICES[name], -0.7), atol=1e-13)
 
 
 def test_no_step_changes_nothing_and_nothing_has_no_exponential():
     matrix = MATRICES["any"]
-    np.testing.assert_array_equal(exponentials(matrix, np.zeros(2)), [np.eye(5)] * 2)
-    assert exponentials(matrix, np.zeros(0)).shape == (0, 5, 5)
-    assert exponentials(np.zeros((0, 0)), np.ones(3)).shape == (3, 0, 0)
+    np.testing.assert_array_equal(matrix_exponentials(matrix, np.zeros(2)), [np.eye(5)] * 2)
+    assert matrix_exponentials(matrix, np.zeros(0)).shape == (0, 5, 5)
+    assert matrix_exponentials(np.zeros((0, 0)), np.ones(3)).shape == (3, 0, 0)
 
 
 def test_a_lag_with_its_input_held_and_in_a_ramp():
     """X' = -a x + b z: after a while h, of a unit that is held or that rises to one."""
     a, b, h = 0.7, 2.0, 1.3
     A, B, fallen = np.array([[-a]]), np.array([[b]]), np.exp(-a * h)
-    held = exponentials(driven(A, B), np.array([h]))[0]
+    held = matrix_exponentials(augmented_matrix(A, B), np.array([h]))[0]
     np.testing.assert_allclose(held, [[fallen, b * (1 - fallen) / a], [0, 1]], rtol=1e-14)
     rising = np.array([[0.0, 1.0 / h], [0.0, 0.0]])
-    ramp = exponentials(driven(A, np.array([[b, 0.0]]), rising), np.array([h]))[0]
+    ramp = matrix_exponentials(augmented_matrix(A, np.array([[b, 0.0]]), rising), np.array([h]))[0]
     expected = b / h * (h / a - (1 - fallen) / a**2)
     np.testing.assert_allclose(ramp[0], [*held[0], expected], rtol=1e-14)
     np.testing.assert_array_equal(ramp[1:], [[0, 1, 1], [0, 0, 1]])
@@ -212,7 +217,7 @@ def test_the_input_is_carried_beside_the_states_and_is_continuous_from_the_right
     assert not flown.at(np.array([early, early - 5.0])).any()
     pieces = Pieces(knots, np.array(history[1]), np.array(history[2]))
     times = np.array([early, *between])
-    np.testing.assert_allclose(inputs_at(pieces, times), flown.at(times)[:, 2:], atol=1e-14)
+    np.testing.assert_allclose(input_states(pieces, times), flown.at(times)[:, 2:], atol=1e-14)
 
 
 def step_input(*extra):
@@ -239,7 +244,7 @@ def step_answer(frequency, damping, time):
 def test_the_overshoot_of_a_step_is_found(frequency, damping):
     flown = carried(oscillator(frequency, damping), step_input())
     for row, sign in ((np.array([1.0, 0, 0]), 1), (np.array([-1.0, 0, 0]), -1)):
-        found, time = largest(flown, row, 40 / damping / frequency)
+        found, time = peak_output(flown, row, 40 / damping / frequency)
         over = np.exp(-np.pi * damping / np.sqrt(1 - damping**2))
         assert found == pytest.approx(sign * (1 + over), rel=1e-11)
         assert time == pytest.approx(np.pi / frequency / np.sqrt(1 - damping**2), rel=1e-6)
@@ -249,7 +254,7 @@ def test_the_overshoot_of_a_step_is_found(frequency, damping):
 def test_a_knot_beside_the_peak_does_not_hide_it(off):
     top = np.pi / np.sqrt(1 - 0.2**2)
     flown = carried(oscillator(1.0, 0.2), step_input(top + off))
-    found, time = largest(flown, np.array([1.0, 0, 0]), 200.0)
+    found, time = peak_output(flown, np.array([1.0, 0, 0]), 200.0)
     assert found == pytest.approx(1 + np.exp(-top * 0.2), rel=1e-11)
     assert time == pytest.approx(top, rel=1e-6)
 
@@ -259,7 +264,7 @@ def test_a_knot_beside_the_peak_does_not_hide_it(off):
 def test_a_peak_after_the_last_knot_is_found(width, damping):
     """From the end of the pulse on the motion is free, from where and how fast it then is."""
     history = [0.0, width], [[[1.0]], [[0.0]]], [0.0]
-    found, time = largest(
+    found, time = peak_output(
         carried(oscillator(1.0, damping), history), np.array([1.0, 0, 0]), 40 / damping
     )
     omega = np.sqrt(1 - damping**2)
@@ -274,7 +279,7 @@ def test_a_peak_after_the_last_knot_is_found(width, damping):
 def test_a_peak_at_a_knot_is_found_there(width):
     """A lag rises as long as the pulse lasts."""
     history = [0.0, width, width + 3.0], [[[-1.0]], [[0.0]], [[0.0]]], [0.0]
-    found = largest(carried(([[-0.5]], [1.0]), history), np.array([1.0, 0.0]), 80.0)
+    found = peak_output(carried(([[-0.5]], [1.0]), history), np.array([1.0, 0.0]), 80.0)
     assert found == (pytest.approx(-2 * -np.expm1(-width / 2), rel=1e-12), width)
 
 
@@ -284,7 +289,7 @@ def test_a_peak_on_either_side_of_a_jump_is_found():
     left = [0.0, 1.0, 2.0], [[[0.0, 2.0]], [[1.0, -1.0]], [[0.0, 0.0]]], [0.0]
     right = [0.0, 1.0, 2.0], [[[0.0, 1.0]], [[-3.0, 3.0]], [[0.0, 0.0]]], [0.0]
     for history, expected in ((left, 2.0), (right, -3.0)):
-        assert largest(carried(([[-0.5]], [1.0]), history), itself, 80.0) == (
+        assert peak_output(carried(([[-0.5]], [1.0]), history), itself, 80.0) == (
             pytest.approx(expected, rel=1e-14),
             1.0,
         )
@@ -292,7 +297,7 @@ def test_a_peak_on_either_side_of_a_jump_is_found():
 
 def test_the_peak_of_a_smooth_gust_lies_at_its_middle_knot():
     flown = carried(([[-0.5]], [1.0]), INPUTS["one minus cosine"])
-    found, time = largest(flown, np.array([0.0, 1.0, 1.0, 1.0]), 80.0)
+    found, time = peak_output(flown, np.array([0.0, 1.0, 1.0, 1.0]), 80.0)
     assert found == pytest.approx(1.0, rel=1e-14)
     assert time == pytest.approx(1.0, abs=1e-7)
 
@@ -314,12 +319,12 @@ def test_the_rate_of_a_lag_peaks_on_one_side_of_a_knot():
             sizes += [abs(begun), abs(ended)]
         sizes.append(abs(x))
         rate = np.array([-1.0, 1.0, 0.0])
-        found, _ = largest(carried(([[-1.0]], [1.0]), history), rate, 40.0)
+        found, _ = peak_output(carried(([[-1.0]], [1.0]), history), rate, 40.0)
         assert abs(found) == pytest.approx(max(sizes), rel=1e-13)
 
 
 def test_what_rises_for_ever_is_followed_as_far_as_asked():
-    found, time = largest(carried(([[-0.5]], [1.0]), step_input()), np.array([1.0, 0.0]), 80.0)
+    found, time = peak_output(carried(([[-0.5]], [1.0]), step_input()), np.array([1.0, 0.0]), 80.0)
     assert (found, time) == (pytest.approx(2.0, rel=1e-13), 80.0)
 
 
@@ -333,7 +338,7 @@ def test_the_highest_of_many_swings_is_found(damping):
     for lasts in np.linspace(4.0, 150.0, 40):
         history = [0.0, lasts], [[[-0.5j], [0.5j]], [[0.0], [0.0]]], [1j, -1j]
         flown = carried(oscillator(1.0, damping), history)
-        found, time = largest(flown, np.array([1.0, 0, 0, 0]), 40 / damping)
+        found, time = peak_output(flown, np.array([1.0, 0, 0, 0]), 40 / damping)
         during, after = np.linspace(0.0, lasts, 20_001), np.linspace(0.0, 12.0, 20_001)
         stepped, rate = step_answer(1.0, damping, during)
         swings = (1 - stepped - np.cos(during)) / (2 * damping)
@@ -354,7 +359,7 @@ def test_an_output_that_is_always_zero_has_no_peak(damping):
     A, B = oscillator(1.0, damping)
     for given, row in (([0.0, 0.0], [1.0, 0, 0]), (B, [0.0, 0, 0])):
         flown = carried((A, given), ([0.0, 5.0], [[[1.0]], [[0.0]]], [0.0]))
-        assert largest(flown, np.array(row), 40 / damping) == (0.0, 0.0)
+        assert peak_output(flown, np.array(row), 40 / damping) == (0.0, 0.0)
 
 
 def two_swings(decay, frequencies):
@@ -364,7 +369,7 @@ def two_swings(decay, frequencies):
     width = 1e-9
     history = [0.0, width], [[[1.0 / width]], [[0.0]]], [0.0]
     flown = carried((A, [0.0, 1.0, 0.0, 1.0]), history)
-    return largest(flown, np.array([1.0, 0, 1.0, 0, 0]), 40 / decay)
+    return peak_output(flown, np.array([1.0, 0, 1.0, 0, 0]), 40 / decay)
 
 
 @pytest.mark.parametrize("decay", [1e-3, 0.1])

@@ -10,7 +10,7 @@ import pytest
 import tvclin as tv
 from tvclin.control.margins.margins import Margins
 from tvclin.numerics import state_space
-from tvclin.numerics.loop_margins import loop_findings
+from tvclin.numerics.loop_margins import analyse_loops
 
 EPS = np.finfo(float).eps
 NUMBERS = [field.name for field in fields(Margins)][2:-1]
@@ -71,7 +71,7 @@ def error_of(loop, omega, rise):
     M = 1j * omega * np.eye(len(A)) - A
     x, y = np.linalg.solve(M, B), np.linalg.solve(M.T, C)
     solved = len(A) * np.abs(y) @ np.abs(M) @ np.abs(x) / abs(C @ x + form.D[0])
-    return EPS * (solved + omega * (float(abs(rise)) + form.late[0]))
+    return EPS * (solved + omega * (float(abs(rise)) + form.all_delays[0]))
 
 
 @pytest.mark.parametrize("modes", [0, 1, 4, 8, 13])
@@ -270,11 +270,11 @@ def test_a_loop_of_matrices_has_no_polynomials():
 
 def test_what_passes_at_once_is_a_crossing_at_infinity():
     # In the w plane of a sampled loop: (0.4 - 0.5 w)/(w + 1) is -0.5 at infinity.
-    from tvclin.numerics.state_loop import StateLoop
+    from tvclin.numerics.loops import StateLoop
 
     one, no = np.ones((1, 1)), np.zeros(1)
     form = StateLoop.balanced(-one[np.newaxis], one, 0.9 * one, np.array([-0.5]), no)
-    found = loop_findings(form)
+    found = analyse_loops(form)
     assert found.unstable_poles[0] == 0
     assert found.phase_frequencies[0, -1] == np.inf
     assert found.factors[0, -1] == pytest.approx(2.0, rel=1e-12)

@@ -21,7 +21,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.linear.modes import left_eigenvectors
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.searches import grid_minimum
 
 _TAIL_CELLS = np.expm1(np.linspace(0.0, 8.0, 256)) / np.expm1(8.0)
 """Ends of the cells of a deflection after the wind, over `_TAIL_SPAN` times the time constant of
@@ -183,7 +183,7 @@ def _dual_value(weights: FloatArray, d: FloatArray) -> FloatArray:
         step = np.pi / _DIRECTIONS
         grid = np.broadcast_to(step * np.arange(_DIRECTIONS), (size.size, _DIRECTIONS))
         best = step * np.argmin(norms(grid), axis=-1)
-        minimum = lowest(norms, best - step, best + step, _REFINEMENTS)[1]
+        minimum = grid_minimum(norms, best - step, best + step, _REFINEMENTS)[1]
     return np.where(size > 0.0, size / minimum, 0.0)
 
 

@@ -6,6 +6,9 @@
 The printed forms lose all digits at the ends of their ranges; those used here do not: nothing
 is divided by K, 1 - K or b1, and no large numbers are subtracted. A vehicle with damping has
 `Coefficients.pole` in the place of beta throughout.
+
+Eq (12) is solved to a relative 1e-15, eq (18) to 1e-13. A converged element is not iterated
+further, so that its bits do not depend on the others of a batch.
 """
 
 from __future__ import annotations
@@ -16,17 +19,95 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, finite, plain, positive, together, within
-from tvclin.numerics import limits
+from tvclin.numerics.pieces import moments
 
 OK = "ok"
 NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"
 NOT_UNIQUE = "b2 is above b1: a solution, but perhaps not the only one"
 NEVER_SATURATES = "trim never saturates: K times the limit is above the trim deflection"
 
-_EPS = np.finfo(float).eps
+_EPSILON = np.finfo(float).eps
 _LARGEST = 1e9
 """Rates beyond it [1/s] mean nothing, nor does a pole below its inverse."""
+
+
+def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
+    """Return y of eq (12), for arrays of one shape, p > 0 and 0 <= K <= 1."""
+    L = _minus_log_R(p)
+    with np.errstate(divide="ignore"):
+        c = K / (1.0 - K)
+    partly = np.where(np.isinf(c), 0.0, c)
+    s, done = L / (1.0 + partly), np.zeros(L.shape, dtype=bool)
+    for _ in range(60):
+        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
+        s = np.where(done, s, s + np.maximum(step, 0.0))
+        done |= step <= 2.0 * _EPSILON * s
+        if np.all(done):
+            break
+    return np.where(np.isinf(c), L, -np.expm1(-s) / np.where(np.isinf(c), 1.0, 1.0 - K)) / p
+
+
+def solve_with_drift(
+    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return z of eq (18), and whether the iteration converged, for arrays of one shape.
+
+        K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
+
+    For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so that it has
+    one root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
+    """
+    L = _minus_log_R(p)
+    high = _upper_bracket(p, K, kappa, K1, rho, L)
+    low = np.zeros_like(high)
+    z = np.minimum(K1 * p * solve_triangular(p, K), high)
+    converged = np.zeros(z.shape, dtype=bool)
+    for _ in range(100):
+        x = K * z
+        residual = _residual(z, K, kappa, K1, rho, L)
+        bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0
+        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * bend)
+        low, high = np.where(residual > 0.0, z, low), np.where(residual < 0.0, z, high)
+        iterate = z - residual / slope
+        iterate = np.where((iterate >= low) & (iterate <= high), iterate, (low + high) / 2.0)
+        iterate = np.where((residual == 0.0) | converged, z, iterate)
+        converged |= np.abs(iterate - z) <= 4.0 * _EPSILON * iterate
+        z = iterate
+        if np.all(converged):
+            break
+    return z, converged
+
+
+def psi(x: FloatArray) -> FloatArray:
+    """Return psi(x) = (e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x), in the shape of x."""
+    m = moments(x, 1)
+    return np.asarray(m[..., 0] - m[..., 1])
+
+
+def _residual(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
+    x = K * z
+    return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
+
+
+def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:
+    """Return an upper bracket of z, where the left side is not positive; beyond p/K for b2 > b1."""
+    with np.errstate(divide="ignore", over="ignore"):
+        high = np.minimum(p / K, 1.0 / (1.0 - K))
+    for _ in range(60):
+        positive = _residual(high, K, kappa, K1, rho, L) > 0.0
+        if not np.any(positive):
+            break
+        high = np.where(positive, 1.5 * high, high)
+    return high
+
+
+def _minus_log_R(p: FloatArray) -> FloatArray:
+    """Return L = -ln(2 e^(-p) - e^(-2p)), without cancellation at either end."""
+    with np.errstate(divide="ignore"):
+        short = -np.log1p(-(np.expm1(-p) ** 2))
+    return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +177,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     K = within("dead_band", dead_band, 0.0, 1.0)
     together(tau_beta=tau_beta, dead_band=K)
     p, K = np.broadcast_arrays(tau_beta / 2.0, K)
-    return plain(limits.triangular(p, K))
+    return plain(solve_triangular(p, K))
 
 
 def triangular_limit_with_drift(
@@ -160,9 +241,9 @@ def solve_triangular_with_drift(
         raise InputError("beta + b1 and beta + b2 must be positive; change b1 or b2")
     p = tau_beta / 2.0
     kappa, K1, rho = (b1 - b2) / (beta + b1), (beta + b2) / (beta + b1), b1 / beta
-    z, converged = limits.triangular_with_drift(p, K, kappa, K1, rho)
+    z, converged = solve_with_drift(p, K, kappa, K1, rho)
     y = z / p
-    never = K * y > 1.0 + 4.0 * _EPS
+    never = K * y > 1.0 + 4.0 * _EPSILON
     status = np.select(
         [~converged, never, b2 > b1], [NOT_CONVERGED, NEVER_SATURATES, NOT_UNIQUE], OK
     )

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
 from tvclin.boundary.stops import CircularStop, Stop, Vectors, along, vectors
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.searches import grid_minimum
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720
@@ -146,7 +146,7 @@ class Cluster(Stop):
             # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho
             ends = free + self._sum(-d, np.zeros(d.shape))
             column = d[..., np.newaxis]
-            _, free = lowest(
+            _, free = grid_minimum(
                 lambda rho: self._sum(column, rho) + rho * roll, -ends / sides[1], ends / sides[0]
             )
         return np.asarray(free + along(d, bias))

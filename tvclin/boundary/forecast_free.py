@@ -37,7 +37,7 @@ from tvclin.kernels.choice import run
 from tvclin.kernels.futures import COMPILED, PLAIN, largest_futures
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
-from tvclin.numerics.pieces import rows
+from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
 
 EXACT = "exact"
@@ -162,7 +162,7 @@ def forecast_free_limit(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"
         )
-    winds, which = rows((wind * (1.0 / peak)).pieces, shape)
+    winds, which = kernel_arrays((wind * (1.0 / peak)).pieces, shape)
     found = np.empty((which.size, 3))
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), found)

@@ -28,7 +28,7 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.plane_wind import unit
 
 Vectors = ComplexArray
@@ -89,7 +89,7 @@ class Stop(ABC):
         ends = self.support(u) + self.support(-u)
         low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
         column = u[..., np.newaxis]
-        _, least = lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
+        _, least = grid_minimum(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
         return np.asarray(size / least)
 
     @property

@@ -23,7 +23,7 @@ from tvclin.kernels import switches
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import at_heights
 from tvclin.linear.plant import Plant
-from tvclin.numerics.pieces import rows
+from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
 
 
@@ -99,7 +99,7 @@ class Problem:
     @cached_property
     def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
         """The winds over their peaks, the wind of each case, and the numbers of each."""
-        winds, which = rows((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
+        winds, which = kernel_arrays((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
         every = (self.pole, self.dead_band, *filtering)
         columns = [np.broadcast_to(one, self.shape).ravel() for one in every]

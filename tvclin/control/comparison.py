@@ -30,8 +30,12 @@ from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.numerics import polynomials
-from tvclin.numerics.loop_grid import AROUND, BELOW, BEYOND
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.loop_margins import (
+    HIGH_OVER_LARGEST_ROOT,
+    LOW_OVER_SMALLEST_ROOT,
+    ROOT_OFFSETS,
+)
+from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -78,7 +82,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     # At infinity nothing returns, and what is left is what passes through at once.
     through = abs(above[0] / loop.denominator[0]) if above.size == loop.denominator.size else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    tops = lowest(lowness, omega[k - 1], omega[k + 1])[1] if k.size else values
+    tops = grid_minimum(lowness, omega[k - 1], omega[k + 1])[1] if k.size else values
     return float(max(-values.min(), -np.min(tops), through))
 
 
@@ -88,9 +92,9 @@ def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArra
     roots = np.concatenate([polynomials.roots(part) for part in parts if part.size])
     sizes = np.abs(roots)
     counted = sizes[sizes > _ZERO * sizes.max()]
-    low, high = BELOW * counted.min(), BEYOND * counted.max()
+    low, high = LOW_OVER_SMALLEST_ROOT * counted.min(), HIGH_OVER_LARGEST_ROOT * counted.max()
     widths = np.maximum(np.abs(roots.real), _BESIDE[0] * sizes)
-    offsets = np.concatenate([-AROUND[1:], AROUND])
+    offsets = np.concatenate([-ROOT_OFFSETS[1:], ROOT_OFFSETS])
     every = [
         np.geomspace(low, high, _EVEN),
         (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),

@@ -44,7 +44,7 @@ def value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
 def future(c: Any, rates: Any, u: float, left: float, p: Any) -> Any:
     """Return the integral of e^(-p v) f(u + v) dv over what is left of a piece.
 
-    By the moments of `numerics.moments`, each order from the direction that is stable for it. The
+    By the moments of `numerics.pieces`, each order from the direction that is stable for it. The
     mode p may be complex.
     """
     degree = c.shape[1] - 1

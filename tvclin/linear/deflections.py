@@ -26,7 +26,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.linear.plant import RIGID, Plant
-from tvclin.numerics import pieces as kernel
+from tvclin.numerics import pieces as algebra
 from tvclin.numerics.pieces import Pieces
 from tvclin.numerics.searches import first_crossing
 from tvclin.winds.histories import History, Piecewise, linear_pieces
@@ -207,11 +207,11 @@ def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> Flo
     level = np.broadcast_to(dead_band, shape).ravel()
     start = np.broadcast_to(relative.onset, shape)
     times = relative.probe_times()
-    pieces = kernel.spread(relative.pieces, shape)
+    pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
-        values = kernel.value(kernel.take(pieces, index), t[:, np.newaxis])[:, 0]
+        values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level[index]
 
-    values = np.real(kernel.value(pieces, times)) - level.reshape(shape)[..., np.newaxis]
+    values = np.real(algebra.value(pieces, times)) - level.reshape(shape)[..., np.newaxis]
     return np.where(level.reshape(shape) > 0.0, first_crossing(times, values, excess), start)

@@ -13,7 +13,7 @@ from tvclin.base.errors import instance
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
 from tvclin.linear.plant import INPUTS, RIGID, Plant
 from tvclin.numerics import polynomials
-from tvclin.numerics.responses import growing
+from tvclin.numerics.modal import is_unstable
 
 _TOGETHER = 2e-6
 """Poles nearer to each other than this part of their size count as repeated ones."""
@@ -106,7 +106,7 @@ def unstable_poles(plant: Plant) -> AnyArray:
 
 def that_grow(every: AnyArray) -> AnyArray:
     """Return those of all poles ``(..., N)``, the fastest first, that `unstable_poles` has."""
-    unstable = growing(every)
+    unstable = is_unstable(every)
     most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
     poles = np.where(unstable[..., :most], every[..., :most], np.nan)
     if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):

@@ -28,7 +28,7 @@ from tvclin.base.errors import InputError, instance, one_of, positive
 from tvclin.linear.models import MODELS, usual_model
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import polynomials
-from tvclin.numerics.responses import System
+from tvclin.numerics.modal import ModalSystem
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 
@@ -211,7 +211,7 @@ class Plant(Hinted):
         return np.take_along_axis(poles, order, axis=-1)
 
     @cached_property
-    def modal(self) -> System:
+    def modal(self) -> ModalSystem:
         """The plant as a sum of modes; without meaning where poles are repeated."""
         poles = polynomials.roots(self.denominator)
         slope = polynomials.value(polynomials.derivative(self.denominator), poles)
@@ -224,7 +224,7 @@ class Plant(Hinted):
             rows += [share, 1.0 - share]
         else:
             rows.append(rows[0])
-        return System(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
+        return ModalSystem(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, one_of, shown, times_row
 from tvclin.linear.plant import INPUTS, RIGID, Plant
-from tvclin.numerics import responses
+from tvclin.numerics import modal
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -173,8 +173,8 @@ def attitude_responses(
     system, labels = plant.modal, plant.outputs
     if outputs is not None:
         labels = _asked(outputs, labels)
-        system = system.only([plant.outputs.index(label) for label in labels])
-    found, near = responses.responses(system, (deflection.pieces, wind.pieces), times, shape)
+        system = system.select_outputs([plant.outputs.index(label) for label in labels])
+    found, near = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
     if near is not None:
         cases = np.flatnonzero(near)
         if shape:

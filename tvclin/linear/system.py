@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.numerics import state_space
-from tvclin.numerics.propagation import driven, exponentials
+from tvclin.numerics.propagation import augmented_matrix, matrix_exponentials
 
 if TYPE_CHECKING:
     import control
@@ -145,10 +145,10 @@ class LinearSystem:
 
         The batch of times is that of the whole.
         """
-        whole = driven(self.A, self.B)
+        whole = augmented_matrix(self.A, self.B)
         shape = (*times.shape, *whole.shape[-2:])
         every = np.broadcast_to(whole, shape).reshape(-1, *shape[-2:])
-        return exponentials(every, times.ravel()).reshape(shape)[..., : len(self.states), :]
+        return matrix_exponentials(every, times.ravel()).reshape(shape)[..., : len(self.states), :]
 
     def to_control(self, name: str) -> control.StateSpace:
         """Return one system as `control.StateSpace`; `InputError` for a batch."""
@@ -213,9 +213,14 @@ def connect(
     else:
         raise InputError("this is an algebraic loop: a signal follows itself at once")
     seen, passed = through @ C, through @ (D @ L)
-    driven = B @ K
+    augmented_matrix = B @ K
     P, Q = _same(outputs, made), _same(outputs, inputs)
-    found = (A + driven @ seen, driven @ passed + B @ L, P @ seen, P @ passed + Q)
+    found = (
+        A + augmented_matrix @ seen,
+        augmented_matrix @ passed + B @ L,
+        P @ seen,
+        P @ passed + Q,
+    )
     batch = np.broadcast_shapes(*(one.shape[:-2] for one in found))
     A, B, C, D = (np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found)
     states = tuple(name for one in blocks for name in one.states)

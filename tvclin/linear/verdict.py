@@ -17,7 +17,7 @@ from tvclin.base.errors import instance
 from tvclin.kernels.response_cases import MARGINAL
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import INPUTS, Plant
-from tvclin.numerics.residues import residues as residues_of_pieces
+from tvclin.numerics.modal import residues as residues_of_pieces
 from tvclin.winds.histories import History, Piecewise
 
 

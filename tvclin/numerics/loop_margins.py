@@ -1,7 +1,13 @@
-"""What stability margins are made of: the verdict, every crossing, and the peaks of S and T.
+"""Stability of closed loops with their delay exact, all crossovers, and the peaks of S and T.
 
-Crossings and peaks are seen between frequencies that miss none, and then refined to rounding. A
-loop has the same bits alone and wherever in a batch it stands.
+Without the delay T the closed-loop poles are known. As a delay grows from zero, poles can cross the
+imaginary axis only at the frequencies at which |L| = 1, whatever the delay; they cross each time
+the phase comes round to -180 degrees, to the right where |L| falls with the frequency and to the
+left where it rises. So they can be counted (after Walton and Marshall, IEE Proceedings D 134,
+1987): no approximation of the delay enters the verdict.
+
+Crossovers and peaks are bracketed on a frequency grid that misses none, and then refined to
+rounding, so that no result depends on the grid. A loop has the same bits alone and in any batch.
 """
 
 from collections.abc import Iterator
@@ -10,37 +16,199 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
-from tvclin.numerics.loop_grid import frequencies
-from tvclin.numerics.rational import inverse, product
-from tvclin.numerics.searches import lowest, roots_between
-from tvclin.numerics.stability import stability
-from tvclin.numerics.state_loop import AnyLoop
+from tvclin.numerics.loops import AnyLoop, inverse, product
+from tvclin.numerics.searches import grid_minimum, roots_between
 
-_TOGETHER = 512
-"""So many loops are worked on at a time, to bound the memory."""
-_AT_CROSSING = 1e-3
-"""The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
-_CLOSE = 1e-6
-"""How far a crossing may be moved when it is polished, over its frequency."""
-_WORTH = 0.3
-"""Samples that stand above their neighbours are refined if they reach this part of the highest: a
-lower one could overtake it only if the grid had missed more than two thirds of its height."""
-_ROUNDS = 8
-"""Of grids about a summit: its place is known to 6e-8 of the distance of the frequencies beside it,
-which is of the order of its width, and so its height to the square of that."""
+_AXIS_TOLERANCE = 1e-12
+"""Distance from the imaginary axis, relative to the largest pole, that counts as zero."""
+_FULL_TURN = 2.0 * np.pi
+"""Phase of a full turn [rad]."""
+_PHASE_ROUNDING = 1e-6
+"""Phase [rad] below which a pole starts on the imaginary axis, to rounding."""
+_MAX_POLES = 1e15
+"""Largest count of unstable poles."""
+_POLISHING_ITERATIONS, _MAX_POLISHING_STEP = 4, 1e-6
+"""Newton iterations on ln |L| from a root of the squares, and the largest relative step."""
+_LOGARITHMIC_POINTS = 401
+"""Logarithmically spaced frequencies over the whole range."""
+LOW_OVER_SMALLEST_ROOT, HIGH_OVER_LARGEST_ROOT = 1e-3, 1e2
+"""Ends of the frequency range over the smallest and over the largest pole or zero."""
+ROOT_OFFSETS = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
+"""Offsets of frequencies around a root, in units of its distance from the imaginary axis."""
+_MIN_AXIS_DISTANCE = 1e-6
+"""Smallest distance from the axis, over the size of a root, by which points are spread."""
+_MAX_ZERO_OVER_POLE, _MIN_ROOT_OVER_POLE = 1e7, 1e-12
+"""Zeros above and roots below these ratios to the fastest pole are rounding."""
+_REAL_FREQUENCY_OFFSET = 1e-3
+"""Relative offset of the points on both sides of a frequency at which L is real."""
+_MIN_SPACING = 1e-11
+"""Relative spacing that separates equal frequencies, so that each has two neighbours."""
+_NEGLIGIBLE_GAIN, _END_OVER_POLE_BOUND = 1e-2, 2.0
+"""The phase of a delay is followed until |L| stays below the first, and at least up to the second
+times the bound of the poles of L."""
+_PHASE_STEP, _ADDED_STEPS, _MAX_STEPS = np.pi / 4.0, 12, 20_000
+"""Step of the delay's phase [rad], number of steps added at the end, and their largest number."""
+_LOOPS_PER_BLOCK = 512
+"""Loops that are analysed together, to bound the memory."""
+_CROSSING_PHASE_TOLERANCE = 1e-3
+"""Phase [rad] remaining at a phase crossover; at a jump of the phase it is larger."""
+_MAX_CROSSOVER_CORRECTION = 1e-6
+"""Largest correction of a phase crossover by a Newton step, over its frequency."""
+_CANDIDATE_PEAK_HEIGHT = 0.3
+"""Height of local maxima of the grid that are refined, relative to the highest: a lower one could
+exceed it only if the grid had missed more than two thirds of its height."""
+_PEAK_REFINEMENTS = 8
+"""Grid refinements about a peak: its frequency is known to 6e-8 of the distance of its neighbours,
+of the order of its width, and its height to the square of that."""
 
 
 @dataclass(frozen=True, eq=False)
-class LoopFindings:
-    """The verdict on each of ``(k,)`` loops, its crossings, and its peaks if it is stable.
+class Stability:
+    """Closed-loop poles, their stability, and the gain crossovers of a batch of loops.
 
-    `unstable_poles`, `marginal`: closed-loop poles in the right half plane, and whether one lies on
-    the axis. `gain_frequencies`, `phases`: where |L| = 1 [rad/s], rising, and how far L may lag
-    more there until it is -1 [rad], ``(k, n)``, filled with NaN. `delays`: how much later L may be
-    there until it is -1 [s], ``(k, n)``. `phase_frequencies`, `factors`: where L is real and
-    negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN. `peaks`: the largest
-    |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite where the value is
-    approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
+    `poles`: the closed-loop poles without the delay, ``(..., n)``. `unstable_poles`: closed-loop
+    poles in the right half plane, ``(...)``. `marginal`: whether one lies on the imaginary axis,
+    ``(...)``. `crossovers`: frequencies [rad/s] at which |L| = 1, ascending, ``(..., k)``, filled
+    with NaN.
+    """
+
+    poles: AnyArray
+    unstable_poles: IndexArray
+    marginal: BoolArray
+    crossovers: FloatArray
+
+
+def stability(loop: AnyLoop) -> Stability:
+    """Return the number of unstable closed-loop poles with the delay, and the gain crossovers."""
+    poles = loop.closed_poles()
+    tolerance = _AXIS_TOLERANCE * np.abs(poles).max(axis=-1, keepdims=True)
+    unstable = np.sum(np.real(poles) > tolerance, axis=-1)
+    on_axis = np.abs(np.real(poles)) <= tolerance
+    at_zero = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
+    frequencies, rising = loop.crossovers(1.0)
+    frequencies = _polished_gain_crossover(loop, frequencies)
+    above, below = loop.undelayed(frequencies)
+    with np.errstate(invalid="ignore"):
+        phase = np.angle(-above / below) % _FULL_TURN
+        on_axis_at_zero = (phase < _PHASE_ROUNDING) | (phase > _FULL_TURN - _PHASE_ROUNDING)
+        phase = np.where(
+            on_axis_at_zero, _initial_phase_to_axis(poles, tolerance, frequencies, rising), phase
+        )
+        crossings_due = (frequencies * loop.delay[..., np.newaxis] - phase) / _FULL_TURN
+        crossings = np.maximum(np.ceil(crossings_due), 0.0)
+        at_crossing = (np.abs(crossings_due - np.round(crossings_due)) < _AXIS_TOLERANCE) & (
+            crossings_due > -_AXIS_TOLERANCE
+        )
+    added = np.nansum(np.where(rising, 2.0, -2.0) * crossings, axis=-1)
+    added = np.clip(added, -_MAX_POLES, _MAX_POLES)
+    delayed = loop.delay > 0.0
+    at_axis = np.where(delayed, np.any(at_crossing, axis=-1), np.any(on_axis, axis=-1))
+    count = unstable + np.where(delayed, added, 0.0).astype(np.intp)
+    return Stability(poles, np.asarray(count), np.asarray(at_zero | at_axis), frequencies)
+
+
+def _initial_phase_to_axis(
+    poles: AnyArray, tolerance: FloatArray, omega: FloatArray, rising: BoolArray
+) -> FloatArray:
+    """Return the phase lag [rad], 0 or 2 pi, until poles at the axis cross it for the first time.
+
+    A pole that starts in the half plane to which the delay moves it has a full turn to go.
+    """
+    distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
+    nearest = np.argmin(np.nan_to_num(distance, nan=np.inf), axis=-1)
+    right = np.take_along_axis(np.real(poles) > tolerance, nearest, axis=-1)
+    return np.where(right != rising, 0.0, _FULL_TURN)
+
+
+def last_frequency(loop: AnyLoop, size: float) -> FloatArray:
+    """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero without any."""
+    return np.nan_to_num(loop.crossovers(size)[0]).max(axis=-1, initial=0.0)
+
+
+def _polished_gain_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """Return gain crossovers [rad/s] after Newton's steps on ln |L| itself.
+
+    Its squares have half the digits near undamped poles.
+    """
+    with np.errstate(all="ignore"):
+        for _ in range(_POLISHING_ITERATIONS):
+            above, below = loop.undelayed(omega)
+            step = np.log(np.abs(above / below)) / loop.log_slope(omega).real
+            omega = np.where(np.abs(step) <= _MAX_POLISHING_STEP * omega, omega - step, omega)
+    return omega
+
+
+def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
+    """Return the frequencies [rad/s] of the grid, positive and ascending, ``(k, m)``, NaN-filled.
+
+    `loop`: a batch of one axis, ``(k,)``. `stability`: its closed-loop poles and gain crossovers.
+    """
+    poles = [stability.poles.astype(complex), loop.open_poles().astype(complex)]
+    fastest = np.abs(np.concatenate(poles, axis=-1)).max(axis=-1)[:, np.newaxis]
+    zeros = loop.zeros()
+    with np.errstate(invalid="ignore"):
+        zeros = np.where(np.abs(zeros) < _MAX_ZERO_OVER_POLE * fastest, zeros, np.nan)
+    roots = np.concatenate([*poles, zeros], axis=-1)
+    roots = np.where(roots.imag >= 0.0, roots, np.nan)  # one of each pair
+    size = np.abs(roots)
+    largest = np.nan_to_num(size).max(axis=-1)
+    counted = size > _MIN_ROOT_OVER_POLE * fastest
+    low = LOW_OVER_SMALLEST_ROOT * np.where(counted, size, np.inf).min(axis=-1)
+    low = np.where(np.isfinite(low), low, 1e-3)
+    high = np.maximum(HIGH_OVER_LARGEST_ROOT * largest, 1e3 * low)
+    steps = np.geomspace(low, high, _LOGARITHMIC_POINTS, axis=-1)
+    width = np.maximum(np.abs(roots.real), _MIN_AXIS_DISTANCE * size)
+    offsets = np.concatenate([-ROOT_OFFSETS[:0:-1], ROOT_OFFSETS])
+    around = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
+    real_frequencies = loop.real_frequencies()
+    parts = [
+        steps,
+        around.reshape(len(around), roots.shape[-1] * offsets.size),
+        stability.crossovers,
+    ]
+    parts += [
+        real_frequencies * factor
+        for factor in (1.0 - _REAL_FREQUENCY_OFFSET, 1.0 + _REAL_FREQUENCY_OFFSET)
+    ]
+    if np.any(loop.delay > 0.0):
+        delay_points, end = _delay_frequencies(loop)
+        parts = [
+            *(np.where(part <= end[:, np.newaxis], part, np.nan) for part in parts),
+            delay_points,
+        ]
+    points = np.concatenate(parts, axis=-1)
+    bounded = (points >= low[:, np.newaxis]) & np.isfinite(points)
+    points = np.sort(np.where(bounded, points, np.nan), axis=-1)
+    return points * (1.0 + _MIN_SPACING * np.arange(points.shape[-1]))
+
+
+def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies [rad/s] in even steps of an eighth of a turn of the delay, and their end.
+
+    Without a delay the end is infinite and the frequencies are NaN.
+    """
+    delayed = loop.delay > 0.0
+    step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
+    end = np.maximum(last_frequency(loop, _NEGLIGIBLE_GAIN), _END_OVER_POLE_BOUND * loop.bound())
+    count = np.minimum(np.ceil(end / step) + _ADDED_STEPS, _MAX_STEPS)
+    index = np.arange(int(count[delayed].max(initial=0.0)) + 1)
+    used = delayed[:, np.newaxis] & (index <= count[:, np.newaxis])
+    steps = np.where(used, index * step[:, np.newaxis], np.nan)
+    return steps, np.where(delayed, count * step, np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopAnalysis:
+    """Stability, crossovers, and closed-loop peaks of ``(k,)`` loops.
+
+    `unstable_poles`, `marginal`: number of closed-loop poles in the right half plane, and whether
+    one lies on the imaginary axis. `gain_frequencies`, `phases`: frequencies [rad/s] with |L| = 1,
+    ascending, and the phase lag [rad] to -1 there, ``(k, n)``, filled with NaN. `delays`:
+    additional delay [s] to -1 there, ``(k, n)``. `phase_frequencies`, `factors`: frequencies
+    [rad/s] at which L is real and negative, ascending, and 1/|L| there, ``(k, m)``, filled with
+    NaN. `peaks`: maxima of |S|, |T| and |S - T|/2 on the imaginary axis, and their frequencies
+    [rad/s], infinite where the supremum is approached there, ``(k, 3, 2)``; NaN for an unstable
+    loop.
     """
 
     unstable_poles: IndexArray
@@ -54,153 +222,170 @@ class LoopFindings:
 
     @property
     def stable(self) -> BoolArray:
-        """Whether all closed-loop poles lie in the left half plane."""
+        """Whether all closed-loop poles lie in the left half plane, ``(k,)``."""
         return np.asarray((self.unstable_poles == 0) & ~self.marginal)
 
 
-def loop_findings(loop: AnyLoop) -> LoopFindings:
-    """Return the verdict, all crossings and the peaks of a batch of one axis, ``(k,)``."""
-    return _joined([_findings(part) for part in _chunks(loop)])
+def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
+    """Return stability, crossovers and peaks of a batch of loops ``(k,)``."""
+    return _concatenated([_block_analysis(part) for part in _blocks(loop)])
 
 
-def classical_margins(found: LoopFindings) -> FloatArray:
-    """Return the least margins of stable loops and where they are, ``(4, 2, k)``.
+def classical_margins(analysis: LoopAnalysis) -> FloatArray:
+    """Return the smallest margins of stable loops and their frequencies [rad/s], ``(4, 2, k)``.
 
-    Aero margin and gain increase as factors, phase margin [rad] and delay margin [s]; infinite,
-    and their frequencies [rad/s] NaN, where there is none.
+    Margins: aero margin (gain reduction) and gain increase as factors, phase margin [rad] and delay
+    margin [s]. A margin without a crossover is infinite, and its frequency NaN.
     """
     # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
     # rise to k where k > 1.
-    factors, at = found.factors, found.phase_frequencies
-    omega, phases = found.gain_frequencies, found.phases
+    factors, frequencies = analysis.factors, analysis.phase_frequencies
+    omega, phases = analysis.gain_frequencies, analysis.phases
     with np.errstate(divide="ignore"):
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
     rise = np.where(factors > 1.0, factors, np.nan)
-    pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (found.delays, omega))
-    return np.asarray([least_of(values, where) for values, where in pairs])
+    pairs = (
+        (fall, frequencies),
+        (rise, frequencies),
+        (np.abs(phases), omega),
+        (analysis.delays, omega),
+    )
+    return np.asarray([row_minimum(values, where) for values, where in pairs])
 
 
-def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
+def _blocks(loop: AnyLoop) -> Iterator[AnyLoop]:
     size = len(loop.delay)
-    for start in range(0, max(size, 1), _TOGETHER):
-        yield loop.take(np.arange(start, min(start + _TOGETHER, size)))
+    for start in range(0, max(size, 1), _LOOPS_PER_BLOCK):
+        yield loop.take(np.arange(start, min(start + _LOOPS_PER_BLOCK, size)))
 
 
-def _findings(loop: AnyLoop) -> LoopFindings:
+def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
     verdict = stability(loop)
-    gains = verdict.crossovers
-    phases = _left(loop, gains)
-    omega = frequencies(loop, verdict)
+    gain_frequencies = verdict.crossovers
+    phases = _remaining_lag(loop, gain_frequencies)
+    omega = grid_frequencies(loop, verdict)
     omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
     parts = loop.parts(omega)
-    at, sizes = _phase_crossovers(loop, omega, *parts)
+    phase_frequencies, sizes = _phase_crossovers(loop, omega, *parts)
     peaks = np.full((len(omega), 3, 2), np.nan)
     with np.errstate(divide="ignore"):
         # L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n
-        delays, factors = phases % (2.0 * np.pi) / gains, 1.0 / sizes
-        found = LoopFindings(
-            verdict.unstable_poles, verdict.marginal, gains, phases, delays, at, factors, peaks
+        delays, factors = phases % (2.0 * np.pi) / gain_frequencies, 1.0 / sizes
+        analysis = LoopAnalysis(
+            verdict.unstable_poles,
+            verdict.marginal,
+            gain_frequencies,
+            phases,
+            delays,
+            phase_frequencies,
+            factors,
+            peaks,
         )
-    good = np.flatnonzero(found.stable)
-    peaks[good] = _peaks(loop.take(good), omega[good], *(part[good] for part in parts))
-    return found
+    stable = np.flatnonzero(analysis.stable)
+    peaks[stable] = _closed_loop_peaks(
+        loop.take(stable), omega[stable], *(part[stable] for part in parts)
+    )
+    return analysis
 
 
 def _phase_crossovers(
     loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Where L is real and negative, and its size there; both ``(k, m)``, filled with NaN.
+    """Return the frequencies [rad/s] at which L is real and negative, and |L| there, ``(k, m)``.
 
-    From zero on, omega ``(k, n)`` misses no crossing; numerator and denominator are values there.
+    Both are filled with NaN. `omega`: the grid ``(k, n)`` from zero on; `above`, `below`: numerator
+    and denominator on it.
     """
 
     def angle(frequency: FloatArray, index: IndexArray) -> FloatArray:
-        return _angle(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
+        return _lag_to_real_axis(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
 
-    side = np.sign(_imaginary(above, below))
-    case, place = np.nonzero(side[:, 1:-1] * side[:, 2:] <= 0.0)
-    place += 1
-    begin, end = (_angle(above[case, k], below[case, k]) for k in (place, place + 1))
-    rise = np.sign(end - begin)
-    crossing = (begin * end <= 0.0) & (np.abs(end - begin) < np.pi) & (rise != 0.0)
-    case, place, rise = case[crossing], place[crossing], rise[crossing]
-    low, high = omega[case, place], omega[case, place + 1]
-    found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
-    true = np.abs(angle(found, case)) < _AT_CROSSING
-    true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
-    case, found = case[true], found[true]
-    found = _polished(loop.take(case), found)
+    sign = np.sign(_imaginary(above, below))
+    case, index = np.nonzero(sign[:, 1:-1] * sign[:, 2:] <= 0.0)
+    index += 1
+    start, end = (_lag_to_real_axis(above[case, k], below[case, k]) for k in (index, index + 1))
+    rise = np.sign(end - start)
+    crossing = (start * end <= 0.0) & (np.abs(end - start) < np.pi) & (rise != 0.0)
+    case, index, rise = case[crossing], index[crossing], rise[crossing]
+    low, high = omega[case, index], omega[case, index + 1]
+    crossover = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
+    genuine = np.abs(angle(crossover, case)) < _CROSSING_PHASE_TOLERANCE
+    genuine &= ~loop.take(case).vanishes(crossover)  # at an undamped pole or zero the phase jumps
+    case, crossover = case[genuine], crossover[genuine]
+    crossover = _polished_phase_crossover(loop.take(case), crossover)
     # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.
     at_zero = np.flatnonzero(above[:, 0].real * below[:, 0].real < 0.0)
     at_infinity = np.flatnonzero(loop.direct < 0.0)
     case = np.concatenate([at_zero, case])
-    found = np.concatenate([np.zeros(at_zero.size), found])
-    above, below = loop.take(case).undelayed(found[:, np.newaxis])
+    crossover = np.concatenate([np.zeros(at_zero.size), crossover])
+    above, below = loop.take(case).undelayed(crossover[:, np.newaxis])
     sizes = np.concatenate([np.abs(above / below)[:, 0], -loop.direct[at_infinity]])
     case = np.concatenate([case, at_infinity])
-    found = np.concatenate([found, np.full(at_infinity.size, np.inf)])
-    return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
+    crossover = np.concatenate([crossover, np.full(at_infinity.size, np.inf)])
+    return _rows(case, crossover, crossover, len(omega)), _rows(case, crossover, sizes, len(omega))
 
 
-def _left(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """How far L may lag more [rad] until it is real and negative, at a few frequencies ``(k, m)``.
+def _remaining_lag(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """Return the phase lag [rad] until L is real and negative, at frequencies ``(k, m)``.
 
-    Of values that are solved for: a sum over poles has the rounding of its largest terms.
+    The values come from linear solves: a sum over poles has the rounding of its largest terms.
     """
     above, below = loop.undelayed(omega)
-    return _angle(product(above, np.exp(-1j * omega * loop.delay[:, np.newaxis])), below)
+    return _lag_to_real_axis(product(above, np.exp(-1j * omega * loop.delay[:, np.newaxis])), below)
 
 
-def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """One step of Newton's to where L is real, from frequencies ``(k,)`` that lack a rounding."""
+def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """Return phase crossovers ``(k,)`` [rad/s] after one Newton step."""
     omega = omega[:, np.newaxis]
     with np.errstate(all="ignore"):
-        turn = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
-        step = _left(loop, omega) / turn
-        close = np.abs(step) <= _CLOSE * omega
+        phase_slope = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
+        step = _remaining_lag(loop, omega) / phase_slope
+        close = np.abs(step) <= _MAX_CROSSOVER_CORRECTION * omega
     return np.where(close, omega - step, omega)[:, 0]
 
 
 def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:
-    """Im(-N conj(D)), in real products, which round alike in a batch of any shape."""
+    """Return Im(-N conj(D)), in real products, which round alike in a batch of any shape."""
     return above.real * below.imag - above.imag * below.real
 
 
-def _angle(above: ComplexArray, below: ComplexArray) -> FloatArray:
-    """How far N/D may lag more [rad] until it is real and negative: arg(-N conj(D))."""
+def _lag_to_real_axis(above: ComplexArray, below: ComplexArray) -> FloatArray:
+    """Return the phase lag [rad] until N/D is real and negative: arg(-N conj(D))."""
     real = -(above.real * below.real + above.imag * below.imag)
     return np.arctan2(_imaginary(above, below), real)
 
 
-def _peaks(
+def _closed_loop_peaks(
     loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
 ) -> FloatArray:
-    """The peaks of stable closed loops, ``(k, 3, 2)``.
+    """Return the maxima of |S|, |T| and |S - T|/2 and their frequencies [rad/s], ``(k, 3, 2)``.
 
-    From zero on, omega ``(k, n)`` misses no peak; numerator and denominator are values there.
+    `omega`: the grid ``(k, n)`` from zero on; `above`, `below`: numerator and denominator on it.
     """
-    values = np.stack(_sizes(above, below), axis=1)
+    values = np.stack(_sensitivity_sizes(above, below), axis=1)
     values = np.nan_to_num(values, nan=-np.inf, copy=False)
     top = np.argmax(values, axis=-1)
     height = values.max(axis=-1)
     where = omega[np.arange(len(omega))[:, np.newaxis], top]
     inner = values[..., 1:-1]
     summit = (inner >= values[..., :-2]) & (inner > values[..., 2:])
-    summit &= inner > _WORTH * height[..., np.newaxis]
-    case, kind, place = np.nonzero(summit)
+    summit &= inner > _CANDIDATE_PEAK_HEIGHT * height[..., np.newaxis]
+    case, kind, index = np.nonzero(summit)
 
     if kind.size:
-        some = loop.take(case)
+        candidates = loop.take(case)
 
         def lowness(frequency: FloatArray) -> FloatArray:
-            return -np.choose(kind[:, np.newaxis], _sizes(*some.parts(frequency)))
+            return -np.choose(kind[:, np.newaxis], _sensitivity_sizes(*candidates.parts(frequency)))
 
-        at, least = lowest(lowness, omega[case, place], omega[case, place + 2], _ROUNDS)
-        rising = np.argsort(-least)  # of several summits the highest is written last
-        at, size, which = at[rising], -least[rising], (case[rising], kind[rising])
-        better = size > height[which]
-        which = (which[0][better], which[1][better])
-        height[which], where[which] = size[better], at[better]
+        at, minimum = grid_minimum(
+            lowness, omega[case, index], omega[case, index + 2], _PEAK_REFINEMENTS
+        )
+        rising = np.argsort(-minimum)  # of several summits the highest is written last
+        at, size, entry = at[rising], -minimum[rising], (case[rising], kind[rising])
+        better = size > height[entry]
+        entry = (entry[0][better], entry[1][better])
+        height[entry], where[entry] = size[better], at[better]
     direct = loop.direct[:, np.newaxis]
     at_infinity = np.abs(np.concatenate([np.ones_like(direct), direct, 0.5 * (1.0 - direct)], -1))
     at_infinity /= np.abs(1.0 + direct)  # |S|, |T| and |S - T|/2
@@ -209,46 +394,48 @@ def _peaks(
     return np.stack(pair, axis=-1)
 
 
-def _sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
-    """The sizes of S = 1/(1 + L) = D/(D + N), T = L/(1 + L) = N/(D + N) and (S - T)/2.
+def _sensitivity_sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
+    """Return |S|, |T| and |S - T|/2 of S = 1/(1 + L) = D/(D + N) and T = N/(D + N).
 
-    One over the largest of the last is the disk margin: L f is stable for all f in the disk
-    (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
+    The inverse of the maximum of the last is the disk margin alpha: L f is stable for all f in the
+    disk (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
     """
-    over = inverse(below + above)
-    S, T = product(below, over), product(above, over)
-    return [np.sqrt(of.real**2 + of.imag**2) for of in (S, T, 0.5 * (S - T))]
+    inverse_return = inverse(below + above)
+    S, T = product(below, inverse_return), product(above, inverse_return)
+    return [np.sqrt(function.real**2 + function.imag**2) for function in (S, T, 0.5 * (S - T))]
 
 
 def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> FloatArray:
-    """Write the values of each case into its own row, in the order of the key."""
+    """Return values scattered into one row per case, in ascending order of the key, NaN-filled."""
     order = np.lexsort((key, case))
     case, values = case[order], values[order]
     sizes = np.bincount(case, minlength=count)
-    place = np.arange(case.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    column = np.arange(case.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)
     rows = np.full((count, int(sizes.max(initial=0))), np.nan)
-    rows[case, place] = values
+    rows[case, column] = values
     return rows
 
 
-def least_of(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the least of each row and its frequency; infinite and NaN in an empty one."""
+def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the minimum of each row and its frequency; infinity and NaN for an empty row."""
     if not values.shape[-1]:
         return np.full(len(values), np.inf), np.full(len(values), np.nan)
     filled = np.where(np.isnan(values), np.inf, values)
-    place = np.argmin(filled, axis=-1)[:, np.newaxis]
-    found, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
-    return found, np.where(np.isinf(found), np.nan, where)
+    index = np.argmin(filled, axis=-1)[:, np.newaxis]
+    minimum, frequency = (
+        np.take_along_axis(a, index, axis=-1)[:, 0] for a in (filled, frequencies)
+    )
+    return minimum, np.where(np.isinf(minimum), np.nan, frequency)
 
 
-def _joined(parts: list[LoopFindings]) -> LoopFindings:
-    """One out of several, the rows as wide as the widest."""
-    whole: list[AnyArray] = []
-    for field in fields(LoopFindings):
+def _concatenated(parts: list[LoopAnalysis]) -> LoopAnalysis:
+    """Return the analyses of several blocks as one, with rows as wide as the widest."""
+    joined: list[AnyArray] = []
+    for field in fields(LoopAnalysis):
         arrays = [getattr(part, field.name) for part in parts]
         if arrays[0].ndim == 2:
             width = max(array.shape[-1] for array in arrays)
-            wide = [(0, 0), (0, width)]
-            arrays = [np.pad(a, wide, constant_values=np.nan)[:, :width] for a in arrays]
-        whole.append(np.concatenate(arrays))
-    return LoopFindings(*whole)
+            padding = [(0, 0), (0, width)]
+            arrays = [np.pad(a, padding, constant_values=np.nan)[:, :width] for a in arrays]
+        joined.append(np.concatenate(arrays))
+    return LoopAnalysis(*joined)

@@ -2,31 +2,95 @@
 
 Between knot i and knot i+1, with the local time u = t - knot_i, a history is
 
-    f(t) = sum over r, k of c[i, r, k] u^k e^(lambda_r u)
+    f(t) = sum over r, k of c[i, r, k] u^k e^(lambda_r u).
 
-The last piece lasts for ever, and before the first knot the history is zero. The family
-is closed under sums, shifts, cuts and first-order lags, and its Laplace integrals are
-sums of exponential moments, so nothing here is ever sampled or truncated. `integrals` and
-`lags` stand beside this file.
+The last piece is endless, and before the first knot the history is zero. The family is closed
+under sums, shifts, cuts and first-order lags. Its Laplace integrals are sums of the exponential
+moments
+
+    M_k(z) = integral from 0 to 1 of x^k e^(-z x) dx,    k = 0 ... degree,
+
+so that nothing is sampled or truncated. The moments are entire in z, and nothing is lost where z
+tends to zero: the textbook form (1 - e^(-z))/z and its higher relatives are never divided out.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb
+from math import comb, factorial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 
-_FEW = 4096
-"""Up to so many pairs of a knot and a time all are compared at once."""
+_MAX_DIRECT_COMPARISONS = 4096
+"""Pairs of a knot and a time up to which all are compared at once."""
+_RESONANT_SPAN = 0.25
+"""Largest |rate - pole| times the width at which a term is expanded as resonant."""
+_TAYLOR_TERMS = 13
+"""0.25^13/13! is below 1e-17: the expansion of a resonant term is exact to rounding."""
+_SPLIT_SPANS = 16.0
+"""The piece split off an endless one stays resonant for later lags with gaps so many times as
+wide."""
+_DECAYED_EXPONENT = 60.0
+"""Exponent at which a decaying term is negligible: e^-60 of its initial value."""
+_OVERFLOW_EXPONENT = 600.0
+"""Exponent beyond which an unstable term is not followed: e^600."""
+
+
+def moments(z: ArrayLike, degree: int) -> AnyArray:
+    """Return M_0(z) ... M_degree(z), shape ``(..., degree + 1)``, real for a real z.
+
+    The recursion z M_k = k M_(k-1) - e^(-z) loses digits upward where k > |z| and
+    downward where k < |z|, so each order is taken from the direction that is stable for it.
+    """
+    z = np.asarray(z)
+    z = z.astype(complex if np.iscomplexobj(z) else float)
+    orders = np.arange(degree + 1)
+    size = np.abs(z)
+    small = size <= degree + 1.5
+    downward = _downward(np.where(small, z, 0.0), degree)
+    if np.all(size <= 1.0):
+        return downward
+    upward = _upward(np.where(size > 1.0, z, 2.0), degree)
+    use_upward = (size[..., np.newaxis] > np.maximum(orders, 1.0)) | ~small[..., np.newaxis]
+    return np.where(use_upward, upward, downward)
+
+
+def _downward(z: AnyArray, degree: int) -> AnyArray:
+    # What the recursion starts from is wrong by a relative 1, and each order j multiplies that by
+    # |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
+    start = 3 * degree + 26
+    result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
+    decay = np.exp(-z)
+    moment = np.zeros_like(z)
+    for order in range(start, 0, -1):
+        moment = (z * moment + decay) / order  # M_(order-1)
+        if order <= degree + 1:
+            result[..., order - 1] = moment
+    return result
+
+
+def _upward(z: AnyArray, degree: int) -> AnyArray:
+    result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
+    with np.errstate(over="ignore", invalid="ignore"):
+        decay = np.exp(-z)
+        result[..., 0] = -np.expm1(-z) / z
+        for order in range(1, degree + 1):
+            result[..., order] = (order * result[..., order - 1] - decay) / z
+    result[np.isinf(decay)] = np.inf
+    return result
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Knots ``(..., n)``, coefficients ``(..., n, rates, degree + 1)`` and rates ``(..., rates)``.
+    """Pieces of histories: knots ``(..., n)``, coefficients and rates ``(..., rates)``.
 
-    Knots do not decrease; a piece of no width is legal and counts for nothing.
+    Coefficients have the shape ``(..., n, rates, degree + 1)``. Knots do not decrease; a piece of
+    zero width is allowed and contributes nothing.
     """
 
     knots: FloatArray
@@ -49,32 +113,35 @@ class Pieces:
 
     @property
     def widths(self) -> FloatArray:
-        """How long each piece lasts, ``(..., n)``; the last one for ever."""
+        """Width of each piece [s], ``(..., n)``; the last is infinite."""
         return np.diff(self.knots, axis=-1, append=np.inf)
 
 
-def flat(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
-    """Return an array with its batch on one axis, in the one kind of memory that kernels take."""
-    one = array.ndim == trailing
-    rows = array[np.newaxis] if one else array.reshape(-1, *array.shape[array.ndim - trailing :])
+def flat_batch(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
+    """Return an array with its batch on one axis, C-contiguous and writeable as kernels expect."""
+    single = array.ndim == trailing
+    rows = array[np.newaxis] if single else array.reshape(-1, *array.shape[array.ndim - trailing :])
     flags = rows.flags
     if rows.dtype == kind and flags.c_contiguous and flags.writeable:
         return rows
     return np.array(rows, dtype=kind, order="C")
 
 
-def rows(
+def kernel_arrays(
     pieces: Pieces, shape: tuple[int, ...]
 ) -> tuple[tuple[AnyArray, AnyArray, AnyArray], IndexArray]:
-    """Return knots, coefficients and rates for kernels, and which row each case of `shape` takes.
+    """Return knots, coefficients and rates for kernels, and the row of each case of `shape`.
 
-    Histories on one axis, as many as there are; the cases that share one share its row. All can be
-    written to, for a kernel is compiled anew for arrays that can not.
+    The arrays have one row for each history of the batch; cases of one history share its row. All
+    are writeable, for a kernel is compiled anew for read-only arrays.
     """
-    own = spread(pieces, pieces.batch)
+    histories = spread(pieces, pieces.batch)
     kind = np.result_type(pieces.coefficients, pieces.rates, float)
-    coefficients, rates = flat(own.coefficients, 3, kind), flat(own.rates, 1, kind)
-    arrays = flat(own.knots, 1, np.dtype(float)), coefficients, rates
+    coefficients, rates = (
+        flat_batch(histories.coefficients, 3, kind),
+        flat_batch(histories.rates, 1, kind),
+    )
+    arrays = flat_batch(histories.knots, 1, np.dtype(float)), coefficients, rates
     which = np.arange(arrays[0].shape[0]).reshape(pieces.batch)
     return arrays, np.broadcast_to(which, shape).flatten()
 
@@ -82,7 +149,7 @@ def rows(
 def value(pieces: Pieces, t: FloatArray) -> AnyArray:
     """Return the values at the times ``t (..., m)``, whose leading axes broadcast with the batch.
 
-    Continuous from the right; shape ``broadcast(batch, t.shape[:-1]) + (m,)``.
+    Values are continuous from the right; shape ``broadcast(batch, t.shape[:-1]) + (m,)``.
     """
     index, u = locate(pieces, t)
     result = _evaluate(at_pieces(pieces.coefficients, index, 2), pieces.rates, np.maximum(u, 0.0))
@@ -90,7 +157,7 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
 
 
 def add(first: Pieces, second: Pieces) -> Pieces:
-    """Return the sum, on the knots of both."""
+    """Return the sum of two batches of histories, on the knots of both."""
     shape = np.broadcast_shapes(first.batch, second.batch)
     knots = [np.broadcast_to(p.knots, (*shape, p.knots.shape[-1])) for p in (first, second)]
     if np.array_equal(knots[0], knots[1]):
@@ -99,7 +166,7 @@ def add(first: Pieces, second: Pieces) -> Pieces:
         merged = np.sort(np.concatenate(knots, axis=-1), axis=-1)
         merged = merged if shape else np.unique(merged)
     degree = max(first.degree, second.degree)
-    both = [_widened(_on_knots(p, merged), degree) for p in (first, second)]
+    both = [_padded_degree(_on_knots(p, merged), degree) for p in (first, second)]
     c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in both]
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
     shorter, longer = sorted((0, 1), key=lambda i: rates[i].shape[-1])
@@ -112,12 +179,12 @@ def add(first: Pieces, second: Pieces) -> Pieces:
 
 
 def before(pieces: Pieces, time: FloatArray) -> Pieces:
-    """Return the history up to `time` and zero from there on; an infinite time changes nothing."""
+    """Return the history up to `time` [s], zero from there on; unchanged for an infinite time."""
     shape = np.broadcast_shapes(pieces.batch, time.shape)
     edge = time[..., np.newaxis]
-    own = np.broadcast_to(pieces.knots, (*shape, pieces.knots.shape[-1]))
-    knots = np.minimum(own, edge)
-    final = np.where(np.isinf(edge), own[..., -1:], np.maximum(edge, knots[..., -1:]))
+    original = np.broadcast_to(pieces.knots, (*shape, pieces.knots.shape[-1]))
+    knots = np.minimum(original, edge)
+    final = np.where(np.isinf(edge), original[..., -1:], np.maximum(edge, knots[..., -1:]))
     c = np.broadcast_to(pieces.coefficients, (*shape, *pieces.coefficients.shape[-3:]))
     last = np.where(np.isinf(edge)[..., np.newaxis, np.newaxis], c[..., -1:, :, :], 0.0)
     return Pieces(
@@ -126,7 +193,7 @@ def before(pieces: Pieces, time: FloatArray) -> Pieces:
 
 
 def spread(pieces: Pieces, shape: tuple[int, ...]) -> Pieces:
-    """Return the same histories as a batch of the shape `shape`, which they broadcast to."""
+    """Return the histories broadcast to a batch of the shape `shape`."""
     return Pieces(
         np.broadcast_to(pieces.knots, (*shape, *pieces.knots.shape[-1:])),
         np.broadcast_to(pieces.coefficients, (*shape, *pieces.coefficients.shape[-3:])),
@@ -142,7 +209,7 @@ def take(pieces: Pieces, index: IndexArray) -> Pieces:
 
 
 def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
-    """The piece in which each time lies, and the local time there (negative: before the first)."""
+    """Return the piece's index at each time, and the local time [s], negative before the first."""
     index = np.maximum(_last_at_or_before(pieces.knots, t), 0)
     return index, t - at_pieces(pieces.knots, index, 0)
 
@@ -150,13 +217,13 @@ def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
 def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
     if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
         return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
-    if knots.shape[-1] * t.shape[-1] <= _FEW:
+    if knots.shape[-1] * t.shape[-1] <= _MAX_DIRECT_COMPARISONS:
         return np.sum(knots[..., np.newaxis, :] <= t[..., np.newaxis], axis=-1) - 1
     shape = np.broadcast_shapes(knots.shape[:-1], t.shape[:-1])
     rows = np.broadcast_to(knots, (*shape, knots.shape[-1])).reshape(-1, knots.shape[-1])
     times = np.broadcast_to(t, (*shape, t.shape[-1])).reshape(-1, t.shape[-1])
-    found = [np.searchsorted(row, x, side="right") for row, x in zip(rows, times, strict=True)]
-    return np.array(found, dtype=np.intp).reshape(*shape, t.shape[-1]) - 1
+    counts = [np.searchsorted(row, x, side="right") for row, x in zip(rows, times, strict=True)]
+    return np.array(counts, dtype=np.intp).reshape(*shape, t.shape[-1]) - 1
 
 
 def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
@@ -172,8 +239,8 @@ def at_pieces(array: AnyArray, index: IndexArray, trailing: int) -> AnyArray:
     return np.take_along_axis(array, index.reshape(*index.shape, *(1,) * trailing), axis=len(shape))
 
 
-def moved(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
-    """The same pieces with their local time starting at ``u (..., m)`` instead of zero."""
+def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
+    """Return the coefficients of pieces whose local time starts at ``u (..., m)`` [s]."""
     order = c.shape[-1]
     step = u[..., np.newaxis]
     columns = []
@@ -187,7 +254,7 @@ def moved(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
 
 
 def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
-    """Sum the terms ``c (..., m, rates, degree + 1)`` at the local times ``u (..., m)``."""
+    """Return the sum of terms ``c (..., m, rates, degree + 1)`` at local times ``u (..., m)``."""
     u = u[..., np.newaxis]
     polynomial = c[..., -1]
     for k in range(c.shape[-1] - 2, -1, -1):
@@ -196,14 +263,210 @@ def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
 
 
 def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
-    """The coefficients of the same history on finer knots, zero before its first."""
+    """Return the coefficients on finer knots, zero before the first knot of the history."""
     index = _last_at_or_before(pieces.knots, knots)
-    own = np.maximum(index, 0)
-    u = np.maximum(knots - at_pieces(pieces.knots, own, 0), 0.0)
-    c = moved(at_pieces(pieces.coefficients, own, 2), pieces.rates, u)
+    piece = np.maximum(index, 0)
+    u = np.maximum(knots - at_pieces(pieces.knots, piece, 0), 0.0)
+    c = recentred(at_pieces(pieces.coefficients, piece, 2), pieces.rates, u)
     return np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, c)
 
 
-def _widened(c: AnyArray, degree: int) -> AnyArray:
+def _padded_degree(c: AnyArray, degree: int) -> AnyArray:
     extra = degree + 1 - c.shape[-1]
     return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, extra)])
+
+
+def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
+    """Return the Laplace integral of each history at `s` [1/s], in the shape of both batches.
+
+    The integral is infinite where the last piece does not decay faster than e^(-s t) grows.
+    """
+    values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    total = (np.exp(-s[..., np.newaxis] * pieces.knots) * values).sum(axis=-1)
+    return np.where(diverges.any(axis=-1), np.inf, total)
+
+
+def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
+    """Return the sum of the sizes of all terms of `laplace`, its rounding over epsilon."""
+    sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
+    return laplace(sizes, np.real(s))
+
+
+def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], AnyArray]:
+    """Return the remaining integral from t on, of e^(-s (r - t)) f(r) dr, as a function of t.
+
+    The function takes times ``t (..., m)``, as `value`; the integrals at the knots are computed
+    once. `s` broadcasts with the batch. Every exponential in it decays, so that an unstable mode
+    that is not excited stays exact at any later time.
+    """
+    at_knots, diverges = _remaining_at_knots(pieces, s)
+    after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
+    column, widths = s[..., np.newaxis], pieces.widths
+
+    def at(t: FloatArray) -> AnyArray:
+        index, u = locate(pieces, t)
+        before_first = u < 0.0
+        u = np.maximum(u, 0.0)
+        coefficients = recentred(at_pieces(pieces.coefficients, index, 2), pieces.rates, u)
+        remaining = np.maximum(at_pieces(widths, index, 0) - u, 0.0)
+        local, _ = integrals(coefficients, pieces.rates, remaining, s)
+        endless = np.isinf(remaining)
+        decay = np.exp(-column * np.where(endless, 0.0, remaining))
+        tail = np.where(endless, 0.0, decay * at_pieces(after, index, 0))
+        lead = np.exp(-column * np.maximum(pieces.knots[..., :1] - t, 0.0)) * at_knots[..., :1]
+        return np.where(
+            diverges[..., np.newaxis], np.inf, np.where(before_first, lead, local + tail)
+        )
+
+    return at
+
+
+def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArray]:
+    values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
+    decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
+    result = np.array(values)
+    for i in range(result.shape[-1] - 2, -1, -1):
+        result[..., i] += decay[..., i] * result[..., i + 1]
+    return result, np.asarray(diverges.any(axis=-1))
+
+
+def integrals(
+    c: AnyArray, rates: AnyArray, widths: FloatArray, s: AnyArray
+) -> tuple[AnyArray, BoolArray]:
+    """Return each piece's integral times e^(-s u) over its width, ``(..., m)``, and its divergence.
+
+    The term c_k u^k e^(rate u) contributes, with M_k of `moments`, over a width h and without end,
+
+        c_k h^(k+1) M_k((s - rate) h),        c_k k!/(s - rate)^(k+1);
+
+    the latter diverges unless Re(s) > Re(rate).
+    """
+    excess = (s[..., np.newaxis] - rates)[..., np.newaxis, :]
+    endless = np.isinf(widths)
+    width = np.where(endless, 0.0, widths)[..., np.newaxis]
+    order = c.shape[-1]
+    result = (c * powers(width, order) * moments(excess * width, order - 1)).sum(axis=(-2, -1))
+    if not np.any(endless):
+        return np.asarray(result), np.zeros(result.shape, dtype=bool)
+    dying = (np.real(excess) > 0.0) & endless[..., np.newaxis]
+    growing: BoolArray = ~dying & endless[..., np.newaxis] & (c != 0.0).any(axis=-1)
+    factorials = np.array([factorial(k) for k in range(order)], dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
+        divisor = np.where(dying, excess, 1.0)[..., np.newaxis] ** np.arange(1, order + 1)
+        tails = c * factorials / divisor
+    tails = np.where(dying[..., np.newaxis] & (c != 0.0), tails, 0.0).sum(axis=(-2, -1))
+    return np.where(endless, tails, result), np.asarray(growing.any(axis=-1))
+
+
+def powers(width: FloatArray, order: int) -> AnyArray:
+    """Return width^1 ... width^order, on a new last axis."""
+    return np.cumprod(np.repeat(width[..., np.newaxis], order, axis=-1), axis=-1)
+
+
+def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
+    """Return y with y' = pole y + f and y = 0 before the first knot; the pole joins the rates.
+
+    Where a rate is so close to the pole that their difference would cancel, the solution is written
+    as a polynomial times e^(pole u) instead of a difference of two exponentials. An endless last
+    piece is resonant for a limited time only: there it gets one more knot.
+    """
+    shape = np.broadcast_shapes(pieces.batch, pole.shape)
+    pieces = _split_endless(spread(pieces, shape), pole)
+    c, rates = pieces.coefficients, pieces.rates
+    gap = rates - pole[..., np.newaxis]
+    with np.errstate(invalid="ignore"):
+        span = np.abs(gap)[..., np.newaxis, :] * pieces.widths[..., np.newaxis]
+    resonant = np.where(np.isnan(span), True, span < 1.01 * _RESONANT_SPAN) & np.any(
+        c != 0.0, axis=-1
+    )
+    terms = _TAYLOR_TERMS if np.any(resonant & (gap[..., np.newaxis, :] != 0.0)) else 1
+    degree = pieces.degree + (terms if np.any(resonant) else 0)
+    particular = _particular_solution(np.where(resonant[..., np.newaxis], 0.0, c), gap)
+    resonant_terms = _resonant_solution(np.where(resonant[..., np.newaxis], c, 0.0), gap, degree)
+    homogeneous = resonant_terms.sum(axis=-2)
+    homogeneous[..., 0] = homogeneous[..., 0] - particular[..., 0].sum(axis=-1)
+    homogeneous[..., 0] = homogeneous[..., 0] + _knot_states(pieces, pole)
+    out = np.zeros(
+        (*homogeneous.shape[:-1], rates.shape[-1] + 1, degree + 1), dtype=homogeneous.dtype
+    )
+    out[..., :-1, : particular.shape[-1]] = particular
+    out[..., -1, :] = homogeneous
+    poles = np.broadcast_to(pole[..., np.newaxis], (*shape, 1))
+    return Pieces(pieces.knots, out, np.concatenate([rates, poles], axis=-1))
+
+
+def _knot_states(pieces: Pieces, pole: AnyArray) -> AnyArray:
+    """Return the state y of the lag at each knot, ``(..., n)``, propagated exactly."""
+    shape = np.broadcast_shapes(pieces.batch, pole.shape)
+    width = np.diff(pieces.knots, axis=-1)
+    forced = _forced_states(pieces.coefficients[..., :-1, :, :], pieces.rates, width, pole)
+    growth = np.exp(pole[..., np.newaxis] * width)
+    forced, growth = (np.broadcast_to(a, (*shape, width.shape[-1])) for a in (forced, growth))
+    state = np.zeros((*shape, width.shape[-1] + 1), dtype=np.result_type(forced, growth))
+    for i in range(width.shape[-1]):
+        state[..., i + 1] = growth[..., i] * state[..., i] + forced[..., i]
+    return state
+
+
+def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyArray) -> AnyArray:
+    """Return the state y at the end of each piece from zero at its start, ``(..., m)``.
+
+    The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start of the
+    piece where the rate decays faster than the pole, and from its end otherwise.
+    """
+    order, width = c.shape[-1], widths[..., np.newaxis]
+    gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]
+    from_start = np.real(gap) > 0.0
+    scale = powers(width, order)
+    span = gap * width
+    first = c * moments(np.where(from_start, span, 0.0), order - 1)
+    first = first * np.exp(pole[..., np.newaxis] * widths)[..., np.newaxis, np.newaxis]
+    last = recentred(c, rates, widths) * moments(np.where(from_start, 0.0, -span), order - 1)
+    last = last * (-1.0) ** np.arange(order)
+    return (scale * np.where(from_start[..., np.newaxis], first, last)).sum(axis=(-2, -1))
+
+
+def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
+    """Return the pieces with the endless one split where its smallest gap from the pole matters."""
+    last = pieces.coefficients[..., -1:, :, :]
+    gap = np.abs(pieces.rates - pole[..., np.newaxis])
+    gap = np.where(np.any(last[..., 0, :, :] != 0.0, axis=-1) & (gap > 0.0), gap, np.inf)
+    smallest = gap.min(axis=-1, keepdims=True)
+    if np.all(np.isinf(smallest)):
+        return pieces
+    rate = np.real(pole[..., np.newaxis])
+    with np.errstate(divide="ignore"):
+        horizon = np.where(rate > 0.0, _OVERFLOW_EXPONENT, _DECAYED_EXPONENT) / np.abs(rate)
+    width = np.where(
+        np.isinf(smallest), 0.0, np.minimum(_RESONANT_SPAN / (_SPLIT_SPANS * smallest), horizon)
+    )
+    knots = np.concatenate([pieces.knots, pieces.knots[..., -1:] + width], axis=-1)
+    remainder = recentred(last, pieces.rates, width)
+    return Pieces(knots, np.concatenate([pieces.coefficients, remainder], axis=-3), pieces.rates)
+
+
+def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
+    """Return the polynomial a with a' + gap a = c, for each rate that differs from the pole."""
+    gap = np.where(gap == 0.0, 1.0, gap)[..., np.newaxis, :]
+    result = np.zeros(c.shape, dtype=np.result_type(c, gap))
+    coefficient = np.zeros_like(result[..., 0])
+    for k in range(c.shape[-1] - 1, -1, -1):
+        coefficient = (c[..., k] - (k + 1) * coefficient) / gap
+        result[..., k] = coefficient
+    return result
+
+
+def _resonant_solution(c: AnyArray, gap: AnyArray, degree: int) -> AnyArray:
+    """Return the polynomial factor of e^(pole u) of the solution, for rates at or near the pole.
+
+    integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).
+    """
+    gap = gap[..., np.newaxis, :]
+    result = np.zeros((*c.shape[:-1], degree + 1), dtype=np.result_type(c, gap))
+    for k in range(c.shape[-1]):
+        term = c[..., k]
+        for j in range(degree - k):
+            result[..., k + j + 1] += term / (k + j + 1)
+            term = term * gap / (j + 1)
+    return result

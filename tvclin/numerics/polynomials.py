@@ -6,10 +6,10 @@ from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.kernels.choice import run
 from tvclin.kernels.small_roots import COMPILED, PLAIN, small_roots
 
-_NOTHING = 1e-300
-"""A leading coefficient that is so small beside the largest is zero: its root is no number."""
-_LOW = 4
-"""The degree up to which roots are found one after the other."""
+_NEGLIGIBLE_LEADING_COEFFICIENT = 1e-300
+"""Leading coefficient, relative to the largest, that counts as zero: its root overflows."""
+_MAX_DIRECT_DEGREE = 4
+"""Degree up to which the kernel finds the roots one after the other."""
 
 
 def value(polynomial: AnyArray, s: AnyArray) -> AnyArray:
@@ -33,13 +33,13 @@ def on_axis(polynomial: FloatArray, omega: FloatArray) -> AnyArray:
 
 
 def derivative(polynomial: AnyArray) -> AnyArray:
-    """Return the derivative."""
+    """Return the coefficients of the derivative, ``(..., n)``."""
     degree = polynomial.shape[-1] - 1
     return polynomial[..., :-1] * np.arange(degree, 0, -1)
 
 
 def multiply(first: AnyArray, second: AnyArray) -> AnyArray:
-    """Return the product; the leading axes broadcast."""
+    """Return the coefficients of the product; the leading axes broadcast."""
     m, n = first.shape[-1], second.shape[-1]
     shape = np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
     product = np.zeros((*shape, m + n - 1), dtype=np.result_type(first, second))
@@ -49,7 +49,7 @@ def multiply(first: AnyArray, second: AnyArray) -> AnyArray:
 
 
 def add(first: AnyArray, second: AnyArray) -> AnyArray:
-    """Return the sum of polynomials, also of different degree; the leading axes broadcast."""
+    """Return the sum of polynomials, which may differ in degree; the leading axes broadcast."""
     size = max(first.shape[-1], second.shape[-1])
     return np.asarray(_padded(first, size) + _padded(second, size))
 
@@ -88,9 +88,9 @@ def divide(polynomial: AnyArray, root: AnyArray) -> tuple[AnyArray, AnyArray]:
 def roots(polynomial: FloatArray) -> AnyArray:
     """Return the roots, shape ``(..., n)``; real when all roots of the whole batch are real.
 
-    Those of a quadratic come from their sum and product, those of cubics and quartics one after
-    the other. Others are eigenvalues of the companion matrices. Two Newton steps each bring the
-    small roots of a polynomial with roots of very different size to full relative accuracy.
+    A quadratic is solved by the sum and product of its roots, cubics and quartics by deflation; for
+    higher degrees the roots are eigenvalues of the companion matrices. Two Newton steps bring small
+    roots of a polynomial with roots of very different size to full relative accuracy.
     """
     degree = polynomial.shape[-1] - 1
     if degree == 0:
@@ -98,30 +98,32 @@ def roots(polynomial: FloatArray) -> AnyArray:
     monic = polynomial[..., 1:] / polynomial[..., :1]
     if degree == 2:
         return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
-    if 2 < degree <= _LOW:
-        return _of_low_degree(monic)
-    found = _eigenvalues(monic)
+    if 2 < degree <= _MAX_DIRECT_DEGREE:
+        return _low_degree_roots(monic)
+    found = _companion_eigenvalues(monic)
     for _ in range(2):
-        found = _newton(polynomial, found)
+        found = _newton_step(polynomial, found)
     return found
 
 
 def roots_of_each(polynomial: FloatArray) -> ComplexArray:
-    """Return the roots of polynomials ``(k, n + 1)`` that may begin with zeros, ``(k, n)``.
+    """Return the roots ``(k, n)`` of polynomials ``(k, n + 1)`` that may begin with zeros.
 
-    NaN fills the rows of those that are of lower degree.
+    NaN fills the rows of polynomials of lower degree.
     """
     count, size = polynomial.shape
     found = np.full((count, size - 1), np.nan, dtype=complex)
-    live = np.abs(polynomial) > _NOTHING * np.abs(polynomial).max(axis=-1, keepdims=True)
-    zeros = np.where(np.any(live, axis=-1), np.argmax(live, axis=-1), size)
-    for few in np.unique(zeros[zeros < size]):
-        rows = zeros == few
-        found[rows, : size - 1 - few] = roots(polynomial[rows, few:])
+    live = np.abs(polynomial) > _NEGLIGIBLE_LEADING_COEFFICIENT * np.abs(polynomial).max(
+        axis=-1, keepdims=True
+    )
+    leading_zeros = np.where(np.any(live, axis=-1), np.argmax(live, axis=-1), size)
+    for leading in np.unique(leading_zeros[leading_zeros < size]):
+        rows = leading_zeros == leading
+        found[rows, : size - 1 - leading] = roots(polynomial[rows, leading:])
     return found
 
 
-def _eigenvalues(monic: FloatArray) -> AnyArray:
+def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
     degree = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
@@ -129,7 +131,7 @@ def _eigenvalues(monic: FloatArray) -> AnyArray:
     return np.linalg.eigvals(companion)
 
 
-def _of_low_degree(monic: FloatArray) -> AnyArray:
+def _low_degree_roots(monic: FloatArray) -> AnyArray:
     rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
     rows = rows.reshape(-1, rows.shape[-1])
     if np.all(rows == rows[:1]):  # one vehicle in many winds
@@ -142,19 +144,19 @@ def _of_low_degree(monic: FloatArray) -> AnyArray:
 
 
 def bound(polynomial: FloatArray) -> FloatArray:
-    """Return a number that no root exceeds in size, ``(...)``, after Fujiwara (1916)."""
+    """Return an upper bound of the sizes of the roots, ``(...)``, after Fujiwara (1916)."""
     order = np.arange(1, polynomial.shape[-1])
     sizes = np.abs(polynomial[..., 1:] / polynomial[..., :1]) ** (1.0 / order)
     return 2.0 * np.asarray(sizes.max(axis=-1, initial=0.0))
 
 
 def _halves(polynomial: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The even powers, and the odd ones over the variable, as polynomials in its square."""
+    """Return the even and the odd part, p(s) = even(s^2) + s odd(s^2), as polynomials in s^2."""
     return polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
 
 
 def _alternating(polynomial: FloatArray) -> FloatArray:
-    """The polynomial at minus its argument, but for the sign of the whole."""
+    """Return the polynomial p(-x), up to the sign of the whole."""
     return polynomial * (-1.0) ** np.arange(polynomial.shape[-1])
 
 
@@ -164,29 +166,32 @@ def _padded(polynomial: FloatArray, size: int) -> FloatArray:
 
 
 def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
-    """Two numbers by their mean and their product; none is a difference of nearly equal ones."""
+    """Return two numbers by their mean and their product, without cancellation."""
     square = middle**2 - product
-    far = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
-    near = np.where(far == 0.0, 0.0, product / np.where(far == 0.0, 1.0, far))
-    apart = square < 0.0
-    if not np.any(apart):
-        return np.stack([far, near], axis=-1)
+    larger = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
+    smaller = np.where(larger == 0.0, 0.0, product / np.where(larger == 0.0, 1.0, larger))
+    complex_pair = square < 0.0
+    if not np.any(complex_pair):
+        return np.stack([larger, smaller], axis=-1)
     height = np.sqrt(np.maximum(-square, 0.0))
-    pair = [np.where(apart, middle + sign * height, r) for sign, r in ((1j, far), (-1j, near))]
+    pair = [
+        np.where(complex_pair, middle + sign * height, r)
+        for sign, r in ((1j, larger), (-1j, smaller))
+    ]
     return np.stack(pair, axis=-1)
 
 
-def _newton(polynomial: FloatArray, found: AnyArray) -> AnyArray:
-    """One step for the roots that stand alone.
+def _newton_step(polynomial: FloatArray, found: AnyArray) -> AnyArray:
+    """Return the roots after one Newton step of those that are isolated.
 
-    The errors of a cluster of roots belong together, and moving them one by one would spoil what
-    they have in common.
+    The errors of a cluster of roots are correlated; separate steps would destroy their accurate
+    mean.
     """
     residual = value(polynomial, found)
     slope = value(derivative(polynomial), found)
     step = np.where(slope == 0.0, 0.0, residual / np.where(slope == 0.0, 1.0, slope))
-    apart = np.abs(found[..., :, np.newaxis] - found[..., np.newaxis, :])
-    apart[..., np.arange(found.shape[-1]), np.arange(found.shape[-1])] = np.inf
-    alone = np.abs(step) <= 1e-3 * apart.min(axis=-1)
+    distances = np.abs(found[..., :, np.newaxis] - found[..., np.newaxis, :])
+    distances[..., np.arange(found.shape[-1]), np.arange(found.shape[-1])] = np.inf
+    isolated = np.abs(step) <= 1e-3 * distances.min(axis=-1)
     better = np.abs(value(polynomial, found - step)) < np.abs(residual)
-    return np.where(alone & better, found - step, found)
+    return np.where(isolated & better, found - step, found)

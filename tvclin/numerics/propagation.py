@@ -1,34 +1,50 @@
-"""Linear systems driven by pieces, carried exactly from knot to knot by matrix exponentials.
+"""Linear systems driven by pieces, propagated exactly between knots by matrix exponentials.
 
-A piece is itself the free motion of a small system, one Jordan block for each of its rates. Put
-beside the states x it makes the whole a free motion,
+A piece is itself the free motion of a small system, one Jordan block for each of its rates. With
+its states z appended to the states x, the whole is a free motion,
 
     d/du [x, z] = M [x, z],    the input being the sum of the first z of each block,
 
-so that nothing is discretised, and repeated poles are nothing special.
+so that nothing is discretised, and repeated poles are no special case. `peak_output` finds the
+largest output of such a motion between its samples.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, FloatArray
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.numerics.pieces import Pieces, locate, moved
+from tvclin.numerics.pieces import Pieces, locate, recentred
 
-_BATCH = 3
-"""Axes of many matrices."""
-_SMALL, _TERMS = 0.5, 14
-"""0.5^15/15! is below 1e-16: the series of an exponent of that size ends after so many terms."""
+_AXES_OF_MATRICES = 3
+"""Axes of an array ``(m, n, n)`` of matrices."""
+_MAX_SERIES_NORM, _SERIES_TERMS = 0.5, 14
+"""Norm up to which the exponential series is used, and its terms: 0.5^15/15! is below 1e-16."""
+_STEPS_PER_BLOCK = 128
+"""Equal steps in a block of samples, a power of two; the step may double between blocks."""
+_FIRST_STEP, _MAX_STEP = 0.1, 0.4
+"""First and largest step, times the fastest eigenvalue that has not decayed."""
+_DECAY_EXPONENT = 40.0
+"""Exponent at which a mode has decayed: e^-40."""
+_SUMMIT_TOLERANCE = 1e-3
+"""Relative height below the highest sample from which a cubic's summit is a candidate."""
+_SUMMIT_ITERATIONS = 5
+"""Newton iterations from the summit of a cubic to the zero of the slope."""
+_PIECES_PER_BLOCK = 2048
+"""Pieces that are searched together, to bound the memory."""
+_RELATIVE_ROUNDING = 1e-13
+"""Rounding of an output, relative to the sum of the sizes of its terms."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """One linear system with one input history.
+    """Motion of a linear system with one input history.
 
-    `matrix`: M [1/s], ``(n, n)``. `knots`: where the pieces begin [s], ``(k,)``. `starts`: the
-    state of system and input at the start of each piece, ``(k, n)``.
+    `matrix`: M [1/s], ``(n, n)``. `knots`: start of each piece [s], ``(k,)``. `starts`: states of
+    system and input at the start of each piece, ``(k, n)``.
     """
 
     matrix: AnyArray
@@ -36,66 +52,66 @@ class Motion:
     starts: AnyArray
 
     def at(self, times: FloatArray) -> AnyArray:
-        """Return the states at the times ``(m,)``, shape ``(m, n)``; zero before the first knot."""
+        """Return the states ``(m, n)`` at the times ``(m,)`` [s]; zero before the first knot."""
         index = np.searchsorted(self.knots, times, side="right") - 1
         start = np.where((index < 0)[:, np.newaxis], 0.0, self.starts[np.maximum(index, 0)])
         steps = np.maximum(times - self.knots[np.maximum(index, 0)], 0.0)
-        return applied(_countable(self.matrix, steps), start)
+        return matrices_on_states(_finite_exponentials(self.matrix, steps), start)
 
 
 def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
-    """Return the motion of x' = A x + B f from rest, f being the pieces of one history.
+    """Return the motion of x' = A x + B f from zero initial states, f being one history.
 
     `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `pieces`: the input, not a batch.
     """
-    order, matrix = len(A), answering(A, B, pieces)
-    inputs = inputs_at(pieces, pieces.knots)
+    order, matrix = len(A), piece_matrix(A, B, pieces)
+    inputs = input_states(pieces, pieces.knots)
     starts = np.zeros((len(inputs), len(matrix)), dtype=np.result_type(matrix, inputs))
     starts[:, order:] = inputs
     widths, which = np.unique(np.diff(pieces.knots), return_inverse=True)
-    steps = _countable(matrix, widths)
+    steps = _finite_exponentials(matrix, widths)
     for k, step in enumerate(which):
         starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
     return Motion(matrix, pieces.knots, starts)
 
 
-def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
-    """Return M of the states of a system and of its input within a piece; as `driven`."""
+def piece_matrix(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
+    """Return M of the states of a system and of its input within a piece, as `augmented_matrix`."""
     rates, powers = pieces.rates, pieces.degree + 1
-    given = np.zeros((len(A), rates.size * powers))
-    given[:, ::powers] = B[:, np.newaxis]
+    input_matrix = np.zeros((len(A), rates.size * powers))
+    input_matrix[:, ::powers] = B[:, np.newaxis]
     blocks = np.kron(np.diag(rates), np.eye(powers))
     blocks += np.kron(np.eye(rates.size), np.eye(powers, k=1))
-    return driven(A, given, blocks)
+    return augmented_matrix(A, input_matrix, blocks)
 
 
-def driven(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -> AnyArray:
+def augmented_matrix(A: AnyArray, B: AnyArray, inputs: AnyArray | None = None) -> AnyArray:
     """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, ``(..., n + k, n + k)``.
 
     `A`, `B`: ``(..., n, n)`` and ``(..., n, k)``; batches broadcast. `inputs`: Z of z' = Z z,
-    ``(..., k, k)``; without it z is held.
+    ``(..., k, k)``; without it z is constant (zero-order hold).
 
-    e^(M t) says what states and inputs at the start make of the states at t.
+    e^(M t) maps states and inputs at the start to those at t.
     """
     order, count = B.shape[-2:]
     inputs = np.zeros((count, count)) if inputs is None else inputs
-    batch = np.broadcast_shapes(*(one.shape[:-2] for one in (A, B, inputs)))
-    whole = np.zeros((*batch, order + count, order + count), np.result_type(A, B, inputs))
-    whole[..., :order, :order], whole[..., :order, order:] = A, B
-    whole[..., order:, order:] = inputs
-    return whole
+    batch = np.broadcast_shapes(*(array.shape[:-2] for array in (A, B, inputs)))
+    matrix = np.zeros((*batch, order + count, order + count), np.result_type(A, B, inputs))
+    matrix[..., :order, :order], matrix[..., :order, order:] = A, B
+    matrix[..., order:, order:] = inputs
+    return matrix
 
 
-def inputs_at(pieces: Pieces, times: FloatArray) -> AnyArray:
+def input_states(pieces: Pieces, times: FloatArray) -> AnyArray:
     """Return the states z of the input at the times ``(m,)``, shape ``(m, size)``."""
     index, u = locate(pieces, times)
-    c = moved(pieces.coefficients[index], pieces.rates, np.maximum(u, 0.0))
+    c = recentred(pieces.coefficients[index], pieces.rates, np.maximum(u, 0.0))
     scale = np.array([factorial(k) for k in range(pieces.degree + 1)], dtype=float)
     states = (c * scale).reshape(len(times), -1)
     return np.where((u < 0.0)[:, np.newaxis], 0.0, states)
 
 
-def exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
+def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     """Return e^(matrix step) of one matrix for each of the steps ``(m,)``, or of each with its own.
 
     By Taylor series, scaling and squaring, each with as many squarings as it needs: what it
@@ -109,34 +125,195 @@ def exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     if not matrix.size:
         return np.zeros((len(steps), *matrix.shape[-2:]))
     scale = np.ones(matrix.shape[-1])
-    if matrix.ndim < _BATCH:
+    if matrix.ndim < _AXES_OF_MATRICES:
         matrix, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
     size = np.abs(matrix).sum(axis=-2).max(axis=-1)
-    # x = f 2^e with f in [0.5, 1): e squarings take a size of x times _SMALL below _SMALL.
-    squarings = np.maximum(np.frexp(size * np.abs(steps) / _SMALL)[1], 0)
+    # x = f 2^e with f in [0.5, 1): e squarings scale x _MAX_SERIES_NORM below it.
+    squarings = np.maximum(np.frexp(size * np.abs(steps) / _MAX_SERIES_NORM)[1], 0)
     scaled = matrix * np.ldexp(steps, -squarings)[:, np.newaxis, np.newaxis]
     unit = np.eye(matrix.shape[-1])
     result = np.broadcast_to(unit, scaled.shape)
-    for k in range(_TERMS, 0, -1):
+    for k in range(_SERIES_TERMS, 0, -1):
         result = unit + scaled @ result / k
     with np.errstate(over="ignore", invalid="ignore"):
         for k in range(int(squarings.max(initial=0))):
-            more = squarings > k
-            result[more] = result[more] @ result[more]
+            squared = squarings > k
+            result[squared] = result[squared] @ result[squared]
         return np.asarray(scale[:, np.newaxis] * result / scale)
 
 
-def _countable(matrix: AnyArray, steps: FloatArray) -> AnyArray:
-    """Return `exponentials`; `InputError` where one of them is beyond all numbers."""
-    found = exponentials(matrix, steps)
-    if not np.all(np.isfinite(found)):
+def _finite_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
+    """Return `matrix_exponentials`; raise `InputError` where one of them overflows."""
+    exponentials = matrix_exponentials(matrix, steps)
+    if not np.all(np.isfinite(exponentials)):
         raise InputError(
             f"the motion grows beyond all numbers within {float(np.abs(steps).max()):.6g} s; ask"
             " for an earlier time, or a shorter wind"
         )
-    return found
+    return exponentials
 
 
-def applied(matrices: AnyArray, states: AnyArray) -> AnyArray:
-    """Return each of the matrices ``(m, n, n)`` on its state, ``(m, n)``."""
+def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
+    """Return the product of each matrix ``(m, n, n)`` with its state ``(m, n)``, ``(m, n)``."""
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])
+
+
+def peak_output(flown: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
+    """Return the value of largest size of ``row . state``, with its sign, and its time [s].
+
+    `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
+    piece is followed [s].
+
+    Each piece is sampled in steps that resolve its fastest mode, both its ends included. Where
+    values and slopes at two samples indicate a summit between them that may be the highest, the
+    zero of the exact slope is computed. A piece is finished as soon as its modes, were they all in
+    phase, could not exceed the highest summit.
+    """
+    matrix, widths = flown.matrix, np.append(np.diff(flown.knots), horizon)
+    rows = np.stack([row, row @ matrix, row @ matrix @ matrix])
+    ends = np.real(rows @ matrices_on_states(matrix_exponentials(matrix, widths), flown.starts).T)
+    modes = _modal_bounds(matrix, row, float(widths.max()))
+    rounding = _RELATIVE_ROUNDING * (np.abs(flown.starts) @ np.abs(row)).max()
+    value, time = 0.0, float(flown.knots[0])
+    for first in range(0, len(widths), _PIECES_PER_BLOCK):
+        remaining = np.arange(first, min(first + _PIECES_PER_BLOCK, len(widths)))
+        states = flown.starts[remaining]
+        for start, step, powers in _sample_steps(matrix, float(widths[remaining].max())):
+            steps = start + step * np.arange(_STEPS_PER_BLOCK + 1.0)[:, np.newaxis]
+            inside = (steps < widths[remaining])[:, np.newaxis]
+            samples = np.where(inside, np.real(rows @ powers @ states.T), ends[:, remaining])
+            steps = np.minimum(steps, widths[remaining])
+            highest = _highest_sample(rows, matrix, powers, states, steps, samples, abs(value))
+            if abs(highest[0]) > abs(value):
+                value, time = highest[0], float(flown.knots[remaining[highest[2]]]) + highest[1]
+            states = states @ powers[-1].T
+            with np.errstate(over="ignore", invalid="ignore"):
+                bound = np.abs(states @ modes.T).sum(axis=1)
+            active = (steps[-1] < widths[remaining]) & ~(bound <= abs(value) + rounding)
+            states, remaining = states[active], remaining[active]
+            if not remaining.size:
+                break
+    return value, time
+
+
+def _highest_sample(
+    rows: AnyArray,
+    matrix: AnyArray,
+    powers: AnyArray,
+    states: AnyArray,
+    steps: FloatArray,
+    samples: FloatArray,
+    bound: float,
+) -> tuple[float, float, int]:
+    """Return the highest sample or summit: value, time after the knot [s], and piece's index."""
+    sizes = np.abs(samples[:, 0])
+    i, j = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
+    best = float(samples[i, 0, j]), float(steps[i, j]), int(j)
+    widths = np.diff(steps, axis=0)
+    which, guess = _candidate_summits(
+        samples, widths, (1.0 - _SUMMIT_TOLERANCE) * max(bound, abs(best[0]))
+    )
+    if not guess.size:
+        return best
+    starts, sign = (
+        matrices_on_states(powers[which[0]], states[which[1]]),
+        np.sign(samples[:-1, 1][which]),
+    )
+    values, offsets = _refined_summits(rows, matrix, starts, sign, guess, widths[which])
+    k = int(np.argmax(np.abs(values)))
+    i, j = which[0][k], which[1][k]
+    summit = float(values[k]), float(steps[i, j] + offsets[k]), int(j)
+    return max(best, summit, key=lambda candidate: abs(candidate[0]))
+
+
+def _candidate_summits(
+    samples: FloatArray, widths: FloatArray, threshold: float
+) -> tuple[tuple[IndexArray, IndexArray], FloatArray]:
+    """Return the samples before summits of at least `threshold`, and the steps [s] to them.
+
+    A Hermite cubic, start + first x + square x^2 + cube x^3 on x from 0 to 1, has its summit at x =
+    first/(sqrt(square^2 - 3 first cube) - square).
+    """
+    values, slopes = samples[:, 0], samples[:, 1]
+    sign = np.sign(values[:-1] + values[1:])
+    first, last = sign * widths * slopes[:-1], sign * widths * slopes[1:]
+    sign_changes = np.nonzero((first > 0.0) & (last < 0.0))
+    which = sign_changes[0], sign_changes[1]
+    sign, first, last = sign[which], first[which], last[which]
+    value_at_start, rise = sign * values[:-1][which], sign * np.diff(values, axis=0)[which]
+    square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+    root = np.sqrt(np.maximum(square**2 - 3.0 * first * cube, 0.0))
+    x = np.divide(first, root - square, where=root - square > first, out=np.ones_like(first))
+    high = value_at_start + x * (first + x * (square + x * cube)) >= threshold
+    which = which[0][high], which[1][high]
+    return which, x[high] * widths[which]
+
+
+def _refined_summits(
+    rows: AnyArray,
+    matrix: AnyArray,
+    starts: AnyArray,
+    sign: FloatArray,
+    steps: FloatArray,
+    widths: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the values where the slope is zero, and the steps [s] there, by bracketed Newton."""
+    low, high = np.zeros_like(steps), widths
+    for _ in range(_SUMMIT_ITERATIONS):
+        _, slopes, curvatures = np.real(
+            rows @ matrices_on_states(matrix_exponentials(matrix, steps), starts).T
+        )
+        rising = sign * slopes > 0.0
+        low, high = np.where(rising, steps, low), np.where(rising, high, steps)
+        iterate = steps - slopes / np.where(curvatures == 0.0, np.nan, curvatures)
+        steps = np.where((low <= iterate) & (iterate <= high), iterate, 0.5 * (low + high))
+    return np.real(matrices_on_states(matrix_exponentials(matrix, steps), starts) @ rows[0]), steps
+
+
+def _modal_bounds(matrix: AnyArray, row: AnyArray, horizon: float) -> AnyArray:
+    """Return the matrix whose product with a state bounds each mode's part of ``row . state``.
+
+    Shape ``(n, n)``: the sum of the absolute values is not exceeded within the time `horizon` [s].
+    Where modes coincide the factors are very large or NaN and give no bound; a mode that the row
+    does not observe counts with its rounding.
+    """
+    rates, vectors = np.linalg.eig(matrix)
+    rounding = np.finfo(float).eps * (np.abs(row) @ np.abs(vectors))
+    with np.errstate(over="ignore", invalid="ignore"):
+        observed = np.maximum(np.abs(row @ vectors), rounding)
+        observed = observed * np.exp(np.maximum(np.real(rates), 0.0) * horizon)
+        try:
+            return np.asarray(observed[:, np.newaxis] * np.linalg.inv(vectors))
+        except np.linalg.LinAlgError:
+            return np.full(matrix.shape, np.nan)
+
+
+def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, float, AnyArray]]:
+    """Yield blocks of equal steps, without end: start [s], step [s] and e^(matrix k step).
+
+    The first block is as long as one step of the next, as a motion that starts with zero slope may
+    turn soon. A step doubles when every mode that is too fast for the longer step has decayed.
+    """
+    rates = np.linalg.eigvals(matrix)
+    fastest = float(np.abs(rates).max())
+    step = min(_FIRST_STEP / fastest if fastest else np.inf, horizon / _STEPS_PER_BLOCK)
+    short, long = matrix_exponentials(matrix, np.array([step / _STEPS_PER_BLOCK, step]))
+    powers = _matrix_powers(short)
+    powers[-1] = long  # the same, with less rounding
+    yield 0.0, step / _STEPS_PER_BLOCK, powers
+    start, powers = step, _matrix_powers(long)
+    while True:
+        yield start, step, powers
+        start += step * _STEPS_PER_BLOCK
+        alive = np.abs(rates[-np.real(rates) * start < _DECAY_EXPONENT])
+        if 2.0 * step * alive.max(initial=0.0) <= _MAX_STEP:
+            step, powers = 2.0 * step, _matrix_powers(powers[2])
+
+
+def _matrix_powers(factor: AnyArray) -> AnyArray:
+    """Return the powers from 0 to `_STEPS_PER_BLOCK`, ``(_STEPS_PER_BLOCK + 1, n, n)``."""
+    powers, doubled = np.eye(len(factor))[np.newaxis], factor
+    while len(powers) < _STEPS_PER_BLOCK:
+        powers = np.concatenate([powers, doubled @ powers])
+        doubled = doubled @ doubled
+    return np.concatenate([powers, doubled[np.newaxis]])

@@ -13,55 +13,59 @@ Evaluate = Callable[[FloatArray, IndexArray], FloatArray]
 def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) -> FloatArray:
     """Return the first time at which values ``(..., m)`` reach zero from below; inf if never.
 
-    To rounding; where a value and the one before it have no different signs, its own time.
+    The time is accurate to rounding. Where a value and its predecessor do not differ in sign, it is
+    the time of the sample.
     """
     times, values = np.broadcast_arrays(times, values)
-    reached = values >= 0.0
-    index = np.argmax(reached, axis=-1)[..., np.newaxis]
+    nonnegative = values >= 0.0
+    index = np.argmax(nonnegative, axis=-1)[..., np.newaxis]
     low, high = (
-        np.take_along_axis(times, np.maximum(index - back, 0), axis=-1)[..., 0] for back in (1, 0)
+        np.take_along_axis(times, np.maximum(index - offset, 0), axis=-1)[..., 0]
+        for offset in (1, 0)
     )
-    found = roots_between(low.ravel(), high.ravel(), evaluate).reshape(high.shape)
-    return np.where(np.any(reached, axis=-1), found, np.inf)
+    crossings = roots_between(low.ravel(), high.ravel(), evaluate).reshape(high.shape)
+    return np.where(np.any(nonnegative, axis=-1), crossings, np.inf)
 
 
 def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> FloatArray:
-    """Return the root between ``low (k,)`` and ``high (k,)``; `high` where there is no rise."""
+    """Return the root between ``low (k,)`` and ``high (k,)``; `high` without a sign change."""
     from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
 
-    everyone = np.arange(low.size)
-    crossing = (evaluate(low, everyone) < 0.0) & (evaluate(high, everyone) > 0.0)
+    index = np.arange(low.size)
+    crossing = (evaluate(low, index) < 0.0) & (evaluate(high, index) > 0.0)
     if not np.any(crossing):
         return high
-    result = find_root(evaluate, (low[crossing], high[crossing]), args=(everyone[crossing],))
+    result = find_root(evaluate, (low[crossing], high[crossing]), args=(index[crossing],))
     root = high.copy()
     root[crossing] = np.where(result.success, result.x, high[crossing])
     return root
 
 
-_GRID, _ROUNDS = 17, 16
-"""Points of a grid that is laid into two cells of the one before: after 16 rounds, 4e-15 of it."""
+_GRID_POINTS, _REFINEMENTS = 17, 16
+"""Points of each grid, and grids, each over two cells of its predecessor: 4e-15 of the first."""
 
 
-def lowest(
+def grid_minimum(
     height: Callable[[FloatArray], FloatArray],
     low: FloatArray,
     high: FloatArray,
-    rounds: int = _ROUNDS,
+    refinements: int = _REFINEMENTS,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return where functions with one dip are least between `low` and `high` ``(...)``, and there.
+    """Return place and value of the minimum of functions between `low` and `high` ``(...)``.
 
-    By grids, each between the neighbours of the lowest point of the one before. `height` takes
-    ``(..., k)`` to the same shape. A dip much narrower than a sixteenth of the range may be missed:
-    who has a value in it keeps that if it is less.
+    Each function has one dip. Grids are refined, each between the neighbours of the lowest point of
+    its predecessor. `height` takes ``(..., k)`` to the same shape. A dip narrower than a sixteenth
+    of the range may be missed; a caller with a value in it keeps that if it is lower.
     """
-    for _ in range(rounds):
-        x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(0.0, 1.0, _GRID)
-        found = height(x)
-        best = np.argmin(found, axis=-1)[..., np.newaxis]
+    for _ in range(refinements):
+        x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(
+            0.0, 1.0, _GRID_POINTS
+        )
+        values = height(x)
+        index = np.argmin(values, axis=-1)[..., np.newaxis]
         low, high = (
-            np.take_along_axis(x, np.clip(best + step, 0, _GRID - 1), axis=-1)[..., 0]
+            np.take_along_axis(x, np.clip(index + step, 0, _GRID_POINTS - 1), axis=-1)[..., 0]
             for step in (-1, 1)
         )
-    at, least = (np.take_along_axis(of, best, axis=-1)[..., 0] for of in (x, found))
-    return at, least
+    at, minimum = (np.take_along_axis(array, index, axis=-1)[..., 0] for array in (x, values))
+    return at, minimum

@@ -1,8 +1,8 @@
-"""Systems in state space put together, in batches: A, B, C and D with leading axes.
+"""Series connection and discretisation of systems in state space, in batches (A, B, C, D).
 
-Those in steps and those in continuous time are put together alike. `to_steps` and `from_steps`
-are the bilinear rule and its inverse (Franklin, Powell and Workman, Digital Control of Dynamic
-Systems).
+`to_steps` and `from_steps` are the bilinear rule and its inverse (Franklin, Powell and Workman,
+Digital Control of Dynamic Systems); a series connection is the same in discrete and in continuous
+time.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 def series(first: Matrices, second: Matrices) -> Matrices:
-    """Return the second behind the first."""
+    """Return A, B, C and D of the second system in series behind the first."""
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     n = A1.shape[-1], A2.shape[-1]
     A = stacked(beside(A1, np.zeros(n)), beside(B2 @ C1, A2))
@@ -25,21 +25,21 @@ def series(first: Matrices, second: Matrices) -> Matrices:
 
 
 def to_steps(system: Matrices, c: FloatArray) -> Matrices:
-    """Return the system in steps that s = c (z - 1)/(z + 1) makes of one in continuous time.
+    """Return the discrete-time system by the bilinear rule s = c (z - 1)/(z + 1).
 
-    `system`: A, B, C and D. `c`: two over the period, or what makes one frequency exact [1/s],
-    ``(...)``.
+    `system`: A, B, C and D in continuous time. `c`: two over the period, or its value of exact
+    mapping at one frequency [1/s], ``(...)``.
     """
     A, B, C, D = system
     c = np.asarray(c)[..., np.newaxis, np.newaxis]
     unit = np.eye(A.shape[-1])
     # (s - A)^-1 = (z + 1) (z - Z)^-1 (c - A)^-1 with Z = (c - A)^-1 (c + A)
-    left = np.linalg.inv(c * unit - A)
-    return left @ (c * unit + A), 2.0 * c * (left @ B), C @ left, D + C @ left @ B
+    inverse = np.linalg.inv(c * unit - A)
+    return inverse @ (c * unit + A), 2.0 * c * (inverse @ B), C @ inverse, D + C @ inverse @ B
 
 
 def from_steps(system: Matrices, half: FloatArray) -> Matrices:
-    """Return the system in w, z = (1 + w h/2)/(1 - w h/2), of one in steps.
+    """Return the system in w, z = (1 + w h/2)/(1 - w h/2), of a discrete-time system.
 
     `system`: A, B, C and D. `half`: half the period [s], ``(...)``.
     """
@@ -47,17 +47,17 @@ def from_steps(system: Matrices, half: FloatArray) -> Matrices:
     half = np.asarray(half)[..., np.newaxis, np.newaxis]
     unit = np.eye(A.shape[-1])
     # (z - A)^-1 = (1 - w h/2) (w - W)^-1 (1 + A)^-1/(h/2) with W = (1 + A)^-1 (A - 1)/(h/2)
-    left = np.linalg.inv(unit + A)
-    return left @ (A - unit) / half, 2.0 / half * (left @ B), C @ left, D - C @ left @ B
+    inverse = np.linalg.inv(unit + A)
+    return inverse @ (A - unit) / half, 2.0 / half * (inverse @ B), C @ inverse, D - C @ inverse @ B
 
 
 def beside(*blocks: FloatArray) -> FloatArray:
-    """Return blocks beside each other, their batches broadcast."""
+    """Return blocks concatenated along columns, their batches broadcast."""
     return np.concatenate(_spread(blocks), axis=-1)
 
 
 def stacked(*blocks: FloatArray) -> FloatArray:
-    """Return blocks below each other, their batches broadcast."""
+    """Return blocks concatenated along rows, their batches broadcast."""
     return np.concatenate(_spread(blocks), axis=-2)
 
 

@@ -12,7 +12,7 @@ from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.numerics import polynomials
-from tvclin.numerics.rational import Rational
+from tvclin.numerics.loops import Rational
 
 _STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
 """The largest step of a pole, over its size and over its distance from the next one; how often,

@@ -14,8 +14,7 @@ from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
-from tvclin.numerics.loop_grid import frequencies
-from tvclin.numerics.stability import stability
+from tvclin.numerics.loop_margins import grid_frequencies, stability
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import broken, literal
 
@@ -235,7 +234,7 @@ def unstable_poles(loop: Loop) -> int:
 def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> FloatArray:
     """Frequencies [rad/s] that miss no crossing and no mode, and the marked ones."""
     one = loop.form
-    found = frequencies(one, stability(one))[0]
+    found = grid_frequencies(one, stability(one))[0]
     found = np.concatenate([found, _around_light_roots(loop)])
     found = np.imag(loop.from_plane(1j * found[np.newaxis]))[0]
     found = np.sort(found[np.isfinite(found) & (found > 0.0) & (found < loop.highest()[0, 0])])

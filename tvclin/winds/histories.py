@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, array_of, finite, real, shown, whole_number
-from tvclin.numerics import integrals, lags, polynomials
-from tvclin.numerics import pieces as kernel
+from tvclin.numerics import pieces as algebra
+from tvclin.numerics import polynomials
 from tvclin.numerics.pieces import Pieces
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.searches import grid_minimum
 
 _FASTEST = 1e100
 """Laplace variables beyond this [rad/s] would overflow in products."""
@@ -64,7 +64,7 @@ class History(Carded, ABC):
         At a jump it is the value after the jump.
         """
         times = finite("t", t, "s")
-        values = np.real(kernel.value(self.pieces, times.ravel()))
+        values = np.real(algebra.value(self.pieces, times.ravel()))
         return values.reshape((*self.batch, *times.shape))
 
     def laplace(self, s: ArrayLike) -> AnyArray:
@@ -88,7 +88,7 @@ class History(Carded, ABC):
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            return _real_if_real(_carried(integrals.laplace(self.pieces, s), s), s)
+            return _real_if_real(_carried(algebra.laplace(self.pieces, s), s), s)
 
     def laplace_magnitude(self, s: ArrayLike) -> FloatArray:
         """Return the sum of the sizes of all terms of ``laplace(s)``.
@@ -97,7 +97,7 @@ class History(Carded, ABC):
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            return _carried(integrals.magnitude(self.pieces, s), s)
+            return _carried(algebra.magnitude(self.pieces, s), s)
 
     def future(self, s: ArrayLike, t: ArrayLike) -> AnyArray:
         """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
@@ -111,7 +111,7 @@ class History(Carded, ABC):
         """Return `future` at `s` as a function of times, for many calls: it is made ready once."""
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            ahead = integrals.future(self.pieces, s)
+            ahead = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
             times = finite("t", t, "s")
@@ -125,7 +125,7 @@ class History(Carded, ABC):
     def __add__(self, other: object) -> History:
         if not isinstance(other, History):
             return NotImplemented
-        return Piecewise(kernel.add(self.pieces, other.pieces))
+        return Piecewise(algebra.add(self.pieces, other.pieces))
 
     def __sub__(self, other: object) -> History:
         return self + (-other) if isinstance(other, History) else NotImplemented
@@ -150,7 +150,7 @@ class History(Carded, ABC):
     def before(self, time: ArrayLike) -> History:
         """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
         edge = np.maximum(real("time", time, "s"), self.knots[..., 0])
-        return Piecewise(kernel.before(self.pieces, edge))
+        return Piecewise(algebra.before(self.pieces, edge))
 
     def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> History:
         """Return the exact answer of the filter numerator(s)/denominator(s), at rest before.
@@ -188,7 +188,7 @@ class History(Carded, ABC):
 
     def some(self, cases: IndexArray, shape: tuple[int, ...]) -> History:
         """Return some histories of the batch spread to `shape`, ``(k,)``, by flat positions."""
-        return Piecewise(kernel.take(kernel.spread(self.pieces, shape), cases))
+        return Piecewise(algebra.take(algebra.spread(self.pieces, shape), cases))
 
     @cached_property
     def onset(self) -> FloatArray:
@@ -225,7 +225,7 @@ class History(Carded, ABC):
             where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
             return np.take_along_axis(values, where, axis=-1)[..., 0]
         times = self._close_probes()
-        values = np.real(kernel.value(self.pieces, times))
+        values = np.real(algebra.value(self.pieces, times))
         where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
         largest = np.take_along_axis(values, where, axis=-1)[..., 0]
         return self._refined_peak(times, where, largest)
@@ -237,7 +237,7 @@ class History(Carded, ABC):
         Of other pieces, those at `probe_times`. A last piece that goes on shows its beginning.
         """
         if not self._linear:
-            return np.real(kernel.value(self.pieces, self.probe_times()))
+            return np.real(algebra.value(self.pieces, self.probe_times()))
         p = self.pieces
         c = np.real(p.coefficients)
         c = c[..., 0, :] if c.shape[-2] == 1 else c.sum(axis=-2)
@@ -316,17 +316,17 @@ class History(Carded, ABC):
         after = np.sum(times <= here + apart, axis=-1, keepdims=True)
         at = np.concatenate([np.maximum(before, 0), where, np.minimum(after, last)], axis=-1)
         near, sign = np.take_along_axis(times, at, axis=-1), np.asarray(np.sign(largest))
-        low, middle, high = np.moveaxis(np.real(kernel.value(self.pieces, near)), -1, 0) * sign
+        low, middle, high = np.moveaxis(np.real(algebra.value(self.pieces, near)), -1, 0) * sign
         inside = np.asarray((middle > low) & (middle > high))
         if not np.any(inside):
             return largest
-        some, side = kernel.take(self.pieces, np.flatnonzero(inside)), sign[inside]
+        some, side = algebra.take(self.pieces, np.flatnonzero(inside)), sign[inside]
 
         def below(t: FloatArray) -> FloatArray:
-            return -side[:, np.newaxis] * np.real(kernel.value(some, t))
+            return -side[:, np.newaxis] * np.real(algebra.value(some, t))
 
         refined = np.zeros(self.batch)
-        refined[inside] = -side * lowest(below, near[inside, 0], near[inside, 2])[1]
+        refined[inside] = -side * grid_minimum(below, near[inside, 0], near[inside, 2])[1]
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 
@@ -372,8 +372,8 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
         gains.append(remainder)
     answer, stage = _scaled(pieces, rest[..., 0]), pieces
     for k, gain in enumerate(reversed(gains)):
-        stage = lags.lag(stage, poles[..., k])
-        answer = kernel.add(answer, _scaled(stage, gain))
+        stage = algebra.lag(stage, poles[..., k])
+        answer = algebra.add(answer, _scaled(stage, gain))
     return Piecewise(answer)
 
 

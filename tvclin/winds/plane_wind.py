@@ -23,7 +23,7 @@ from tvclin.base.errors import (
     plain,
     within,
 )
-from tvclin.numerics import pieces as kernel
+from tvclin.numerics import pieces as algebra
 from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
 
@@ -202,7 +202,7 @@ class PlaneWind:
         """The terms of both on common knots and rates, ``(..., m)``."""
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         still = [(0.0 * one).pieces for one in (self.pitch, self.yaw)]
-        both = kernel.add(pitch, still[1]), kernel.add(still[0], yaw)
+        both = algebra.add(pitch, still[1]), algebra.add(still[0], yaw)
         c = [
             np.broadcast_to(p.coefficients, (*self.batch, *p.coefficients.shape[-3:])) for p in both
         ]
@@ -214,7 +214,7 @@ def _turned(
     wind: History, first: FloatArray, turns: FloatArray, shape: tuple[int, ...]
 ) -> Piecewise:
     """The wind times cos(first + turns (t - onset)), as two terms for each of its own."""
-    p = kernel.spread(wind.pieces, shape)
+    p = algebra.spread(wind.pieces, shape)
     turns = np.broadcast_to(turns, shape)[..., np.newaxis]
     begun = np.broadcast_to(first - turns[..., 0] * wind.onset, shape)[..., np.newaxis]
     straight = np.where(turns == 0.0, np.real(unit(begun)), 0.0)

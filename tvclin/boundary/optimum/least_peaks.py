@@ -19,8 +19,8 @@ from tvclin.kernels.choice import run
 from tvclin.kernels.futures import ONSET_COMPILED, ONSET_PLAIN, from_onset
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
-from tvclin.numerics.pieces import rows
-from tvclin.numerics.searches import lowest
+from tvclin.numerics.pieces import kernel_arrays
+from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import check_end
 
@@ -104,7 +104,7 @@ def peaks_of(poles: AnyArray, demands: AnyArray, enough: FloatArray | None = Non
 
 def _moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
     """The Laplace transforms of the winds, counted from their onset, at ``poles (n, m)``."""
-    winds, which = rows(wind.pieces, shape)
+    winds, which = kernel_arrays(wind.pieces, shape)
     known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
     found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
     knots = found.size * winds[0].shape[-1]
@@ -188,7 +188,7 @@ def _of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
     inner = np.flatnonzero((best > 0) & (best < grid.size - 1))
     if inner.size:
         ends = (grid[best[inner] + step] for step in (-1, 1))
-        _, refined = lowest(lambda left: negative(left, inner), *ends)
+        _, refined = grid_minimum(lambda left: negative(left, inner), *ends)
         value[inner] = np.minimum(value[inner], refined)
     return -value * np.imag(poles) * (1.0 + k**2)
 

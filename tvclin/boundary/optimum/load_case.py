@@ -20,7 +20,7 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.numerics.moments import moments
+from tvclin.numerics.pieces import moments
 from tvclin.winds.histories import History
 
 Three = tuple[AnyArray, AnyArray, AnyArray]

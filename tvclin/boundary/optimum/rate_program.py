@@ -11,7 +11,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.optimum.constraints import Constraints
-from tvclin.numerics.moments import moments
+from tvclin.numerics.pieces import moments
 
 _PEAK, _MOTION, _RATE = "peak", "motion", "rate"
 _MAGNIFIED = 1e8
@@ -37,7 +37,7 @@ class RateProgram:
     def moments(self) -> FloatArray:
         """Moments of the deflection that is one at a node and zero at the others, ``(n, k)``."""
         # On an interval of width h from t, with x = (u - t)/h, a node's share is x or 1 - x, and
-        # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `numerics.moments`.
+        # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `numerics.pieces`.
         c, widths = self.constraints, np.diff(self.nodes)
         column = c.poles[:, np.newaxis]
         both = moments(column * widths, 1)

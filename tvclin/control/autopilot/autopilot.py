@@ -40,7 +40,7 @@ from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.linear.system import LinearSystem
-from tvclin.numerics.stability import stability
+from tvclin.numerics.loop_margins import stability
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
-from tvclin.numerics.stability import stability
+from tvclin.numerics.loop_margins import stability
 from tvclin.vehicle.structure import SloshTank
 
 _SHOWN = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}

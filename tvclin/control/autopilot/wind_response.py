@@ -16,8 +16,14 @@ from tvclin.base.errors import InputError, finite, instance, one_of, single
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.linear.flexible import AnyPlant
-from tvclin.numerics.peaks import largest
-from tvclin.numerics.propagation import Motion, answering, exponentials, inputs_at, motion
+from tvclin.numerics.propagation import (
+    Motion,
+    input_states,
+    matrix_exponentials,
+    motion,
+    peak_output,
+    piece_matrix,
+)
 from tvclin.winds.histories import History
 
 _SETTLED = 40.0
@@ -54,7 +60,7 @@ class WindAnswer:
         Both are infinite where the closed loop is unstable.
         """
         row = self._row(output)
-        return largest(self._motion, row, self._settled) if self._settled else (np.inf, np.inf)
+        return peak_output(self._motion, row, self._settled) if self._settled else (np.inf, np.inf)
 
     def peak_rate(self, output: str) -> float:
         """Return the largest rate of change in size [1/s of the output].
@@ -64,7 +70,7 @@ class WindAnswer:
         row = self._row(output) @ self._motion.matrix
         if self._through[self.labels.index(output)] or not self._settled:
             return float(np.inf)
-        return abs(largest(self._motion, row, self._settled)[0])
+        return abs(peak_output(self._motion, row, self._settled)[0])
 
     def _row(self, output: str) -> AnyArray:
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
@@ -101,7 +107,7 @@ def wind_answer(
 def _ends(found: Motion, inputs: FloatArray, order: int) -> AnyArray:
     """The wind at the end of each piece but the last."""
     alone = found.matrix[order:, order:]
-    steps = exponentials(alone, np.diff(found.knots))
+    steps = matrix_exponentials(alone, np.diff(found.knots))
     return np.einsum("i,kij,kj->k", inputs, steps, found.starts[:-1, order:])
 
 
@@ -126,12 +132,12 @@ def deflection_peaks(
     pieces, (m, n) = wind.pieces, A.shape[:2]
     powers = pieces.degree + 1
     # answering() of one loop, with the A and B of each
-    matrix = np.repeat(answering(A[0], B[0], pieces)[np.newaxis], m, axis=0)
+    matrix = np.repeat(piece_matrix(A[0], B[0], pieces)[np.newaxis], m, axis=0)
     matrix[:, :n, :n] = A
     matrix[:, :n, n::powers] = B[..., np.newaxis]
     felt = np.zeros((m, matrix.shape[-1]), dtype=matrix.dtype)
     felt[:, :n], felt[:, n::powers] = row, through[:, np.newaxis]
-    starts = inputs_at(pieces, pieces.knots)
+    starts = input_states(pieces, pieces.knots)
     widths = np.append(np.diff(pieces.knots), after)
     state = np.zeros((m, matrix.shape[-1]), dtype=np.result_type(matrix, starts))
     highest = np.zeros(m)
@@ -139,7 +145,7 @@ def deflection_peaks(
         count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))
         state[:, n:] = start
         for part in (_BEGIN, 1.0 - _BEGIN):
-            step = exponentials(matrix, np.full(m, part * width / count))
+            step = matrix_exponentials(matrix, np.full(m, part * width / count))
             values = np.empty((count + 1, m))
             values[0] = _sizes(felt, state)
             for k in range(count):

@@ -28,7 +28,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem, connect, gain
 from tvclin.numerics import polynomials, state_space
-from tvclin.numerics.state_loop import StateLoop
+from tvclin.numerics.loops import StateLoop
 from tvclin.vehicle.filters import Filter
 
 _Documented = TypeVar("_Documented", bound=Callable[..., Any])

@@ -21,9 +21,9 @@ from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import InDecibels, Margins, in_shape, margins_of
-from tvclin.numerics.loop_margins import LoopFindings, classical_margins, least_of
-from tvclin.numerics.searches import lowest
-from tvclin.numerics.state_loop import StateLoop
+from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins, row_minimum
+from tvclin.numerics.loops import StateLoop
+from tvclin.numerics.searches import grid_minimum
 
 _AROUND = np.concatenate([-np.geomspace(40.0, 0.02, 60), [0.0], np.geomspace(0.02, 40.0, 60)])
 """Frequencies around a mode, in half-widths, among which its peak is looked for."""
@@ -114,7 +114,7 @@ def peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
             above, below = form.parts(frequency)
             return -np.abs(above / below)
 
-        found, least = lowest(lowness, low[owned], high[owned])
+        found, least = grid_minimum(lowness, low[owned], high[owned])
         better = -least > height[owned]
         height[owned[better]], at[owned[better]] = -least[better], found[better]
         where = np.where(
@@ -142,7 +142,7 @@ def distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     rows, last = np.arange(len(values)), values.shape[-1] - 1
     place = np.argmin(np.nan_to_num(values, nan=np.inf), axis=-1)
     before, after = (offsets[rows, np.clip(place + step, 0, last)] for step in (-1, 1))
-    return np.minimum(values.min(axis=-1), lowest(height, before, after)[1])
+    return np.minimum(values.min(axis=-1), grid_minimum(height, before, after)[1])
 
 
 def followed(terms: Terms) -> AnyArray:
@@ -327,14 +327,14 @@ def band_margins(
     return BandMargins(margins_of(found, loop.batch), RigidBand(**shaped[0]), tuple(modes))
 
 
-def _rigid(terms: Terms, found: LoopFindings) -> dict[str, Any]:
+def _rigid(terms: Terms, found: LoopAnalysis) -> dict[str, Any]:
     pairs = classical_margins(_owned(terms, found, -1))[:3]
     pairs[..., ~found.stable] = np.nan
     names = (field.name for field in fields(RigidBand))
     return dict(zip(names, pairs.reshape(-1, len(found.stable)), strict=True))
 
 
-def _mode(terms: Terms, found: LoopFindings, k: int, closed: AnyArray) -> dict[str, Any]:
+def _mode(terms: Terms, found: LoopAnalysis, k: int, closed: AnyArray) -> dict[str, Any]:
     pole = terms.plant[:, k]
     owned = _owned(terms, found, k)
     highest, where = peak(terms, k)
@@ -343,7 +343,7 @@ def _mode(terms: Terms, found: LoopFindings, k: int, closed: AnyArray) -> dict[s
     by_phase = crosses | (felt & (highest >= 1.0))
     words = np.select([closed.real > 0.0, by_phase, ~felt], [UNSTABLE, PHASE, RIGID], GAIN)
     sides = (np.where(one > 0.0, one, np.nan) for one in (owned.phases, -owned.phases))
-    lags = [least_of(one, found.gain_frequencies)[0] for one in sides]
+    lags = [row_minimum(one, found.gain_frequencies)[0] for one in sides]
     margins = np.stack([*lags, *classical_margins(owned)[:2, 0]])
     margins[:, ~found.stable] = np.nan
     names = ("lag_margin", "lead_margin", "gain_reduction", "gain_increase")
@@ -359,7 +359,7 @@ def _mode(terms: Terms, found: LoopFindings, k: int, closed: AnyArray) -> dict[s
     }
 
 
-def _owned(terms: Terms, found: LoopFindings, k: int) -> LoopFindings:
+def _owned(terms: Terms, found: LoopAnalysis, k: int) -> LoopAnalysis:
     """The findings with the crossings that the k-th mode owns alone."""
 
     def own(omega: FloatArray, values: FloatArray) -> FloatArray:

@@ -17,10 +17,8 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast, finite, flag, nonnegative, within
 from tvclin.linear.system import delay_parts
-from tvclin.numerics.delayed_poles import rightmost_poles
-from tvclin.numerics.loop_margins import LoopFindings, loop_findings
-from tvclin.numerics.rational import Rational
-from tvclin.numerics.state_loop import AnyLoop, StateLoop
+from tvclin.numerics.loop_margins import LoopAnalysis, analyse_loops
+from tvclin.numerics.loops import AnyLoop, Rational, StateLoop, rightmost_poles
 
 if TYPE_CHECKING:
     import control
@@ -234,7 +232,7 @@ class Loop:
         found = self._values(frequencies.reshape(1, -1))
         return found.reshape((*self.batch, *frequencies.shape))
 
-    def findings(self, *, delays: bool = True) -> LoopFindings:
+    def findings(self, *, delays: bool = True) -> LoopAnalysis:
         """Return verdict, crossings and peaks of the loops on one axis.
 
         Parameters
@@ -244,7 +242,7 @@ class Loop:
             if not. Those of a continuous loop always are.
         """
         flag("delays", delays)
-        return loop_findings(self.form)
+        return analyse_loops(self.form)
 
     def in_plane(self, s: AnyArray) -> AnyArray:
         """Return the variable of `form` for s ``(k, m)`` [1/s]: s itself, unless it is sampled."""
@@ -365,7 +363,7 @@ class SampledLoop(Loop):
         """Poles z of the closed loop, ``(..., n)``; inside the unit circle it is stable."""
         return self._z(self.form.closed_poles()).reshape((*self.batch, -1))
 
-    def findings(self, *, delays: bool = True) -> LoopFindings:
+    def findings(self, *, delays: bool = True) -> LoopAnalysis:
         """Return verdict, crossings and peaks at frequencies of the s plane, as of `Loop`."""
         found = super().findings(delays=delays)
         half = 0.5 * self.period.reshape(-1)

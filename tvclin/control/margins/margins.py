@@ -17,7 +17,7 @@ from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
-from tvclin.numerics.loop_margins import LoopFindings, classical_margins
+from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins
 
 OK = "ok"
 UNSTABLE = "unstable"
@@ -277,7 +277,7 @@ def loop_margins(loop: Loop) -> Margins:
     return margins_of(loop.findings(), loop.batch)
 
 
-def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
+def margins_of(found: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
     """Return the margins in what was found of loops on one axis, in the shape of their batch."""
     good = found.stable
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))

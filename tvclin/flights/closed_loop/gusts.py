@@ -7,7 +7,7 @@ from math import factorial
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.numerics.pieces import at_pieces, locate, moved, spread
+from tvclin.numerics.pieces import at_pieces, locate, recentred, spread
 from tvclin.winds.histories import History
 
 _SPAN = 0.5
@@ -35,7 +35,7 @@ def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
     edges = _cut(knots, np.abs(rates).max(axis=-1))
     flat = type(pieces)(knots, c, rates)
     index, u = locate(flat, edges)
-    here = moved(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
+    here = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
     order = here.shape[-1] + _TERMS
     found = np.zeros((*edges.shape, order), dtype=complex)
     for k in range(_TERMS + 1):

@@ -15,7 +15,7 @@ from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
 from tvclin.linear.system import LinearSystem, connect, rising
-from tvclin.numerics.propagation import answering, exponentials, inputs_at
+from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
 from tvclin.winds.histories import History
 
 _DIGITS = 12
@@ -170,9 +170,9 @@ def _written(f: Flights) -> FloatArray:
 def _blown(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
     """What the wind adds to the states since the begin of a substep, ``(n, m)``."""
     n, pieces = len(A), wind.pieces
-    matrix, begins = answering(A, gust, pieces), at.begins
-    steps = exponentials(matrix, at.once)[:, :n, n:]
-    added = np.real(at.moved(steps, inputs_at(pieces, begins)))
+    matrix, begins = piece_matrix(A, gust, pieces), at.begins
+    steps = matrix_exponentials(matrix, at.once)[:, :n, n:]
+    added = np.real(at.moved(steps, input_states(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
     ends = begins + at.u
     for k in np.flatnonzero(np.any((begins < knots) & (knots < ends), axis=0)):
@@ -180,7 +180,9 @@ def _blown(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> Flo
         edges = np.concatenate([begins[k : k + 1], inside, ends[k : k + 1]])
         state = np.zeros(n, dtype=complex)
         for part, begun in zip(
-            exponentials(matrix, np.diff(edges)), inputs_at(pieces, edges[:-1]), strict=True
+            matrix_exponentials(matrix, np.diff(edges)),
+            input_states(pieces, edges[:-1]),
+            strict=True,
         ):
             state = part[:n, :n] @ state + part[:n, n:] @ begun
         added[:, k] = np.real(state)

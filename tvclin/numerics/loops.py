@@ -1,0 +1,544 @@
+"""Loop transfer functions in batches, with an exact delay T, closed by 1 + L = 0.
+
+In polynomial form L(s) = N(s)/D(s) e^(-s T) (`Rational`), and in state space
+L(s) = (C (s - A)^-1 B + D) e^(-s T) (`StateLoop`), whose poles, zeros and crossings are eigenvalues
+of the matrices themselves, so that orders of thirty and closely spaced modes keep their digits.
+
+The closed loop with its delay has infinitely many poles. Its delayed signal is a wave v(t, theta),
+-T <= theta <= 0,
+
+    x' = A x + B v(-T),    dv/dt = dv/dtheta,    v(0) = -C x,
+
+whose values at Chebyshev points are states like others (Breda, Maset and Vermiglio, SIAM J. Sci.
+Comput. 27, 2005); `rightmost_poles` refines their eigenvalues to zeros of 1 + L(s).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
+from tvclin.numerics import polynomials
+
+_SUM_ROUNDING = 1e-13
+"""Value, relative to the sum of the sizes of its terms, below which it is rounding: a zero."""
+_MAX_FREQUENCY = 1e30
+"""Frequency [rad/s] above which a root of Im L is at infinity."""
+_MAX_EIGENVECTOR_CONDITION = 1e6
+"""Condition number of the eigenvectors above which poles count as repeated."""
+_INTEGRATOR_POLE = 1e-14
+"""Pole, relative to the largest, below which it is an integrator."""
+_INTEGRATOR_CLUSTER = 1e-7
+"""Several poles below this, over the largest, are a repeated integrator split by rounding."""
+_POLE_ROUNDING = 1e-13
+"""Relative distance of a frequency from a pole, and of a last Newton step, that counts as zero."""
+_ZERO_VALUE = 1e-11
+"""Value of L, relative to the sum of the sizes of its terms, that counts as zero."""
+_MAX_ZERO_OVER_LARGEST_POLE = 1e3
+"""Ratio of a zero to the largest pole above which it is a zero at infinity."""
+_GAIN_AXIS_TOLERANCE, _REAL_AXIS_TOLERANCE = 1e-4, 1e-3
+"""Distance of eigenvalues from the axis, over their size, up to which they are candidates for
+crossings of |L| and of Im L."""
+_NEWTON_ITERATIONS, _MAX_RELATIVE_STEP = 20, 0.1
+"""Newton iterations to a gain crossover, and the largest step over the frequency."""
+_GAIN_TOLERANCE, _EQUAL_FREQUENCIES = 1e-9, 1e-9
+"""Largest |ln(|L|/g)| of a crossover, and relative distance at which two crossovers are equal."""
+_POLE_OFFSET = 1e-15
+"""Offset from a pole, relative to the largest, at which a singular system is solved."""
+_MIN_HAMILTONIAN_DIVISOR = 1e-8
+"""Smallest |1 - D^2/g^2| in the Hamiltonian matrix."""
+_TERMS_PER_BLOCK = 2**16
+"""Terms of a sum over poles that are evaluated together, to bound the memory."""
+_ENTRIES_PER_BLOCK = 2**22
+"""Entries of matrices that are solved together, to bound the memory."""
+_CHEBYSHEV_POINTS = 48
+"""Chebyshev points in the delay; poles with |s| T below half of their number are resolved."""
+_DELAYED_POLE_ITERATIONS = 12
+"""Newton iterations on 1 + L(s) from each eigenvalue."""
+_DIFFERENCE_STEP = 1e-6
+"""Half step of the central difference for dL/ds, relative to |s| + 1/T."""
+_MAX_POLE_CORRECTION = 1e-5
+"""Largest correction of an eigenvalue by Newton's method, relative to |s| + 1/T."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rational:
+    """Loops L(s) = numerator(s)/denominator(s) e^(-s delay) in polynomial form.
+
+    `numerator`, `denominator`: coefficients, highest power first, both ``(..., n + 1)``. `delay`:
+    delay [s], ``(...)``.
+    """
+
+    numerator: FloatArray
+    denominator: FloatArray
+    delay: FloatArray
+
+    @property
+    def direct(self) -> FloatArray:
+        """Value of L at infinity without its delay, ``(...)``."""
+        return np.asarray(self.numerator[..., 0] / self.denominator[..., 0])
+
+    def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
+        """Return the numerator, with the delay, and the denominator at j omega, both ``(..., k)``.
+
+        `omega`: frequencies [rad/s], ``(..., k)``.
+        """
+        omega = np.asarray(omega, dtype=float)
+        above = polynomials.on_axis(self.numerator, omega)
+        if np.any(self.delay):
+            above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
+        return above, polynomials.on_axis(self.denominator, omega)
+
+    def value(self, s: AnyArray) -> AnyArray:
+        """Return L with its delay at complex frequencies ``(..., k)`` [1/s], off the poles."""
+        above, below = (polynomials.value(p, s) for p in (self.numerator, self.denominator))
+        return np.asarray(above / below * np.exp(-s * self.delay[..., np.newaxis]))
+
+    def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
+        """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
+        return (
+            polynomials.on_axis(self.numerator, omega),
+            polynomials.on_axis(self.denominator, omega),
+        )
+
+    def log_slope(self, omega: FloatArray) -> AnyArray:
+        """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
+        slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
+        rises = [polynomials.on_axis(slope, omega) for slope in slopes]
+        above, below = map(product, rises, map(inverse, self.undelayed(omega)))
+        return 1j * (above - below)
+
+    def open_poles(self) -> AnyArray:
+        """Return the roots of the denominator [1/s], ``(..., n)``."""
+        return polynomials.roots(self.denominator)
+
+    def closed_poles(self) -> AnyArray:
+        """Return the roots of D + N [1/s], the closed-loop poles without the delay."""
+        return polynomials.roots(self.denominator + self.numerator)
+
+    def zeros(self) -> AnyArray:
+        """Return the roots of the numerators ``(k, n + 1)`` [1/s]; NaN fills the rows."""
+        return polynomials.roots_of_each(self.numerator)
+
+    def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
+        """Return the frequencies [rad/s] with |L| = `size`, and whether |L| falls there.
+
+        They are roots of |D|^2 size^2 - |N|^2 in omega^2, ascending; NaN fills the rows.
+        """
+        squares = polynomials.squared_size(self.denominator)
+        squares = size**2 * squares - polynomials.squared_size(self.numerator)
+        roots = polynomials.roots(squares)
+        real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0)
+        frequencies = np.sort(np.sqrt(np.where(real, np.real(roots), np.nan)), axis=-1)
+        with np.errstate(invalid="ignore"):
+            slope = polynomials.value(polynomials.derivative(squares), frequencies**2)
+        return frequencies, np.asarray(slope > 0.0)
+
+    def real_frequencies(self) -> FloatArray:
+        """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``."""
+        polynomial = polynomials.imaginary_part(self.numerator, self.denominator)
+        with np.errstate(all="ignore"):
+            roots = polynomials.roots_of_each(polynomial)
+            real = (
+                (np.imag(roots) == 0.0) & (np.real(roots) > 0.0) & (np.real(roots) < _MAX_FREQUENCY)
+            )
+        return np.sqrt(np.where(real, np.real(roots), np.nan))
+
+    def bound(self) -> FloatArray:
+        """Return an upper bound of the sizes of all poles [rad/s], ``(...)``."""
+        return polynomials.bound(self.denominator)
+
+    def vanishes(self, omega: FloatArray) -> BoolArray:
+        """Return whether numerator or denominator is zero, to rounding, at one frequency each.
+
+        `omega`: frequencies [rad/s], of the shape of the batch.
+        """
+        omega, parts = omega[..., np.newaxis], []
+        for polynomial in (self.numerator, self.denominator):
+            size = polynomials.value(np.abs(polynomial), np.abs(omega))
+            parts.append(np.abs(polynomials.on_axis(polynomial, omega)) <= _SUM_ROUNDING * size)
+        return np.asarray(parts[0] | parts[1])[..., 0]
+
+    def take(self, index: Any) -> Self:
+        """Return the functions at the positions `index` of the flattened batch."""
+        size = self.numerator.shape[-1]
+        above, below = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
+        return type(self)(above, below, self.delay.reshape(-1)[index])
+
+
+def product(first: AnyArray, second: AnyArray) -> AnyArray:
+    """Return the product of complex arrays in real arithmetic.
+
+    The complex product of numpy rounds differently by position in memory.
+    """
+    result = np.empty(np.broadcast_shapes(first.shape, second.shape), dtype=complex)
+    result.real = first.real * second.real - first.imag * second.imag
+    result.imag = first.real * second.imag + first.imag * second.real
+    return result
+
+
+def inverse(values: AnyArray) -> AnyArray:
+    """Return the inverses of complex numbers of any size in real arithmetic, as `product`."""
+    scale = np.maximum(np.abs(values.real), np.abs(values.imag))
+    real, imag = values.real / scale, values.imag / scale
+    scale *= real**2 + imag**2
+    result = np.empty(values.shape, dtype=complex)
+    result.real, result.imag = real / scale, -imag / scale
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class StateLoop:
+    """Loops L(s) = (C (s - A)^-1 B + D) e^(-s delay) in state space, closed by 1 + L = 0.
+
+    Made by `balanced`. The arrays hold all k loops that were made together; `case` selects loops of
+    them.
+
+    `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``. `all_delays`: delay [s],
+    ``(k,)``. `poles`, `residues`: L without delay is D + sum of residue/(s - pole), both ``(k,
+    n)``. `modal`: whether that holds, ``(k,)``: not for repeated poles. `case`: positions among the
+    ``(k,)``.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    all_delays: FloatArray
+    poles: AnyArray
+    residues: AnyArray
+    modal: BoolArray
+    case: IndexArray
+
+    @classmethod
+    def balanced(
+        cls, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, delay: FloatArray
+    ) -> Self:
+        """Return the loops of ``(k, n, n)``, ``(k, n)``, ``(k, n)``, ``(k,)`` and ``(k,)``.
+
+        The states are scaled by powers of two until rows and columns of A have similar norms.
+        """
+        from scipy.linalg import eig, matrix_balance  # late: it takes 0.1 s to import
+
+        scales = np.ones(B.shape)
+        for k in range(len(A)):
+            scales[k] = matrix_balance(A[k], permute=False, separate=True)[1][0]
+        A = A * scales[:, np.newaxis] / scales[:, :, np.newaxis]
+        B, C = B / scales, C * scales
+        poles, vectors = np.linalg.eig(A)
+        poles, vectors = poles.astype(complex), vectors.astype(complex)
+        size = np.abs(poles).max(axis=-1, initial=0.0, keepdims=True)
+        modal = np.linalg.cond(vectors) < _MAX_EIGENVECTOR_CONDITION
+        left = np.linalg.inv(
+            np.where(modal[:, np.newaxis, np.newaxis], vectors, np.eye(B.shape[1]))
+        )
+        residues = (C[:, np.newaxis] @ vectors)[:, 0] * (left @ B[..., np.newaxis])[..., 0]
+        for k in map(int, np.flatnonzero(~modal)):  # those of poles that stand alone
+            poles[k], left, right = eig(A[k], left=True, right=True)
+            with np.errstate(all="ignore"):
+                residues[k] = (C[k] @ right) * (B[k] @ left.conj()) / np.sum(left.conj() * right, 0)
+        poles[np.abs(poles) <= _INTEGRATOR_POLE * size] = 0.0
+        cluster = (np.abs(poles) <= _INTEGRATOR_CLUSTER * size) & ~modal[:, np.newaxis]
+        poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0
+        return cls(A, B, C, D, delay, poles, residues, modal, np.arange(len(A)))
+
+    @property
+    def delay(self) -> FloatArray:
+        """Delay [s] of each selected loop."""
+        return self.all_delays[self.case]
+
+    @property
+    def direct(self) -> FloatArray:
+        """Value of L at infinity without its delay."""
+        return self.D[self.case]
+
+    def take(self, index: Any) -> Self:
+        """Return the loops at the positions `index`."""
+        stored = (
+            self.A,
+            self.B,
+            self.C,
+            self.D,
+            self.all_delays,
+            self.poles,
+            self.residues,
+            self.modal,
+        )
+        return type(self)(*stored, self.case[index])
+
+    def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
+        """Return L with its delay, and one, at j omega ``(k, m)``; one and zero at a pole."""
+        omega = np.broadcast_to(np.asarray(omega, float), (len(self.case), np.shape(omega)[-1]))
+        values = self._modal_sum(1j * omega)
+        values = np.where(np.isnan(omega), np.nan, values)
+        if np.any(self.delay):
+            lag = np.exp(-1j * omega * self.delay[:, np.newaxis])
+            with np.errstate(invalid="ignore"):  # at a pole
+                values = product(values, lag)
+        return self._fraction(values, omega)
+
+    def value(self, s: AnyArray) -> AnyArray:
+        """Return L with its delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
+        return product(self._modal_sum(s), np.exp(-s * self.delay[:, np.newaxis]))
+
+    def slope(self, s: AnyArray) -> AnyArray:
+        """Return dL/ds with the delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
+        delay = self.delay[:, np.newaxis]
+        value, slope = self._value_and_slope(s)
+        return (slope - delay * value) * np.exp(-s * delay)
+
+    def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
+        """Return L without its delay, and one, at j omega ``(k, m)``, from a linear solve."""
+        return self._fraction(self._value_and_slope(1j * omega)[0], omega)
+
+    def log_slope(self, omega: FloatArray) -> AnyArray:
+        """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B."""
+        value, slope = self._value_and_slope(1j * omega)
+        with np.errstate(all="ignore"):
+            return 1j * (slope / value)
+
+    def vanishes(self, omega: FloatArray) -> BoolArray:
+        """Return whether L is zero or infinite, to rounding, at one frequency each ``(k,)``."""
+        s = 1j * omega[:, np.newaxis]
+        poles, residues = self.poles[self.case], self.residues[self.case]
+        distance = np.abs(s - poles)
+        at_pole = np.any(distance <= _POLE_ROUNDING * np.abs(omega)[:, np.newaxis], axis=-1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = np.sum(np.abs(residues) / distance, axis=-1) + np.abs(self.direct)
+            small = np.abs(self._modal_sum(s)[:, 0]) <= _ZERO_VALUE * size
+        return np.asarray(at_pole | (small & self.modal[self.case]))
+
+    def open_poles(self) -> AnyArray:
+        """Return the poles without the delay [1/s], ``(k, n)``."""
+        return self.poles[self.case]
+
+    def closed_poles(self) -> AnyArray:
+        """Return the closed-loop poles without the delay [1/s]: eig(A - B C/(1 + D))."""
+        A, B, C, D = self._matrices
+        returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
+        return np.linalg.eigvals(A - returned / (1.0 + D)[:, np.newaxis, np.newaxis]).astype(
+            complex
+        )
+
+    def zeros(self) -> AnyArray:
+        """Return the zeros [1/s], ``(k, n)``; NaN fills the rows."""
+        roots = _zeros(*self._matrices)
+        finite = np.abs(roots) < _MAX_ZERO_OVER_LARGEST_POLE * self.bound()[:, np.newaxis]
+        return np.where(finite, roots, np.nan)
+
+    def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
+        """Return the frequencies [rad/s] with |L| = `size`, and whether |L| falls there.
+
+        Both ``(k, m)``, ascending: imaginary eigenvalues of the Hamiltonian matrix of L/size (Boyd,
+        Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself.
+        """
+        A, B, C, D = self._matrices
+        C, D = C / size, D / size
+        R = 1.0 - D**2
+        R = np.where(np.abs(R) < _MIN_HAMILTONIAN_DIVISOR, _MIN_HAMILTONIAN_DIVISOR, R)[
+            :, np.newaxis, np.newaxis
+        ]
+        BB, CC = B[:, :, np.newaxis] * B[:, np.newaxis], C[:, :, np.newaxis] * C[:, np.newaxis]
+        DD = D[:, np.newaxis, np.newaxis]
+        A1 = A + B[:, :, np.newaxis] * C[:, np.newaxis] * DD / R
+        upper = np.concatenate([A1, BB / R], axis=-1)
+        lower = np.concatenate([-CC * (1.0 + DD**2 / R), -A1.swapaxes(-1, -2)], axis=-1)
+        roots = np.linalg.eigvals(np.concatenate([upper, lower], axis=-2))
+        candidates = (np.abs(roots.real) < _GAIN_AXIS_TOLERANCE * np.abs(roots)) & (
+            roots.imag > 0.0
+        )
+        omega = _packed(np.where(candidates, roots.imag, np.nan))
+        omega = self._newton_crossovers(omega, size)
+        falls = self.log_slope(omega).real < 0.0
+        with np.errstate(invalid="ignore"):
+            duplicates = np.diff(omega, axis=-1) <= _EQUAL_FREQUENCIES * omega[:, 1:]
+        duplicates &= falls[:, 1:] == falls[:, :-1]
+        omega[:, 1:][duplicates] = np.nan
+        order = np.argsort(omega, axis=-1)
+        return np.take_along_axis(omega, order, axis=-1), np.take_along_axis(falls, order, axis=-1)
+
+    def real_frequencies(self) -> FloatArray:
+        """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``.
+
+        They are zeros of L(s) - L(-s), whose state matrix is block diagonal in A and -A; NaN fills
+        the rows.
+        """
+        A, B, C, D = self._matrices
+        zero = np.zeros_like(A)
+        blocks = np.concatenate(
+            [np.concatenate([A, zero], axis=-1), np.concatenate([zero, -A], axis=-1)], axis=-2
+        )
+        B, C = (np.concatenate([row, row], axis=-1) for row in (B, C))
+        roots = _zeros(blocks, B, C, np.zeros_like(D))
+        candidates = (np.abs(roots.real) < _REAL_AXIS_TOLERANCE * np.abs(roots)) & (
+            roots.imag > 0.0
+        )
+        candidates &= np.abs(roots) < _MAX_ZERO_OVER_LARGEST_POLE * self.bound()[:, np.newaxis]
+        return _packed(np.where(candidates, roots.imag, np.nan))
+
+    def bound(self) -> FloatArray:
+        """Return the size of the largest pole [rad/s], ``(k,)``."""
+        return np.abs(self.open_poles()).max(axis=-1, initial=0.0)
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """A, B, C and D of the selected loops, B and C scaled to equal norms."""
+        A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
+        sizes = [np.sqrt(np.sum(row**2, axis=-1, keepdims=True)) for row in (B, C)]
+        scalable = np.all(np.concatenate(sizes, axis=-1) > 0.0, axis=-1, keepdims=True)
+        ratio = np.sqrt(np.where(scalable, sizes[0], 1.0) / np.where(scalable, sizes[1], 1.0))
+        return A, B / ratio, C * ratio, D
+
+    def _modal_sum(self, s: AnyArray) -> AnyArray:
+        """Return L without its delay at s ``(k, m)``: the sum over the poles, in real arithmetic.
+
+        r/(s - p) = r conj(s - p)/|s - p|^2, added in sequence, so that the sum has the same bits in
+        a batch of any shape.
+        """
+        poles = self.poles[self.case].T[..., np.newaxis]
+        residues = self.residues[self.case].T[..., np.newaxis]
+        total = np.zeros(s.shape, dtype=complex)
+        total.real = self.direct[:, np.newaxis]
+        block = max(1, _TERMS_PER_BLOCK // max(s.size, 1))
+        with np.errstate(all="ignore"):
+            for k in range(0, len(poles), block):
+                p, r = poles[k : k + block], residues[k : k + block]
+                x, y = s.real - p.real, s.imag - p.imag
+                size = x**2 + y**2
+                real, imag = (r.real * x + r.imag * y) / size, (r.imag * x - r.real * y) / size
+                total.real = np.cumsum(np.concatenate([total.real[np.newaxis], real]), axis=0)[-1]
+                total.imag = np.cumsum(np.concatenate([total.imag[np.newaxis], imag]), axis=0)[-1]
+        repeated = np.flatnonzero(~self.modal[self.case])
+        if repeated.size:
+            total[repeated] = self.take(repeated)._value_and_slope(s[repeated])[0]
+        return total
+
+    def _value_and_slope(self, s: AnyArray) -> tuple[AnyArray, AnyArray]:
+        """Return L without its delay, and dL/ds, at s ``(k, m)``.
+
+        Both are infinite at a pole, and NaN at NaN.
+        """
+        block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))
+        if len(s) > block:
+            half = len(s) // 2
+            parts = [
+                self.take(part)._value_and_slope(s[part])
+                for part in (slice(half), slice(half, None))
+            ]
+            return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
+        poles = self.poles[self.case]
+        at_pole = np.any(s[..., np.newaxis] == poles[:, np.newaxis], axis=-1)
+        singular = np.isnan(s) | at_pole
+        away = 1.0 + 2.0 * np.abs(poles).max(axis=-1, initial=0.0)[:, np.newaxis]
+        matrix = np.where(singular, away, s)[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
+        matrix = matrix - A[:, np.newaxis]
+        right = np.broadcast_to(B[:, np.newaxis, :, np.newaxis], (*s.shape, A.shape[-1], 1))
+        try:
+            first = np.linalg.solve(matrix, right)
+        except np.linalg.LinAlgError:  # at a pole, to rounding: beside it
+            matrix = matrix + _POLE_OFFSET * away[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
+            first = np.linalg.solve(matrix, right)
+        second = np.linalg.solve(matrix, first)
+        row = C[:, np.newaxis, np.newaxis, :]
+        value: AnyArray = (row @ first)[..., 0, 0] + D[:, np.newaxis]
+        slope: AnyArray = -(row @ second)[..., 0, 0]
+        for array in (value, slope):
+            array[at_pole], array[np.isnan(s)] = np.inf, np.nan
+        return value, slope
+
+    def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
+        """Return frequencies [rad/s] with |L| = `size` from estimates; NaN without convergence."""
+        error = np.full(omega.shape, np.nan)
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON_ITERATIONS):
+                value, slope = self._value_and_slope(1j * omega)
+                error = np.log(np.abs(value) / size)
+                step = error / -np.imag(slope / value)
+                max_step = _MAX_RELATIVE_STEP * omega
+                iterate = omega - np.clip(step, -max_step, max_step)
+                converged = ~(np.abs(step) > _POLE_ROUNDING * omega)
+                omega = np.where(np.isfinite(iterate), iterate, omega)
+                if np.all(converged | np.isnan(omega)):
+                    break
+            omega = np.where(np.abs(error) < _GAIN_TOLERANCE, omega, np.nan)
+        return np.sort(omega, axis=-1)
+
+    @staticmethod
+    def _fraction(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
+        """Return values over one, and at a pole one over zero, as numerators and denominators."""
+        at_pole = ~np.isfinite(values) & ~np.isnan(omega)
+        one = np.ones_like(values)
+        return np.where(at_pole, one, values), np.where(at_pole, 0.0, one)
+
+
+AnyLoop = Rational | StateLoop
+"""A batch ``(k,)`` of loops L(s) = G(s) e^(-s delay), closed by 1 + L = 0, in either form. The
+margins (`loop_margins`) use the methods that both have; frequencies are in rad/s, and NaN fills
+rows of roots and frequencies."""
+
+
+def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
+    """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n)``, NaN-filled."""
+    from scipy.linalg import eigvals  # late: it takes 0.1 s to import
+
+    count, n = B.shape
+    unit = np.diag([1.0] * n + [0.0])
+    zeros = np.full((count, n + 1), np.nan, dtype=complex)
+    for k in range(count):
+        rows = np.vstack([np.column_stack([A[k], B[k]]), [*C[k], D[k]]])
+        above, below = eigvals(rows, unit, homogeneous_eigvals=True)
+        with np.errstate(all="ignore"):
+            roots = above / below
+        zeros[k] = np.where(np.isfinite(roots), roots, np.nan)
+    return zeros
+
+
+def _packed(frequencies: FloatArray) -> FloatArray:
+    """Return ascending rows of frequencies, NaN last, as wide as the longest row."""
+    frequencies = np.sort(frequencies, axis=-1)
+    width = int(np.sum(~np.isnan(frequencies), axis=-1).max(initial=0))
+    return frequencies[:, :width]
+
+
+def rightmost_poles(
+    A: FloatArray, B: FloatArray, C: FloatArray, delay: float, loop: Callable[[AnyArray], AnyArray]
+) -> AnyArray:
+    """Return the rightmost closed-loop poles [1/s], by falling real part, as far as they converge.
+
+    `A`, `B`, `C`: loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
+    `delay`: T [s], positive. `loop`: L with its delay at complex frequencies ``(m,)`` [1/s].
+    """
+    n, wave = len(A), _chebyshev_derivative(_CHEBYSHEV_POINTS) * (2.0 / delay)
+    generator = np.zeros((n + _CHEBYSHEV_POINTS, n + _CHEBYSHEV_POINTS))
+    generator[:n, :n], generator[:n, -1] = A, B
+    generator[n:, n:], generator[n:, :n] = wave[1:, 1:], -np.outer(wave[1:, 0], C)
+    eigenvalues = np.linalg.eigvals(generator).astype(complex)
+    eigenvalues = eigenvalues[np.abs(eigenvalues) * delay < 0.5 * _CHEBYSHEV_POINTS]
+    eigenvalues = eigenvalues[np.argsort(-eigenvalues.real)]
+    s, size = eigenvalues.copy(), np.abs(eigenvalues) + 1.0 / delay
+    with np.errstate(all="ignore"):
+        for _ in range(_DELAYED_POLE_ITERATIONS):
+            step = _DIFFERENCE_STEP * size
+            slope = (loop(s + step) - loop(s - step)) / (2.0 * step)
+            s = s - (1.0 + loop(s)) / slope
+        converged = np.abs(s - eigenvalues) <= _MAX_POLE_CORRECTION * size
+    s = s[: int(np.argmin(converged)) if not np.all(converged) else s.size]
+    return np.where(np.abs(s.imag) < _MAX_POLE_CORRECTION**2 * np.abs(s), s.real, s)
+
+
+def _chebyshev_derivative(count: int) -> FloatArray:
+    """Return the differentiation matrix at the Chebyshev points from 1 down to -1."""
+    x = np.cos(np.pi * np.arange(count + 1) / count)
+    c = np.ones(count + 1)
+    c[[0, -1]] = 2.0
+    c *= (-1.0) ** np.arange(count + 1)
+    differences = x[:, np.newaxis] - x + np.eye(count + 1)
+    derivative = np.outer(c, 1.0 / c) / differences
+    return derivative - np.diag(derivative.sum(axis=1))

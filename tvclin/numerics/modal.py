@@ -1,0 +1,148 @@
+"""Exact response of a sum of modes to piecewise inputs, and its residues at the poles.
+
+A mode that is not unstable is propagated from knot to knot. An unstable mode is written as
+
+    z(t) = R e^(p t) - (remaining integral of its inputs, discounted with e^(-p (r - t))),
+
+R being its residue. Where R is zero the remainder decays, so that nothing is lost; integrated
+forward, the same mode would be the difference of two numbers that grow with e^(p t). A residue that
+is zero within the rounding of its own sum counts as zero.
+
+The kernel is `response_cases`, exact within 1e-13 of the largest value of each output in the times
+that are requested.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from tvclin.kernels import choice
+from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, room
+from tvclin.kernels.threads import in_slices
+from tvclin.numerics.pieces import Pieces, flat_batch, laplace, magnitude, spread
+
+_EPSILON = float(np.finfo(float).eps)
+_UNDERFLOW_EXPONENT = 750.0
+"""Exponent at which e^-x underflows: later knots contribute nothing."""
+_ROUNDINGS_PER_TERM = 32.0
+"""Roundings in one term of a transform; its knots and its exponent add to them."""
+_REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
+
+
+def residues(
+    poles: AnyArray, gains: tuple[AnyArray, ...], inputs: tuple[Pieces, ...], start: FloatArray
+) -> tuple[AnyArray, FloatArray]:
+    """Return the residue of the response at each pole, at the time `start` [s], and its rounding.
+
+    `poles`: in 1/s, ``(..., N)``; NaN stays NaN. `gains`: for each input the residues of its
+    transfer function at the poles. `inputs`: their batches broadcast with that of the poles. Both
+    results have the shape ``(..., N)``.
+    """
+    terms, sizes = [], []
+    roundings = np.asarray(_ROUNDINGS_PER_TERM)
+    for gain, pieces in zip(gains, inputs, strict=True):
+        shifted = Pieces(pieces.knots - start[..., np.newaxis], pieces.coefficients, pieces.rates)
+        terms.append(gain * _at_poles(laplace, shifted, poles))
+        sizes.append(np.abs(gain) * _at_poles(magnitude, shifted, poles))
+        last = np.abs(shifted.knots[..., -1])[..., np.newaxis]
+        exponent = np.minimum(np.abs(poles) * last, _UNDERFLOW_EXPONENT)
+        roundings = roundings + exponent + np.sqrt(shifted.knots.shape[-1])
+    return np.asarray(terms[0] + terms[1]), _EPSILON * roundings * np.real(sizes[0] + sizes[1])
+
+
+def _at_poles(transform: Any, pieces: Pieces, poles: AnyArray) -> AnyArray:
+    """Return the transform at each pole, ``(..., N)``; NaN poles stay NaN."""
+    columns = []
+    for pole in np.moveaxis(poles, -1, 0):
+        missing = np.isnan(pole)
+        transform_value = transform(pieces, np.where(missing, 1.0, pole))
+        transform_value = transform_value if np.iscomplexobj(poles) else np.real(transform_value)
+        columns.append(np.where(missing, np.nan, transform_value))
+    return np.stack(columns, axis=-1) if columns else np.zeros((*poles.shape[:-1], 0))
+
+
+@dataclass(frozen=True, slots=True)
+class ModalSystem:
+    """Plant as a sum of modes.
+
+    `poles`: poles [1/s], ``(..., N)``. `gains`: gain of each input in each mode, ``(..., N, 2)``.
+    `outputs`: coefficient of each mode in each output, ``(..., N, R)``. `less_wind`: whether the
+    second input, the wind, is subtracted from the last output.
+    """
+
+    poles: AnyArray
+    gains: AnyArray
+    outputs: AnyArray
+    less_wind: bool = True
+
+    def select_outputs(self, rows: Sequence[int]) -> "ModalSystem":
+        """Return the system with the outputs at ascending positions."""
+        last = rows[-1] == self.outputs.shape[-1] - 1
+        return ModalSystem(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
+
+
+def is_unstable(poles: AnyArray) -> BoolArray:
+    """Return which of the poles ``(..., N)`` are unstable; poles on the imaginary axis are not."""
+    size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
+    return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
+
+
+def responses(
+    system: ModalSystem, inputs: tuple[Pieces, Pieces], times: FloatArray, shape: tuple[int, ...]
+) -> tuple[FloatArray, BoolArray | None]:
+    """Return the outputs ``(*shape, R, n)``, and the cases whose modes are not distinct.
+
+    `inputs`: deflection and wind. `times`: times [s], ``(n,)``, in any order. `shape`: of the
+    batch, to which plants and inputs broadcast. The outputs have the units of the inputs. The
+    second result has the shape `shape`, True where two poles are too close for separate modes
+    within these times; it is None where this is nowhere the case.
+    """
+    histories = [spread(p, p.batch) if p.batch else p for p in inputs]
+    arrays = [system.poles, *(a for h in histories for a in (h.coefficients, h.rates))]
+    dtype = _COMPLEX if any(a.dtype.kind == "c" for a in arrays) else _REAL
+    plants = (
+        flat_batch(system.poles, 1, dtype),
+        flat_batch(system.gains, 2, dtype),
+        flat_batch(system.outputs, 2, dtype),
+        system.less_wind,
+    )
+    first, second = (
+        (
+            flat_batch(h.knots, 1, _REAL),
+            flat_batch(h.coefficients, 3, dtype),
+            flat_batch(h.rates, 1, dtype),
+        )
+        for h in histories
+    )
+    case_rows = _case_rows((system.poles.shape[:-1], *(h.batch for h in histories)), shape)
+    order = np.argsort(times) if np.any(times[1:] < times[:-1]) else None
+    rising = times.copy() if order is None else times[order]
+    out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
+    indistinct = np.zeros(len(out), dtype=bool)
+    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
+    kernel = choice.swiftest(respond, seconds)
+
+    def work(begin: int, end: int) -> None:
+        memory = room(dtype, plants[2].shape[1:], first, second)
+        with np.errstate(all="ignore"):  # what is beyond all numbers is infinite
+            kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
+
+    in_slices(work, len(out), 0.0 if kernel is respond else COMPILED * seconds)
+    if order is not None:
+        out[..., order] = out.copy()
+    return out.reshape(*shape, *out.shape[1:]), indistinct.reshape(
+        shape
+    ) if indistinct.any() else None
+
+
+def _case_rows(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:
+    """Return the flat position of each case in each batch, ``(len(batches), cases)``."""
+    if not shape:
+        return np.zeros((len(batches), 1), np.int64)
+    rows = [np.arange(prod(batch)).reshape(batch) for batch in batches]
+    return np.stack([np.broadcast_to(row, shape).ravel() for row in rows])
