@@ -15,7 +15,7 @@ from scipy.sparse import bmat, eye_array
 
 import tvclin as tv
 from tvclin.answers.requirement import required_deflection
-from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY
+from tvclin.boundary.open_loop import AFTER_TRIM, BOUNDARY
 
 PEAK = np.radians(5.0)
 CELLS, FINER = 400, 4000

@@ -11,15 +11,13 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.boundary.limit import (
+from tvclin.boundary.limit import STABLE, leading_pole
+from tvclin.boundary.open_loop import (
     AFTER_TRIM,
     BOUNDARY,
     MINIMUM,
     NO_FORECAST,
-    STABLE,
-    boundary_alone,
-    leading_pole,
-    open_loop_needs,
+    open_loop_requirements,
 )
 from tvclin.linear.models import MODELS
 
@@ -425,8 +423,8 @@ def test_a_pair_counts_from_a_twentieth_of_the_rate_and_real_poles_that_are_toge
 def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i, peak):
     plant = Plant.from_vehicle(configuration_i, "drift-exact")
     wind, K = tvclin.TriangularWind(peak=peak, duration=60.0), np.array([0.5, 1.0])
-    boundary = boundary_alone(plant, wind, K, True)[0]
-    needs = open_loop_needs(plant, wind, K, boundary)
+    boundary = boundary_limit(plant, wind, K, "literal")
+    needs = open_loop_requirements(plant, wind, K, boundary)
     bound = abs(tvclin.forecast_free_limit(plant, wind).deflection)
     least = tvclin.optimum_deflection(plant, wind).peak
     np.testing.assert_array_equal(needs[BOUNDARY], np.abs(boundary.deflection))
@@ -459,6 +457,6 @@ def test_a_table_has_a_row_for_each_place_and_a_column_for_each_dead_band():
 @pytest.mark.parametrize("model", MODELS)
 def test_trim_throughout_needs_the_bound_without_a_forecast_on_every_model(configuration_i, model):
     plant, wind = Plant.from_vehicle(configuration_i, model), sampled()
-    boundary = boundary_alone(plant, wind, 1.0, True)[0]
-    needs = open_loop_needs(plant, wind, 1.0, boundary)
+    boundary = boundary_limit(plant, wind, 1.0, "literal")
+    needs = open_loop_requirements(plant, wind, 1.0, boundary)
     assert needs[NO_FORECAST] == abs(tvclin.forecast_free_limit(plant, wind).deflection)

@@ -8,10 +8,11 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tests.turns import by_turns
-from tvclin.boundary.limit import boundary_alone
+from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.kernels import terms, threads
 from tvclin.kernels.choice import pinned
+from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.models import MODELS
 
 FIELDS = ("limit", "deflection", "switch_time", "status")
@@ -92,7 +93,7 @@ def test_plain_python_and_machine_code_solve_alike(model, kind):
         rng = np.random.default_rng(4)
         plant, wind, K = plants(rng, model, 6), winds_of(rng, kind, 6), rng.random(6)
         with pinned(compiled):
-            found.append(boundary_alone(plant, wind, K, False, True))
+            found.append([boundary_limit(plant, wind, K, switch) for switch in SWITCHES])
     for plain, fast in zip(*found, strict=True):
         # A last digit of an exponential is multiplied by what the demand is a difference of.
         np.testing.assert_allclose(fast.limit, plain.limit, rtol=1e-13)

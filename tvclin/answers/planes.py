@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, plain
-from tvclin.boundary.limit import ROUNDING
+from tvclin.boundary.open_loop import ROUNDING
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES

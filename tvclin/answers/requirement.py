@@ -23,17 +23,17 @@ from tvclin.answers.trim_flown import can_fly, comes_back, lost_flown, path_coun
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
-from tvclin.boundary.limit import (
+from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.open_loop import (
     AFTER_TRIM,
     BOUNDARY,
     MINIMUM,
     NO_FORECAST,
     ROUNDING,
-    boundary_alone,
-    open_loop_needs,
+    open_loop_requirements,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
 
@@ -125,10 +125,8 @@ def required_deflection(
     ('the minimum over all unstable poles after trim', 0.198, 0.124)
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
-    instance("plant", plant, Plant, RIGID)
-    instance("wind", wind, History, "such as TriangularWind")
-    boundary = boundary_alone(plant, wind, K, True)[0]
-    needs = open_loop_needs(plant, wind, K, boundary)
+    boundary = boundary_limit(plant, wind, K, "literal")
+    needs = open_loop_requirements(plant, wind, K, boundary)
     blows = wind
     if whole is not None:
         instance("whole", whole, History, "the wind with what blows to the other side")

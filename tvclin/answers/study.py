@@ -29,7 +29,8 @@ from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
-from tvclin.boundary.limit import ROUNDING, BoundaryLimit, boundary_limit
+from tvclin.boundary.limit import BoundaryLimit, boundary_limit
+from tvclin.boundary.open_loop import ROUNDING, with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop
@@ -317,7 +318,12 @@ def _needed(
     """What each model needs: with dead bands, without a forecast, and with a complete one."""
     best = _where_defined(_optimum, plants, wind)
     return {
-        "boundaries": {k: boundary_limit(p, wind, dead_bands, switch) for k, p in plants.items()},
+        "boundaries": {
+            name: with_larger_requirements(
+                plant, wind, dead_bands, boundary_limit(plant, wind, dead_bands, switch)
+            )
+            for name, plant in plants.items()
+        },
         "forecast_free": _where_defined(forecast_free_limit, plants, wind),
         "minima": {name: optimum.peak for name, optimum in best.items()},
     }

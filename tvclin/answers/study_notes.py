@@ -12,7 +12,8 @@ from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.case_need import CaseNeed
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.boundary.forecast_free import ForecastFreeLimit
-from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
+from tvclin.boundary.limit import PAIR
+from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes

@@ -18,7 +18,7 @@ from tvclin.base.lines import (
     significant,
     upper_pole,
 )
-from tvclin.boundary.limit import BOUNDARY, ROUNDING
+from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}

@@ -7,7 +7,8 @@ from functools import partial
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.limit import COMPARABLE, ROUNDING, leading_pole
+from tvclin.boundary.limit import COMPARABLE, leading_pole
+from tvclin.boundary.open_loop import ROUNDING
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant

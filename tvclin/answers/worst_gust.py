@@ -9,7 +9,8 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.boundary.limit import boundary_alone, open_loop_needs
+from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.open_loop import open_loop_requirements
 from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import Plant
 from tvclin.winds.shaped import ShapedWind
@@ -26,9 +27,9 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     """Return a wind without a heading with its gust at the time at which a plant needs most.
 
     It is returned as it is where it has no gust, or one with a time. The time is that of the
-    largest of `open_loop_needs` from the beginning of the wind to its end: of a scan, refined
-    between the neighbours of the best. Where the gust blows against the wind, and where no limit is
-    defined, it stays in the middle.
+    largest of `open_loop_requirements` from the beginning of the wind to its end: of a scan,
+    refined between the neighbours of the best. Where the gust blows against the wind, and where no
+    limit is defined, it stays in the middle.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:
@@ -41,8 +42,8 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
 
     def needed(at: FloatArray) -> FloatArray:
         blows = alone + gust.shift(at - own)
-        (boundary,) = boundary_alone(plant, blows, K, True)
-        return np.max(list(open_loop_needs(plant, blows, K, boundary).values()), axis=0)
+        boundary = boundary_limit(plant, blows, K, "literal")
+        return np.max(list(open_loop_requirements(plant, blows, K, boundary).values()), axis=0)
 
     steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _COARSE, _FINE))
     times = np.linspace(0.0, length, steps + 1)

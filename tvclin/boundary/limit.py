@@ -14,7 +14,7 @@ the report stand in `closed_forms`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,9 +26,6 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
 from tvclin.base.lines import Line, Table, number, significant
-from tvclin.boundary.after_trim import least_after_trim
-from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.switching import Problem
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import unstable_poles
@@ -47,20 +44,8 @@ PAIR = (
     "two unstable poles are a pair or equal, and each has its own condition (4b), which no limit"
     " meets for both; this limit is so large that the dead band is never left"
 )
-BOUNDARY = "the boundary of the control with the exit on trim"
-MINIMUM = "the minimum over all unstable poles"
-AFTER_TRIM = "the minimum over all unstable poles after trim"
-NO_FORECAST = "the bound without a forecast"
-LARGER = {
-    BOUNDARY: "in flight, where the dead band is left by trim itself, more is needed",
-    MINIMUM: f"{MINIMUM} is larger",
-    AFTER_TRIM: f"{AFTER_TRIM} is larger",
-    NO_FORECAST: f"{NO_FORECAST} is larger",
-}
-ROUNDING = 1e-9
-"""A requirement that is larger by less than this part is the same one."""
-NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b), a higher one is not needed"
-JUMP = "no limit meets (4b) exactly: every limit above this one is sufficient"
+NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b); this is the largest trim"
+JUMP = "no limit meets (4b) exactly: every limit above this one is more than it demands"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +61,7 @@ class BoundaryLimit(Shown):
     switch_time : float or ndarray
         a [s], when the dead band is left on the boundary; NaN where it never is.
     status : str or ndarray of str
-        "ok", or in words why the limit is not a solution of (4b), and which other requirement
-        is larger (see `required_deflection`).
+        "ok", or in words why the limit is not a solution of (4b).
     """
 
     limit: Any
@@ -123,8 +107,8 @@ def boundary_limit(
         (winds of several peaks) it is the largest. A complex pair that grows as fast asks for
         two conditions, which one limit cannot meet: then it is the largest trim deflection over K,
         with which the dead band is never left (infinite for K = 0), and the status says so.
-        Whether a capability is enough is the question of `is_sufficient`; the status says when
-        another requirement is larger.
+        Whether a capability is sufficient is the question of `is_sufficient`, which compares it
+        with `required_deflection`, the largest of several requirements; y_BR is one of them.
 
     Raises
     ------
@@ -139,88 +123,6 @@ def boundary_limit(
     one_of("switch", switch, SWITCHES)
     instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
-    same = switch == "literal" or plant.model == "fixed-path"
-    found = boundary_alone(plant, wind, K, *((True,) if same else (False, True)))
-    return _with_others(plant, wind, K, found[0], found[-1])
-
-
-def open_loop_needs(
-    plant: Plant,
-    wind: History,
-    dead_band: ArrayLike,
-    boundary: BoundaryLimit,
-    enough: FloatArray | None = None,
-) -> dict[str, FloatArray]:
-    """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
-
-    `plant`, `wind`, `dead_band`: as of `boundary_limit`. `boundary`: theirs, with the literal
-    switch, which a flight has. `enough`: as of `least_peaks`. Returned: under `BOUNDARY`, under
-    `MINIMUM` the least peak over all unstable poles from the onset of the wind on, under
-    `NO_FORECAST`, which only a control with K = 1 claims to need none of, the bound of laws without
-    a forecast, and under `AFTER_TRIM` that least peak from where trim has left the vehicle, for the
-    others (see `after_trim`). Zero where one does not apply.
-    """
-    K = np.asarray(dead_band)
-    size = np.abs(np.asarray(boundary.deflection))
-    free = (
-        np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
-        if np.any(K == 1.0) and _has_bound(plant)
-        else 0.0
-    )
-    needs = {
-        BOUNDARY: size,
-        MINIMUM: np.broadcast_to(least_peaks(plant, wind, enough), size.shape),
-        NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
-    }
-    return needs | {AFTER_TRIM: _after_trim(plant, wind, K, np.max(list(needs.values()), axis=0))}
-
-
-def _after_trim(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
-    """The limit [rad] that is lost after trim up to K times it, if above `least`; else zero."""
-    poles = unstable_poles(plant)
-    if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
-        return np.zeros(least.shape)
-    pole, paired = leading_pole(plant)
-    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), least.shape)
-    full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
-    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
-        asked = least / full
-    found = least_after_trim(problem, poles, asked)
-    return np.where(found > asked, found * full, 0.0)
-
-
-def _has_bound(plant: Plant) -> bool:
-    """Whether there is a bound without a forecast: one plant needs a real pole, the fastest."""
-    poles = unstable_poles(plant)
-    return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)
-
-
-def _with_others(
-    plant: Plant, wind: History, K: FloatArray, found: BoundaryLimit, literal: BoundaryLimit
-) -> BoundaryLimit:
-    """The boundary with a status that says where another requirement is larger."""
-    size, status = np.abs(np.asarray(found.deflection)), np.asarray(found.status)
-    needs = open_loop_needs(plant, wind, K, literal, size)
-    most = np.max(list(needs.values()), axis=0)
-    larger = most > size * (1.0 + ROUNDING)
-    if not np.any(larger):
-        return found
-    reasons = [(need >= most)[larger] for need in needs.values()]
-    words, own = np.select(reasons, [LARGER[name] for name in needs], ""), status[larger]
-    said = np.where(own == OK, words, np.char.add(np.char.add(own, "; "), words))
-    status = status.astype(np.result_type(status, said))
-    status[larger] = said
-    return replace(found, status=status if status.ndim else str(status))
-
-
-def boundary_alone(
-    plant: Plant, wind: History, dead_band: ArrayLike, *literal: bool
-) -> list[BoundaryLimit]:
-    """Return `boundary_limit` for each switch, without a look at other requirements.
-
-    The arguments alone are checked.
-    """
-    K = np.asarray(dead_band, dtype=float)
     _check_wind(wind)
     pole, paired = leading_pole(plant)
     unstable = ~np.isnan(pole)
@@ -234,26 +136,22 @@ def boundary_alone(
     problem = Problem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
     unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
     at_onset = unstable & (K == 0.0)
-    found = []
-    for solved in problem.solve(*literal):
-        limit = np.where(unstable, solved.demand, 0.0)
-        never = unstable & solved.never & ~at_onset & ~paired
-        if np.any(never | paired):
-            trim_alone = problem.largest_trim(never | paired)
-            with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
-                limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
-        known = [~unstable, paired, never, solved.jumps & ~at_onset]
-        word = np.select(known, range(1, 1 + len(known)), 0)
-        status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
-        found.append(
-            BoundaryLimit(
-                plain(limit),
-                plain(np.asarray(limit * scale)),
-                plain(np.where(unstable & ~never & ~paired, solved.time, np.nan)),
-                status if status.ndim else str(status),
-            )
-        )
-    return found
+    solved = problem.solve(switch == "literal")
+    limit = np.where(unstable, solved.demand, 0.0)
+    never = unstable & solved.never & ~at_onset & ~paired
+    if np.any(never | paired):
+        trim_alone = problem.largest_trim(never | paired)
+        with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
+            limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
+    known = [~unstable, paired, never, solved.jumps & ~at_onset]
+    word = np.select(known, range(1, 1 + len(known)), 0)
+    status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
+    return BoundaryLimit(
+        plain(limit),
+        plain(np.asarray(limit * scale)),
+        plain(np.where(unstable & ~never & ~paired, solved.time, np.nan)),
+        status if status.ndim else str(status),
+    )
 
 
 def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:

@@ -57,21 +57,13 @@ class Problem:
     dead_band: FloatArray
     shape: tuple[int, ...]
 
-    def solve(self, *literal: bool) -> list[Switch]:
-        """Return the solution for each driver: B alpha_w, or where `literal` trim itself."""
+    def solve(self, literal: bool) -> Switch:
+        """Return the solution for the driver B alpha_w, or where `literal` for trim itself."""
         winds, which, numbers = self._arrays
-        out = np.empty((which.size, len(literal), 3))
-        self._run(switches.switches, self._filtering, winds, which, numbers, np.array(literal), out)
-        time, demand, status = np.moveaxis(out.reshape(*self.shape, len(literal), 3), -1, 0)
-        return [
-            Switch(
-                time[..., k],
-                demand[..., k],
-                status[..., k] == switches.JUMPS,
-                status[..., k] == switches.NEVER,
-            )
-            for k in range(len(literal))
-        ]
+        out = np.empty((3, which.size))
+        self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
+        time, demand, status = out.reshape(3, *self.shape)
+        return Switch(time, demand, status == switches.JUMPS, status == switches.NEVER)
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim over B alpha_w,max of some cases; zero for the others."""

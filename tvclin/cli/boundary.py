@@ -7,6 +7,7 @@ import typer
 
 from tvclin.base.errors import one_of, positive, within
 from tvclin.boundary.limit import OK, boundary_limit
+from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.options import MOTION, SHAPE, SOURCE_HELP, AsJson, At, Given, Plot, asked
 from tvclin.cli.output import draw, print_json, print_tables, say_notes
@@ -47,7 +48,7 @@ def boundary(
     shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
     # one unit of peak is enough: the boundary limit does not depend on it
     blows = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
-    limits = boundary_limit(plant, blows, K)
+    limits = with_larger_requirements(plant, blows, K, boundary_limit(plant, blows, K))
     shown = None if vehicle is None else plant.coefficients
     axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
     curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)

@@ -22,6 +22,7 @@ from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
 from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.wiring import closed_loop, wind_numerator
@@ -476,7 +477,9 @@ def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, An
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
     try:
-        found = boundary_limit(plant, wind, np.array(DEAD_BANDS), "literal")
+        bands = np.array(DEAD_BANDS)
+        boundary = boundary_limit(plant, wind, bands, "literal")
+        found = with_larger_requirements(plant, wind, bands, boundary)
         limits = found.deflection
         notes += _boundary_notes(found.status)
     except InputError as error:

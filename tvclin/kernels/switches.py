@@ -51,8 +51,7 @@ def switches(
 
     `winds`: knots, coefficients and rates of winds over their peaks, with one axis for the batch.
     `which`: the wind of each case, ``(n,)``. `numbers`: p, K, b1, b2 and q of each case, ``(n,
-    5)``. `literal`: for each driver that is asked for, whether it is trim itself, ``(m,)``. `out`:
-    time, demand and status, ``(n, m, 3)``.
+    5)``. `literal`: whether the driver is trim itself. `out`: time, demand and status, ``(3, n)``.
     """
     knots, coefficients, rates = winds
     kept, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(ROOM)
@@ -68,10 +67,8 @@ def switches(
         )
         wind = (knots[i], coefficients[i], rates[i], kept, work)
         carry(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
-        for k in range(literal.size):
-            law = (p, K, b2 - b1, b1, q, literal[k])
-            time, needed, status = _solve(wind, law, marks, ends)
-            out[case, k, 0], out[case, k, 1], out[case, k, 2] = time, needed, status
+        law = (p, K, b2 - b1, b1, q, literal)
+        out[0, case], out[1, case], out[2, case] = _solve(wind, law, marks, ends)
 
 
 @kernel

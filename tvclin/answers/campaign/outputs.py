@@ -17,7 +17,7 @@ from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit import ROUNDING
+from tvclin.boundary.open_loop import ROUNDING
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
 from tvclin.control.margins.margins import loop_margins

@@ -18,18 +18,15 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.boundary.limit import (
+from tvclin.boundary.limit import JUMP, NEVER_LEFT, OK, boundary_limit
+from tvclin.boundary.open_loop import (
     AFTER_TRIM,
     BOUNDARY,
-    JUMP,
     LARGER,
     MINIMUM,
-    NEVER_LEFT,
     NO_FORECAST,
-    OK,
     ROUNDING,
-    boundary_alone,
-    open_loop_needs,
+    open_loop_requirements,
 )
 from tvclin.boundary.optimum.least_peaks import peaks_of
 from tvclin.boundary.planes.optimum import least_in_planes
@@ -211,8 +208,9 @@ def _straight(
     pair: Pair, plant: Plant, wind: History, stop: Stop, K: float, literal: bool
 ) -> Needed:
     """The scalar answers, each along the direction of the wind."""
-    boundary = boundary_alone(plant, wind, K, literal)[0]
-    needs = {name: float(one) for name, one in open_loop_needs(plant, wind, 1.0, boundary).items()}
+    boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
+    required = open_loop_requirements(plant, wind, 1.0, boundary)
+    needs = {name: float(size) for name, size in required.items()}
     direction = complex(unit(pair.wind.direction))
     held = boundary.deflection * direction
     gauges = stop.gauge([direction, -direction])
@@ -220,8 +218,8 @@ def _straight(
     bound = needs[NO_FORECAST] * both_ways
     after = needs[AFTER_TRIM]
     if 0.0 < K < 1.0:
-        flown = boundary if literal else boundary_alone(plant, wind, K, True)[0]
-        after = float(open_loop_needs(plant, wind, K, flown)[AFTER_TRIM])
+        flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
+        after = float(open_loop_requirements(plant, wind, K, flown)[AFTER_TRIM])
     limit, more = _largest(
         {
             BOUNDARY: needs[BOUNDARY] * one_way,

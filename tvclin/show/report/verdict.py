@@ -14,7 +14,7 @@ from tvclin.answers.study import Study
 from tvclin.answers.study_notes import TRUSTS
 from tvclin.answers.study_tables import survivable
 from tvclin.base.lines import Line, degrees, least, number, significant
-from tvclin.boundary.limit import BOUNDARY
+from tvclin.boundary.open_loop import BOUNDARY
 from tvclin.show.report.blocks import Section
 from tvclin.winds.shaped import ShapedWind
 

@@ -1,0 +1,126 @@
+"""Requirements of a deflection limit that follow from open-loop controls, without a flight.
+
+The boundary limit y_BR of eq (4b) is one of them, and not always the largest:
+
+- the boundary of the control with the exit on trim, as in a flight;
+- the minimum peak over all unstable poles, appendix C, from the onset of the wind on;
+- for K = 1 the bound of all laws without a forecast of the wind;
+- for 0 < K < 1 the minimum peak from the state on that trim up to K times the limit has left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.boundary.after_trim import least_after_trim
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit import OK, BoundaryLimit, boundary_limit, leading_pole
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.switching import Problem
+from tvclin.linear.modes import unstable_poles
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+BOUNDARY = "the boundary of the control with the exit on trim"
+MINIMUM = "the minimum over all unstable poles"
+AFTER_TRIM = "the minimum over all unstable poles after trim"
+NO_FORECAST = "the bound without a forecast"
+LARGER = {
+    BOUNDARY: "in flight, where the dead band is left by trim itself, more is needed",
+    MINIMUM: f"{MINIMUM} is larger",
+    AFTER_TRIM: f"{AFTER_TRIM} is larger",
+    NO_FORECAST: f"{NO_FORECAST} is larger",
+}
+ROUNDING = 1e-9
+"""Relative difference up to which two requirements count as equal."""
+
+
+def open_loop_requirements(
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike,
+    boundary: BoundaryLimit,
+    sufficient: FloatArray | None = None,
+) -> dict[str, FloatArray]:
+    """Return the requirements of a deflection limit by name, sizes [rad] of shape ``(...)``.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+    boundary : BoundaryLimit
+        The boundary limit of these with the literal switch, as in a flight.
+    sufficient : ndarray, optional
+        Peaks [rad] in place of the minimum where they are proved to be no less, see `least_peaks`.
+
+    Returns
+    -------
+    dict of str to ndarray
+        `BOUNDARY`, `MINIMUM`, `NO_FORECAST` (for K = 1) and `AFTER_TRIM` (for 0 < K < 1); zero
+        where one does not apply.
+    """
+    K = np.asarray(dead_band)
+    size = np.abs(np.asarray(boundary.deflection))
+    free = (
+        np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
+        if np.any(K == 1.0) and _has_bound(plant)
+        else 0.0
+    )
+    required = {
+        BOUNDARY: size,
+        MINIMUM: np.broadcast_to(least_peaks(plant, wind, sufficient), size.shape),
+        NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
+    }
+    largest = np.max(list(required.values()), axis=0)
+    return required | {AFTER_TRIM: _after_trim(plant, wind, K, largest)}
+
+
+def with_larger_requirements(
+    plant: Plant, wind: History, dead_band: ArrayLike, boundary: BoundaryLimit
+) -> BoundaryLimit:
+    """Return boundary limits ``(...)`` whose status names the open-loop requirement above them.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+    boundary : BoundaryLimit
+        The boundary limit of these, with either switch.
+    """
+    literal = boundary_limit(plant, wind, dead_band, "literal")
+    size, status = np.abs(np.asarray(boundary.deflection)), np.asarray(boundary.status)
+    required = open_loop_requirements(plant, wind, dead_band, literal, size)
+    largest = np.max(list(required.values()), axis=0)
+    larger = largest > size * (1.0 + ROUNDING)
+    if not np.any(larger):
+        return boundary
+    governs = [(one >= largest)[larger] for one in required.values()]
+    words, alone = np.select(governs, [LARGER[name] for name in required], ""), status[larger]
+    both = np.where(alone == OK, words, np.char.add(np.char.add(alone, "; "), words))
+    status = status.astype(np.result_type(status, both))
+    status[larger] = both
+    return replace(boundary, status=status if status.ndim else str(status))
+
+
+def _after_trim(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
+    """Return the largest limit [rad] that is lost after trim up to K times it; 0 up to `least`."""
+    poles = unstable_poles(plant)
+    if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
+        return np.zeros(least.shape)
+    pole, paired = leading_pole(plant)
+    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), least.shape)
+    full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
+    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
+        lower = least / full
+    limit = least_after_trim(problem, poles, lower)
+    return np.where(limit > lower, limit * full, 0.0)
+
+
+def _has_bound(plant: Plant) -> bool:
+    """Return whether there is a bound without a forecast: the fastest pole of a plant is real."""
+    poles = unstable_poles(plant)
+    return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)
