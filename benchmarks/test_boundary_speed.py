@@ -1,4 +1,6 @@
-"""Boundaries of 10,000 vehicles in as many winds, beside brentq on the residue (4b), one by one."""
+"""Boundaries of 10,000 vehicles in as many winds, beside brentq on (4b) and (12), one by one."""
+
+from math import exp
 
 import numpy as np
 import pytest
@@ -6,8 +8,9 @@ from peers import ratio
 from scipy.optimize import brentq
 
 import tvclin as tv
+from tvclin.linear.models import MODELS
 
-CASES, KNOTS, FEW = 10_000, 100, 3
+CASES, KNOTS, FEW, ROOTS = 10_000, 100, 3, 500
 
 
 def vehicles(rng, model):
@@ -61,7 +64,7 @@ def by_brentq(plant, wind, dead_band):
     ],
 )
 def test_boundary_limit_of_a_batch(benchmark, model, winds):
-    """With everything it does: poles, the other requirements, words."""
+    """With everything it does: poles, the exit of the dead band, status."""
     rng = np.random.default_rng(1)
     coefficients, model = vehicles(rng, model)
     wind, K = winds(rng), rng.uniform(0.05, 0.9, CASES)
@@ -81,5 +84,44 @@ def test_boundary_limit_of_a_batch(benchmark, model, winds):
         peer_name=f"scipy.optimize.brentq on `residues`, the same to {apart:.0e}",
         per=CASES,
         peer_per=FEW,
-        floor="exponentials of some seven steps for each switch and requirement",
+        floor="exponentials of some seven steps",
     )
+
+
+def roots_of_12(tau_beta, dead_bands):
+    """Return the roots of eq (12) as printed, for each of several tau beta and dead bands."""
+    found = []
+    for x, K in zip(tau_beta, dead_bands, strict=True):
+        p = x / 2.0
+        R = 2.0 * exp(-p) - exp(-2.0 * p)
+
+        def left(y, p=p, K=K, R=R):
+            return (1.0 - p * y * (1.0 - K)) * exp(-p * y * K) - R
+
+        found.append(brentq(left, 0.0, 1.0, xtol=1e-15, rtol=1e-14))
+    return found
+
+
+@pytest.mark.parametrize("dead_band", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("model", MODELS)
+def test_a_boundary_limit_takes_less_than_half_of_a_root_of_eq_12(benchmark, model, dead_band):
+    """Any model and dead band beside roots of eq (12), which has neither path nor other winds."""
+    rng = np.random.default_rng(1)
+    coefficients, model = vehicles(rng, model)
+    duration = rng.uniform(3.0, 20.0, CASES)
+    tau_beta = (duration * coefficients.beta)[:ROOTS].tolist()
+    dead_bands = rng.uniform(0.05, 0.9, ROOTS).tolist()
+    found = ratio(
+        benchmark,
+        lambda: tv.boundary_limit(
+            tv.Plant(coefficients, model),
+            tv.TriangularWind(peak=np.full(CASES, 0.08), duration=duration),
+            dead_band,
+        ),
+        lambda: roots_of_12(tau_beta, dead_bands),
+        peer_name="scipy.optimize.brentq on eq (12)",
+        per=CASES,
+        peer_per=ROOTS,
+        floor="poles, and exponentials of some seven steps",
+    )
+    assert found > 2.0
