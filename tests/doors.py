@@ -394,7 +394,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "Case.history_at": Door(
             tv.Case(vehicle=booster, wind=slanting).history_at, {"dead_band": 0.5}
         ),
-        "Case.blows_at": Door(tv.Case(vehicle=booster, wind=slanting).blows_at, {"dead_band": 0.5}),
+        "Case.wind_in_plane_at": Door(
+            tv.Case(vehicle=booster, wind=slanting).wind_in_plane_at, {"dead_band": 0.5}
+        ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
         "CampaignResults.column": Door(results.column, {"name": "thrust"}),

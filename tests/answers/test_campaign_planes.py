@@ -11,7 +11,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.encountered import case_requirements
+from tvclin.answers.encountered_requirement import encountered_requirements
 from tvclin.cli.app import app
 
 SPREAD = [
@@ -72,7 +72,7 @@ def test_cases_are_those_of_single_studies(model, stop, direction, gust) -> None
             study = tv.Study.of(of_case(plan, found, case), K)
             name = f"required_K{K:g}"
             assert found[name][case] == pytest.approx(study.required_deflection, rel=1e-9)
-            (alone,) = case_requirements(study.case, study.placed, K).values()
+            (alone,) = encountered_requirements(study.case, study.placed, K).values()
             for plane, required in alone.items():
                 each = found[f"{name}_{plane}"][case]
                 assert each == pytest.approx(required, rel=1e-9)

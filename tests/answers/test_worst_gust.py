@@ -27,7 +27,7 @@ def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> 
     middle = study(configuration_i, wind=shape, model=model, gust_at=3.75)
 
     assert scanned.max() <= found.nominal_deflection * (1.0 + 1e-4)
-    assert abs(times[scanned.argmax()] - found.blows.gust_at) <= times[1]
+    assert abs(times[scanned.argmax()] - found.wind_in_plane.gust_at) <= times[1]
     assert middle.nominal_deflection < found.nominal_deflection
     assert any("when it asks for most" in note for note in found.notes)
     assert not any("when it asks for most" in note for note in middle.notes)
@@ -35,11 +35,11 @@ def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> 
 
 def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:
     found = study(configuration_i, gust=-0.2 * GUST, model="fixed-path")
-    assert (found.blows.gust_at, found.gust.onset, found.gust.end) == (None, 2.75, 4.75)
+    assert (found.wind_in_plane.gust_at, found.gust.onset, found.gust.end) == (None, 2.75, 4.75)
 
 
 def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> None:
     nominal = study(configuration_i, model="fixed-path")
-    fixed = study(configuration_i, model="fixed-path", gust_at=nominal.blows.gust_at)
+    fixed = study(configuration_i, model="fixed-path", gust_at=nominal.wind_in_plane.gust_at)
     one, other = (tv.answers.disperse_study(each, cases=20) for each in (nominal, fixed))
     np.testing.assert_array_equal(one.deflection, other.deflection)

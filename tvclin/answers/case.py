@@ -130,18 +130,18 @@ class Case:
 
     def wind_at(self, dead_band: float) -> ShapedWind:
         """Return a wind of one shape, its gust at its time, or at the worst for a dead band."""
-        blows = self.blows_at(dead_band)
+        in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)
-        assert isinstance(blows, ShapedWind)
-        return replace(self.wind, gust_at=blows.gust_at)
+        assert isinstance(in_plane, ShapedWind)
+        return replace(self.wind, gust_at=in_plane.gust_at)
 
     @cached_property
-    def blows(self) -> ShapedWind | WindEnsemble | History:
+    def wind_in_plane(self) -> ShapedWind | WindEnsemble | History:
         """The wind in the plane, its gust at its time, or else at the worst one with K = 1."""
-        return self.blows_at(1.0)
+        return self.wind_in_plane_at(1.0)
 
-    def blows_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
-        """Return the same with the gust at the worst time for another dead band."""
+    def wind_in_plane_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
+        """Return the wind in the plane, with the gust at the worst time for a dead band."""
         wind = self.wind
         if not isinstance(wind, ShapedWind):
             return wind
@@ -163,10 +163,10 @@ class Case:
         return self.history_at(1.0)
 
     def history_at(self, dead_band: float) -> History:
-        """Return the same with the gust at the worst time for another dead band."""
+        """Return the wind as a history, with the gust at the worst time for a dead band."""
         K = number("dead_band", dead_band, between(0.0, 1.0))
-        blows = self.blows if K == 1.0 else self.blows_at(K)
-        return blows if isinstance(blows, History) else blows.history({})
+        wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)
+        return wind if isinstance(wind, History) else wind.history({})
 
     @property
     def hardware(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from tvclin.answers.case_need import survived_size
+from tvclin.answers.case_requirement import survived_size
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
@@ -322,7 +322,7 @@ def _in_a_head_wind(
 
 def _met(plan: StudyPlan, study: Study, size: float = 1.0) -> StudyPlan:
     """A plan in the dynamic pressure at the peak of so many times its head wind."""
-    from tvclin.answers.encountered import largest_pressure  # late, with its engine
+    from tvclin.answers.encountered_requirement import largest_pressure  # late, with its engine
     from tvclin.answers.varying_equations import at_pressure
 
     whole = whole_vehicle(plan.vehicle, "a head wind")

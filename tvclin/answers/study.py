@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_need import CaseNeed, case_need, pulse_of
+from tvclin.answers.case_requirement import CaseRequirement, case_requirement, pulse_of
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.planes import words_of
 from tvclin.answers.study_notes import (
@@ -53,10 +53,10 @@ STUDY_TABLE = FileTable(
 
 
 @dataclass(frozen=True, eq=False)
-class Study(CaseNeed, Shown):
+class Study(CaseRequirement, Shown):
     """What a booster needs to survive a wind, and whether a given limit is enough.
 
-    It has all of `CaseNeed`, on which the verdict rests.
+    It has all of `CaseRequirement`, on which the verdict rests.
 
     Attributes
     ----------
@@ -194,7 +194,7 @@ class Study(CaseNeed, Shown):
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
         one_of("switch", switch, SWITCHES)
-        need = case_need(case, dead_band)
+        need = case_requirement(case, dead_band)
         model, history = case.model, need.history
         coefficients = coefficients_of(case.vehicle, case.plane)
         plants = {name: Plant(coefficients, name) for name in models_of(case.vehicle)}
@@ -215,7 +215,7 @@ class Study(CaseNeed, Shown):
             () if need.beyond else forecast_trusted(*rests[2:], free),
             () if need.beyond else undamped(*rests),
             doubts(case.vehicle),
-            gust_placed(pulse_of(case), need.blows),
+            gust_placed(pulse_of(case), need.wind_in_plane),
             () if need.beyond else along_the_path(need),
             () if need.beyond else words_of(need.planes, case.plane, need.in_both, nominal),
         )
@@ -227,7 +227,7 @@ class Study(CaseNeed, Shown):
             **judged,
             **needed,
             coefficients=coefficients,
-            wind=replace(need.blows, gust=None).history({}),
+            wind=replace(need.wind_in_plane, gust=None).history({}),
             switch=switch,
             modes=modes,
             trim_deflection=trim,
@@ -238,12 +238,12 @@ class Study(CaseNeed, Shown):
     @property
     def shape(self) -> str:
         """Shape of the wind, a key of `winds.shaped.SHAPES`."""
-        return self.blows.shape
+        return self.wind_in_plane.shape
 
     @property
     def gust(self) -> History | None:
         """What blows on top of the wind, in its time; its part in the plane."""
-        return self.blows.placed_gust
+        return self.wind_in_plane.placed_gust
 
     @property
     def of_both(self) -> float:
@@ -253,7 +253,7 @@ class Study(CaseNeed, Shown):
     @property
     def peak_of(self) -> str:
         """Of what the peak is that the limit survives, where the wind has a direction or a gust."""
-        gust = "" if self.blows.gust is None else " with its gust"
+        gust = "" if self.wind_in_plane.gust is None else " with its gust"
         if self.slanting is None:
             return gust and f"of the wind{gust}"
         if self.in_both:

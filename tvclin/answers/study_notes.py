@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.case import FROZEN, Case
-from tvclin.answers.case_need import CaseNeed
+from tvclin.answers.case_requirement import CaseRequirement
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import PAIR
@@ -48,7 +48,7 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
         yield from slips(vehicle)
 
 
-def along_the_path(need: CaseNeed) -> Iterator[str]:
+def along_the_path(need: CaseRequirement) -> Iterator[str]:
     """Say of a strong wind in the pitch plane what its dynamic pressure leaves in doubt."""
     if need.plane != "pitch" or abs(float(need.history.peak)) <= _STRONG:
         return
@@ -72,11 +72,11 @@ def in_calm_air(case: Case) -> Iterator[str]:
         )
 
 
-def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:
+def gust_placed(asked: ShapedWind, placed: ShapedWind) -> Iterator[str]:
     """Say when a gust comes whose time was not given."""
-    if asked.gust_at is None and blows.gust_at is not None:
+    if asked.gust_at is None and placed.gust_at is not None:
         yield (
-            f"the gust comes when it asks for most, at {blows.gust_at:.4g} s (--gust-at, or"
+            f"the gust comes when it asks for most, at {placed.gust_at:.4g} s (--gust-at, or"
             " peak_time_s in [gust], gives another time)"
         )
 

@@ -69,7 +69,7 @@ def autopilot(
         wind = case.history
         loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
         compared = compare_with_trim(case.plant, loop_of, wind)
-        found = _Found(case, compared, _worst(compared, case.blows), sought)
+        found = _Found(case, compared, _worst(compared, case.wind_in_plane), sought)
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)

@@ -65,7 +65,7 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
     """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
     if not given:
         return None
-    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.blows
+    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.wind_in_plane
     loop = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(

@@ -34,7 +34,7 @@ def explore(
     """
     from importlib.util import find_spec
 
-    from tvclin.answers.case_need import pulse_of
+    from tvclin.answers.case_requirement import pulse_of
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError, missing
     from tvclin.base.files import exists, write_text

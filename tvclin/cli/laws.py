@@ -155,7 +155,7 @@ def _winds(
     blows: BlowingOptions, names: list[str] | None, case: StudyPlan
 ) -> tuple[float, float, dict[str, History]]:
     """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
-    pulse = case.blows
+    pulse = case.wind_in_plane
     if not isinstance(pulse, ShapedWind):
         only_with("the standard winds in place of --winds", wind=names)
         met = case.history

@@ -50,7 +50,7 @@ class LeastOptions:
 
     def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
         """Return the gains for the least nozzle where they are asked for."""
-        asked, wind = case.asked, case.blows
+        asked, wind = case.asked, case.wind_in_plane
         if not self.least:
             return None
         if asked.design != LEAST_NOZZLE:

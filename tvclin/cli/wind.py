@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
@@ -336,6 +336,7 @@ def wind_words(name: str, case: Case) -> str:
     """Return the wind of a case in words: its name, its peak, how long it blows, and its gust."""
     wind, gust = case.history, ""
     peak, length = float(wind.peak), float(wind.end - wind.onset)
-    if isinstance(case.blows, ShapedWind):
-        peak, length, gust = case.blows.peak, case.blows.duration, case.blows.gust_words
+    in_plane = case.wind_in_plane
+    if isinstance(in_plane, ShapedWind):
+        peak, length, gust = in_plane.peak, in_plane.duration, in_plane.gust_words
     return f"{name} wind of {degrees(peak):.4g} deg and {length:.4g} s{gust}"

@@ -205,7 +205,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
     each = durations[:, np.newaxis]
-    wind = study.blows.history({"wind_duration": each})
+    wind = study.wind_in_plane.history({"wind_duration": each})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
     for model in study.boundaries:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
 from tvclin.answers.availability.judge import STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
-from tvclin.answers.encountered import own_sign
+from tvclin.answers.encountered_requirement import own_sign
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (

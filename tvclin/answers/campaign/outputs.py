@@ -11,7 +11,7 @@ from tvclin.answers.campaign.batch import Batch, in_planes, required_name
 from tvclin.answers.campaign.dispersions import names_of_modes
 from tvclin.answers.campaign.flights import COLUMNS, flights
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.encountered import encountered_batch
+from tvclin.answers.encountered_requirement import encountered_batch
 from tvclin.answers.planes import VectorNeed, planes_needed, rectangle, vector_need
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray

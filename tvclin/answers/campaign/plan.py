@@ -14,7 +14,7 @@ from tvclin.answers.campaign.dispersions import (
 )
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.case import Case
-from tvclin.answers.encountered import directions_of, own_sign
+from tvclin.answers.encountered_requirement import directions_of, own_sign
 from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,

@@ -19,7 +19,7 @@ from tvclin.answers.campaign.statistics import (
     success_probability,
 )
 from tvclin.answers.case import Case
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.planes import alone_needed, planes_needed, rectangle
 from tvclin.answers.requirement import covers, required_deflection
 from tvclin.answers.study import Study

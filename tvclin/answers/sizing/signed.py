@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_need import CaseNeed, case_need
-from tvclin.answers.encountered import encountered_wind
+from tvclin.answers.case_requirement import CaseRequirement, case_requirement
+from tvclin.answers.encountered_requirement import encountered_wind
 from tvclin.answers.quantity import Requirement
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import requirement_of_parts
@@ -53,7 +53,7 @@ def by_direction(
     columns: dict[Requirement, FloatArray] = {}
     for i, j in np.argwhere(found.known[:, :pulses]).tolist():
         try:
-            need = case_need(case_at(float(found.times[i]), j), K)
+            need = case_requirement(case_at(float(found.times[i]), j), K)
             if need.encountered_unknown:
                 raise InputError(need.encountered_unknown)
             for direction in need.encountered:
@@ -75,7 +75,7 @@ def by_direction(
     return replace(found, unsigned=unknown, notes=(*found.notes, said))
 
 
-def _along(mode: FlightMode, need: CaseNeed, direction: str, begins: float) -> float:
+def _along(mode: FlightMode, need: CaseRequirement, direction: str, begins: float) -> float:
     """The required deflection [rad] along the flight of a pulse that begins at a time [s]."""
     vehicle = whole_vehicle(need.vehicle, "the dynamic pressure encountered").rigid
     wind = encountered_wind(need.placed, vehicle, need.plane, direction)

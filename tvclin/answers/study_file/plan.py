@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.case import DEFAULT_WIND, Case
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.document import Document
 from tvclin.answers.study import Study
 from tvclin.base.declared import count, quantity, word

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.answers.case_need import CaseNeed
+from tvclin.answers.case_requirement import CaseRequirement
 from tvclin.answers.parts import told
 from tvclin.answers.planes import words_of
 from tvclin.answers.requirement import covers
@@ -43,7 +43,7 @@ class Answer:
     durations: FloatArray
     boundary: FloatArray | None
     rest: tuple[bool, ...]
-    need: CaseNeed | None
+    need: CaseRequirement | None
     motion: parts.Motion | None
     fate: str | None
     margins: Margins | None
@@ -122,14 +122,14 @@ def _durations(choices: Choices) -> FloatArray:
     return parts.DURATIONS[:: 3 if _slow(choices) else 1]
 
 
-def _notes(choices: Choices, need: CaseNeed) -> list[str]:
+def _notes(choices: Choices, need: CaseRequirement) -> list[str]:
     """What a study says of a vehicle, a gust, a direction and the sign of a wind."""
     plan, calm = choices.plan, need.at_nominal_pressure
     both = [_BOTH.format(plan.plane)] if need.in_both else []
     return [
         *linear_notes(need.wind_angle),
         *doubts(plan.vehicle),
-        *gust_placed(choices.wind, need.blows),
+        *gust_placed(choices.wind, need.wind_in_plane),
         *along_the_path(need),
         *(both or words_of(need.planes, plan.plane, False, calm)),
         *(() if calm else [_CALM]),
@@ -141,7 +141,7 @@ def _left_out(choices: Choices) -> list[str]:
     return [f"{one[0].upper()}{one[1:]}." for one in told(choices.plan, "explore")]
 
 
-def _verdict(c: Choices, need: CaseNeed | None, fate: str | None, known: bool) -> str:
+def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, known: bool) -> str:
     flown = "" if fate is None else f" Flown with the law {c.law}, the vehicle {FATES[fate]}."
     if need is None:
         said = "No answer for these choices." if known else "What this wind needs is computed ..."

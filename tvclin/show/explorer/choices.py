@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.control.autopilot.design_rules import AutopilotDesign

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study, vehicle_source
 from tvclin.base.errors import InputError, missing

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_need import CaseNeed, case_need
+from tvclin.answers.case_requirement import CaseRequirement, case_requirement
 from tvclin.answers.flexible import law_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.arrays import FloatArray
@@ -82,9 +82,9 @@ class Kept:
 
 
 @Kept
-def need(plan: StudyPlan) -> CaseNeed:
+def need(plan: StudyPlan) -> CaseRequirement:
     """Return what is required, as `tvclin study` says it."""
-    return case_need(plan, plan.dead_band)
+    return case_requirement(plan, plan.dead_band)
 
 
 @Kept

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers import study_tables as tables
-from tvclin.answers.case_need import pulse_of
+from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.findings import Findings
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, Table, degrees, number, quantities, significant
@@ -76,7 +76,7 @@ def inputs(found: Findings) -> Section:
         case.insert(4, ("it blows from, off the flight", heading))
     if s.encountered or s.sign is not None:
         case.append(("dynamic pressure", (tables.AIR[s.sign],)))
-    gust = (s.slanting or s.blows).placed_gust
+    gust = (s.slanting or s.wind_in_plane).placed_gust
     if gust is not None:
         case += [
             ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),

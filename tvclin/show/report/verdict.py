@@ -148,7 +148,7 @@ def _planes(s: Study) -> str:
 
 def _blows(s: Study) -> ShapedWind:
     """The wind on which the verdict rests: of both planes the vector."""
-    return s.slanting if s.in_both and s.slanting is not None else s.blows
+    return s.slanting if s.in_both and s.slanting is not None else s.wind_in_plane
 
 
 def facts(found: Findings) -> tuple[tuple[str, Line], ...]:

@@ -97,8 +97,8 @@ def encountered_wind(
         known, at = wind.gust_speed is not None, positive
         if wind.gust_speed is not None:
             at = positive * wind.gust_speed / (float(gust.peak) * velocity)
-        blows = parts[known]
-        parts[known] = gust * at if blows is None else blows + gust * at
+        pulse = parts[known]
+        parts[known] = gust * at if pulse is None else pulse + gust * at
     if wind.heading is not None:
         angles = angles_of_vector(peak, wind.heading, path)  # a negative peak blows the other way
         of_angle = angles[0] / np.abs(peak), angles[1] / np.abs(peak)
@@ -142,7 +142,7 @@ def encountered_requirement(
     return varying_requirement(equations, encountered, dead_band)
 
 
-def case_requirements(
+def encountered_requirements(
     case: Case, wind: ShapedWind, dead_band: float, size: float = 1.0
 ) -> dict[str, dict[str, float]]:
     """Return the required deflections [rad] of a case by the direction of its wind, and the plane.

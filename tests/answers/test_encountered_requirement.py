@@ -10,8 +10,8 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.case_need import case_need
-from tvclin.answers.encountered import encountered_batch, encountered_requirement
+from tvclin.answers.case_requirement import case_requirement
+from tvclin.answers.encountered_requirement import encountered_batch, encountered_requirement
 from tvclin.answers.varying_equations import at_pressure
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.winds.wind_angles import pressure_ratio
@@ -344,7 +344,7 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
     """As before, of drift and speed; after the wind the cells of a slow pair are coarse, 5e-4."""
     wind = tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=configuration_i, wind=wind, model="drift-and-speed")
-    needs = case_need(case, 0.0).encountered
+    needs = case_requirement(case, 0.0).encountered
     least = {"head": -1.0, "tail": 1.0}
     least = {
         name: least_peak(configuration_i, wind, turn, case.model) for name, turn in least.items()
@@ -356,7 +356,7 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
 def test_after_trim_the_slow_mode_needs_the_least_of_all_control(configuration_i, dead_band):
     """As before; the linear program's trim is level in a quarter of a second."""
     wind = tv.ShapedWind("triangular", np.radians(5.0), 60.0)
-    found = case_need(tv.Case(vehicle=configuration_i, wind=wind), dead_band)
+    found = case_requirement(tv.Case(vehicle=configuration_i, wind=wind), dead_band)
     calm, head = (
         least_peak(configuration_i, wind, turn, dead_band=dead_band) for turn in (0.0, -1.0)
     )
@@ -371,7 +371,7 @@ def test_batches_follow_winds_that_last(name: str, duration: float) -> None:
     """In steps that do not let what fades grow."""
     vehicle, wind = tv.load_vehicle(name), tv.ShapedWind("triangular", np.radians(5.0), duration)
     case = tv.Case(vehicle=vehicle, wind=wind, model="drift-exact", sign="head")
-    alone = case_need(case, 0.0).required_deflection
+    alone = case_requirement(case, 0.0).required_deflection
     found = encountered_batch(case, {}, vehicle.rigid, 0.0, "pitch", np.ones(1))
     assert found == pytest.approx([alone], rel=1e-6)
 
@@ -387,7 +387,7 @@ def test_slow_modes_of_many_at_once_are_those_of_each(configuration_i, dead_band
         vehicle = configuration_i.replace(weight=configuration_i.weight * weight)
         peak, duration = (float(values[k][i]) for k in ("wind_peak", "wind_duration"))
         case = tv.Case(vehicle=vehicle, wind=tv.ShapedWind("triangular", peak, duration))
-        alone = case_need(replace(case, sign="head"), dead_band)
+        alone = case_requirement(replace(case, sign="head"), dead_band)
         assert "minimum over all" in alone.requirement.governs
         assert found[i] == pytest.approx(alone.required_deflection, rel=1e-4)
 

@@ -25,7 +25,7 @@ _SIZE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class CaseNeed:
+class CaseRequirement:
     """What a wind requires of the nozzle of a case, at one dead band.
 
     Attributes
@@ -34,7 +34,7 @@ class CaseNeed:
         The case; the verdict rests on its model.
     dead_band : float
         K of the verdict.
-    blows : ShapedWind
+    wind_in_plane : ShapedWind
         The wind in the plane, with its gust.
     requirement : RequiredDeflection
         What a limit must be at nominal dynamic pressure.
@@ -52,7 +52,7 @@ class CaseNeed:
 
     case: Case
     dead_band: float
-    blows: ShapedWind
+    wind_in_plane: ShapedWind
     requirement: RequiredDeflection
     planes: PlanesNeeded | None
     encountered: dict[str, float]
@@ -91,7 +91,7 @@ class CaseNeed:
     @property
     def placed(self) -> ShapedWind:
         """The wind of the case with its direction and speeds, as far as known, its gust placed."""
-        return replace(pulse_of(self.case), gust_at=self.blows.gust_at)
+        return replace(pulse_of(self.case), gust_at=self.wind_in_plane.gust_at)
 
     @property
     def in_both(self) -> bool:
@@ -101,7 +101,7 @@ class CaseNeed:
     @property
     def history(self) -> History:
         """The wind in the plane with its gust."""
-        return self.blows.history({})
+        return self.wind_in_plane.history({})
 
     @property
     def required_deflection(self) -> float:
@@ -150,8 +150,8 @@ class CaseNeed:
     @property
     def judged_peak(self) -> float:
         """The peak [rad] of the wind that is judged: in both planes that of its vector."""
-        blows = self.planes if self.planes is not None and self.in_both else self.history
-        return float(blows.peak)
+        judged = self.planes if self.planes is not None and self.in_both else self.history
+        return float(judged.peak)
 
     @property
     def wind_angle(self) -> float:
@@ -180,7 +180,7 @@ class CaseNeed:
         if self.beyond:
             size = MAX_LINEAR_ANGLE / self.wind_angle
             known = replace(self.case, wind=self.placed.scaled(size))
-            within = case_need(known, self.dead_band).judged
+            within = case_requirement(known, self.dead_band).judged
             return {"sufficient": None, "survivable_peak": within["survivable_peak"]}
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and 0.0 < size < np.inf:
@@ -202,27 +202,27 @@ class CaseNeed:
         return self.requirement.governs
 
 
-def case_need(case: Case, dead_band: float = 1.0) -> CaseNeed:
+def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     """Return what a wind of one shape requires of the nozzle of a case; it raises as `Study.of`."""
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
     stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
-    blows, planes = case.blows_at(K), None
-    assert isinstance(blows, ShapedWind)
+    in_plane, planes = case.wind_in_plane_at(K), None
+    assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
         whole = whole_vehicle(case.vehicle, "a wind with a direction")
-        placed = replace(wind, gust_at=blows.gust_at)
+        placed = replace(wind, gust_at=in_plane.gust_at)
         planes = of_heading(whole, case.model, placed, stop, K)
     elif stop is not None:
         raise InputError(
             "a stop of both planes needs a wind with a direction: give where it blows from,"
             " and the azimuth of the flight"
         )
-    plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), blows.history({})
+    plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
     required = required_deflection(plant, history, K)
     if beyond_linear(float((planes or history).peak)):
         required, planes = _unknown(required), planes and _unknown_planes(planes)
-    need = CaseNeed(case, K, blows, required, planes, {}, "")
+    need = CaseRequirement(case, K, in_plane, required, planes, {}, "")
     if not np.isfinite(required.deflection):
         return need
     try:
@@ -252,7 +252,7 @@ def pulse_of(case: Case) -> ShapedWind:
     return case.wind
 
 
-def _encountered(need: CaseNeed, size: float = 1.0) -> dict[str, float]:
+def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     """The required deflections [rad] of a case by the direction of so many times its wind.
 
     Of both planes the larger of what each by itself requires of the limit shape, and of what the
@@ -260,9 +260,11 @@ def _encountered(need: CaseNeed, size: float = 1.0) -> dict[str, float]:
     """
     if need.sign == FROZEN:
         return {}
-    from tvclin.answers.encountered import case_requirements  # late, with its engine
+    from tvclin.answers.encountered_requirement import (
+        encountered_requirements,  # late, with its engine
+    )
 
-    directions = case_requirements(need.case, need.placed, need.dead_band, size)
+    directions = encountered_requirements(need.case, need.placed, need.dead_band, size)
     if not need.in_both or need.planes is None:
         return {name: each[need.plane] for name, each in directions.items()}
     planes, required = need.planes, {}
