@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from tvclin.ascent.importers.build import MOST_ROWS, rows_kept, schedule_of_flight
-from tvclin.ascent.importers.flight import Flight, powered
 from tvclin.ascent.importers.mapped import (
     QUANTITIES,
     Wanted,
@@ -20,6 +18,13 @@ from tvclin.ascent.importers.mapped import (
     vehicle_columns,
 )
 from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab, too_large
+from tvclin.ascent.importers.powered_flight import (
+    MOST_ROWS,
+    Flight,
+    powered,
+    rows_kept,
+    schedule_of_flight,
+)
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown

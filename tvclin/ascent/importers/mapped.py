@@ -8,15 +8,16 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.ascent.importers.build import (
+from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
+    Flight,
     aerodynamic_arm_of,
+    check_slope,
     control_arm_of,
+    powered,
     schedule_of_flight,
     weight_of,
 )
-from tvclin.ascent.importers.checks import check_slope
-from tvclin.ascent.importers.flight import Flight, powered
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet

@@ -1,35 +1,261 @@
-"""Flight schedules from the data that OpenRocket exports of a simulation."""
+"""Flight schedules from the data that OpenRocket exports of a simulation, and its columns."""
 
 from __future__ import annotations
 
+import re
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.importers.build import (
+from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
+    Flight,
+    above_sea,
     aerodynamic_arm_of,
+    check_slope,
     control_arm_of,
     given_gimbal,
     given_slope,
+    powered,
     schedule_of_flight,
     weight_of,
 )
-from tvclin.ascent.importers.checks import check_slope
-from tvclin.ascent.importers.flight import Flight, powered
-from tvclin.ascent.importers.openrocket_columns import (
-    columns_of,
-    free,
-    rounded,
-    table_of,
-    trusted_damping,
-    unread,
-)
 from tvclin.ascent.importers.slopes import Slope
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.errors import between, finite, number
-from tvclin.base.sheet import Column
+from tvclin.base.arrays import BoolArray
+from tvclin.base.errors import InputError, between, finite, number, shown
+from tvclin.base.sheet import Column, Headings, Sheet, letters, read_sheet
+
+_NEEDED = {
+    "time": ("time", "Time"),
+    "velocity": ("speed", "Total velocity"),
+    "mass": ("mass", "Mass"),
+    "moment_of_inertia": ("inertia", "Longitudinal moment of inertia"),
+    "pressure_station": ("length", "CP location"),
+    "gravity_station": ("length", "CG location"),
+    "thrust": ("force", "Thrust"),
+    "axial_force": ("force", "Drag force"),
+    "angle_of_attack": ("angle", "Angle of attack"),
+    "mach": ("number", "Mach number"),
+    "area": ("area", "Reference area"),
+}
+"""What is read: the quantity, and the name of its column."""
+_SLOPE = "Normal force coefficient derivative"
+_COEFFICIENT = "Normal force coefficient"
+_DENSITY = "Air density"
+_DAMPING, _UNREAD = "Damping moment coefficient", "Pitch damping coefficient"
+_OF_OPENROCKET = {
+    letters(name)
+    for name in (
+        *(name for _, name in _NEEDED.values()),
+        *("Altitude", "Altitude above sea level", "Vertical velocity", "Vertical orientation"),
+        *("Vertical orientation (zenith)", "Air pressure", "Air temperature", "Speed of sound"),
+        *(_SLOPE, _COEFFICIENT, _DENSITY, _DAMPING, _UNREAD),
+    )
+}
+"""Names in English that are known."""
+_ROD = re.compile(r"Event LAUNCHROD occurred at t=([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?) s")
+_ROUGH = 5e-3
+"""An inertia or a density that is rounded by more is told."""
+
+
+_WITH_UNITS = 3
+"""Names with a unit that make a line the head of an export in another language."""
+_QUOTED = 3
+"""Names of other languages that a message quotes."""
+
+
+def table_of(path: str | PathLike[str]) -> Sheet:
+    """Return the rows of an export; `InputError` where its line of names was left off."""
+    names = [letters(name) for _, name in _NEEDED.values()]
+
+    def fit(headings: Headings) -> float:
+        here = {name for one in headings if one.unit is not None for name in one.names}
+        with_units = sum(one.unit is not None for one in headings)
+        if "time" not in here and with_units < _WITH_UNITS:
+            return 0.0
+        return 1.0 + sum(name in here for name in names)
+
+    missing = (
+        "column names with their units, such as Time (s); export it again with field descriptions"
+        " included"
+    )
+    return read_sheet(path, "data that OpenRocket exports", fit, missing)
+
+
+def columns_of(
+    sheet: Sheet, ground: float | None, own_slope: bool
+) -> tuple[dict[str, Column], list[str]]:
+    """Return the columns of an export by name, in SI units, and notes on those that are not read.
+
+    `ground`: elevation of the launch site [m]. `own_slope`: whether the slope of the normal force
+    coefficient is to be read too.
+    """
+    _check_names(sheet)
+    found = {name: _column(sheet, name) for name in _NEEDED} | _altitude(sheet, ground)
+    notes: list[str] = []
+    for read in (_air, _attitude):
+        found |= read(sheet, notes)
+    found |= sheet.optional("damping", _DAMPING, "damping moment", notes)
+    return found | (_own_slope(sheet) if own_slope else {}), notes
+
+
+def _check_names(sheet: Sheet) -> None:
+    """Raise `InputError` for columns that are missing, and say where names are translated."""
+    missing = [name for _, name in _NEEDED.values() if sheet.find(name) is None]
+    if not missing:
+        return
+    others = [one.text for one in sheet.headings if not _OF_OPENROCKET & set(one.names)]
+    if "Time" in missing and others:
+        raise sheet.error(
+            f"the names of columns are translated ({', '.join(map(shown, others[:_QUOTED]))});"
+            f" missing are {', '.join(missing)}: set the language of OpenRocket to English and"
+            " export the file again"
+        )
+    several = len(missing) > 1
+    raise InputError(
+        f"{sheet.text.source} has no column{'s' * several} {', '.join(missing)}; tick"
+        f" {'them' if several else 'it'} and export the file again"
+    )
+
+
+def _column(sheet: Sheet, name: str) -> Column:
+    dimension, called = _NEEDED[name]
+    return sheet.need(called, dimension, "tick it and export the file again")
+
+
+def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
+    """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
+    found = sheet.optional("sound", "Speed of sound", "speed", notes)
+    pressure = sheet.optional("pressure", "Air pressure", "pressure", notes)
+    if pressure:
+        pressure |= sheet.optional("temperature", "Air temperature", "temperature", notes)
+    if "temperature" in pressure:
+        return found | pressure
+    if density := sheet.optional("density", _DENSITY, "density", notes):
+        return found | density
+    if pressure:
+        return found | pressure
+    why = "".join(f" ({note})" for note in notes)
+    raise InputError(
+        f"{sheet.text.source} has neither a column Air density nor Air pressure, of which the"
+        f" dynamic pressure is made{why}; tick one and export the file again"
+    )
+
+
+def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
+    """The attitude above the horizon, or else the direction of flight."""
+    heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
+    if heading is not None:
+        found = sheet.numbers(heading, "angle")
+        told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
+        return told | sheet.optional("climb", "Vertical velocity", "speed", notes)
+    vertical = sheet.find("Vertical velocity")
+    if vertical is None:
+        raise InputError(
+            f"{sheet.text.source} has neither a column Vertical orientation nor Vertical velocity,"
+            " of which the attitude is made; tick one and export the file again"
+        )
+    up, total = sheet.numbers(vertical, "speed"), _column(sheet, "velocity")
+    speed = np.where(total.values > 0.0, total.values, np.nan)
+    angle = np.arcsin(np.clip(up.values / speed, -1.0, 1.0))
+    return {"attitude": Column(angle, f"asin of {up.origin} over the speed: that of the path")}
+
+
+def _altitude(sheet: Sheet, ground: float | None) -> dict[str, Column]:
+    """The altitude above the sea, to which winds belong."""
+    sea = sheet.find("Altitude above sea level")
+    if sea is not None:
+        if ground is not None:
+            raise InputError(
+                f"{sheet.text.source} has altitudes above the sea already, in {sea.name}: leave"
+                " ground out"
+            )
+        return {"altitude": sheet.numbers(sea, "length")}
+    found = sheet.need("Altitude", "length", "tick it and export again")
+    return {"altitude": above_sea(found, sheet.text.source, ground)}
+
+
+def _own_slope(sheet: Sheet) -> dict[str, Column]:
+    heading = sheet.find(_SLOPE)
+    if heading is not None:
+        return {"slope": sheet.numbers(heading, "per angle")}
+    near = sheet.find(_COEFFICIENT)
+    is_none = f"; {near.text} is the coefficient of the flight, not its slope" if near else ""
+    raise InputError(
+        f"{sheet.text.source} has no column {_SLOPE}{is_none}: give"
+        " normal_force_coefficient_slope, a number per rad or a table over Mach"
+    )
+
+
+def unread(sheet: Sheet) -> list[str]:
+    """Return what to say of columns that are not read."""
+    one, parts = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None), []
+    if not any(letters(_DAMPING) in h.names for h in sheet.headings):
+        parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
+    told = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
+    if one is not None:
+        told += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
+    return told
+
+
+def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
+    """Return the damping of a flight, unless its jet has the wrong sign, and what to say of it.
+
+    OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away;
+    l_e is the `exit_arm` [m].
+    """
+    if "damping" not in flight.columns:
+        return {}, []
+    found = flight.columns["damping"]
+    jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm.values**2
+    least = int(np.argmin(found.values))
+    if found.values[least] < 0.0:
+        return {}, [
+            f"not read: {found.origin}, for it is negative at {flight['time'][least]:g} s:"
+            " OpenRocket before August 2026 subtracts the jet damping instead of adding it; the"
+            " damping is left out"
+        ]
+    doubted = ""
+    if np.median(found.values - jet) < 0.0:
+        doubted = ", and here it is mostly less than that of the jet alone: take a newer one"
+    return {"pitch_damping": found}, [
+        f"the damping is that of {found.origin}; OpenRocket before August 2026 subtracts the jet"
+        f" damping instead of adding it{doubted}"
+    ]
+
+
+def rounded(sheet: Sheet, flight: Flight) -> list[str]:
+    """Return what to say of an inertia or a density that was written with too few decimals."""
+    told = []
+    for name, dimension, header in (
+        ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
+        ("density", "density", _DENSITY),
+    ):
+        heading = sheet.find(header)
+        if heading is None or name not in flight.columns:
+            continue
+        written = [row[heading.index] for row in sheet.cells]
+        if any("e" in cell.lower() for cell in written):
+            continue
+        decimals = max(len(cell.partition(".")[2]) for cell in written)
+        part = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
+        if part.max() >= _ROUGH:
+            told.append(
+                f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g}"
+                " percent of it; export more, or another unit"
+            )
+    return told
+
+
+def free(sheet: Sheet, flight: Flight) -> BoolArray:
+    """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
+    events = [_ROD.search(content) for content in sheet.text.lines]
+    times = [float(one[1]) for one in events if one is not None]
+    cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
+    return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
+
 
 _WINDY = 0.02
 """Speeds over the ground and through the air that differ by more: there was wind."""

@@ -7,17 +7,18 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.importers.build import (
+from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
+    Flight,
     above_sea,
     aerodynamic_arm_of,
+    check_slope,
     control_arm_of,
     given_gimbal,
     given_slope,
+    powered,
     schedule_of_flight,
 )
-from tvclin.ascent.importers.checks import check_slope
-from tvclin.ascent.importers.flight import Flight, powered
 from tvclin.ascent.importers.slopes import Slope
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row

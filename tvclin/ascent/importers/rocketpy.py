@@ -7,9 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.importers.build import MOST_ROWS, schedule_of_flight
-from tvclin.ascent.importers.checks import check_slope
-from tvclin.ascent.importers.flight import Flight, powered
+from tvclin.ascent.importers.powered_flight import (
+    MOST_ROWS,
+    Flight,
+    check_slope,
+    powered,
+    schedule_of_flight,
+)
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, finite, number, shown

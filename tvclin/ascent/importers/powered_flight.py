@@ -1,0 +1,383 @@
+"""The powered flight that another tool has simulated: its rows, their checks, and its schedule.
+
+Numbers are in SI units. What would be silently wrong, as a mass in another unit, is refused with
+its row. Rows are thinned until straight lines between them are close enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tvclin.ascent.importers.slopes import LEAST, MOST, Slope, slope_over_mach
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.errors import InputError, between, number, positive, whole_number
+from tvclin.base.lines import plural
+from tvclin.base.sheet import Column
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.winds.soundings.wind_table import LAND
+
+_BURNING = 0.05
+"""Part of the largest thrust, below which the motor is taken as burnt out."""
+_MIN_POSITIVE, _MAX_SIZE = 1e-12, 1e12
+"""No number of a flight is larger in SI units, and none that must be positive smaller."""
+_POSITIVE = {
+    *("mass", "weight", "moment_of_inertia", "thrust", "velocity", "mach", "density", "pressure"),
+    *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area", "temperature"),
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flight:
+    """Rows of a flight, one after the other.
+
+    `source`: what to call the whole in messages. `places`: what to call each row. `columns`:
+    numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are there.
+    `notes`: what a reader should know.
+    """
+
+    source: str
+    places: tuple[str, ...]
+    columns: dict[str, Column]
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return self.columns[name].values
+
+    def origin(self, name: str) -> str:
+        """Return where a column came from."""
+        return self.columns[name].origin
+
+    def noted(self, *notes: str) -> Flight:
+        """Return the same with notes more."""
+        return replace(self, notes=(*self.notes, *notes))
+
+    def rows(self, index: IndexArray) -> Flight:
+        """Return some rows of it."""
+        columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
+        return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
+
+
+def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float | None) -> Flight:
+    """Return the rows of one burn, of which no number is missing.
+
+    `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
+    [s].
+    """
+    time, thrust = flight["time"], flight["thrust"]
+    _check_times(flight)
+    low = -np.inf if start is None else number("start", start, unit="s")
+    high = np.inf if stop is None else number("stop", stop, unit="s")
+    inside = (time >= low) & (time <= high)
+    later = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
+    index = np.flatnonzero(inside & later)
+    known = np.nan_to_num(thrust[index], nan=0.0)
+    most = max(known, default=0.0)
+    if not most > 0.0:
+        raise InputError(
+            f"{flight.source} has no thrust between start and stop; give the times of a burn"
+        )
+    out = np.isfinite(thrust[index]) & (known < _BURNING * most)
+    moving = ~(flight["velocity"][index] <= 0.0)
+    first = np.flatnonzero(~out & moving & begun[index])
+    if not first.size:
+        raise InputError(
+            f"{flight.source} has no row of a free flight with thrust: where the motor burns, the"
+            " centre of pressure or the speed is missing or zero in every row"
+        )
+    after = np.flatnonzero(out[first[0] :])
+    last = first[0] + after[0] if after.size else index.size
+    chosen = index[first[0] : last]
+    _check_complete(flight, chosen)
+    if chosen.size < 2:
+        raise InputError(
+            f"{flight.source} must hold two or more rows of powered flight; got {chosen.size}"
+        )
+    return flight.rows(chosen).noted(*_left_out(flight, inside & ~later, index, first[0], last))
+
+
+def _check_times(flight: Flight) -> None:
+    time = flight["time"]
+    lost = np.flatnonzero(~np.isfinite(time))
+    if lost.size:
+        raise InputError(f"{flight.places[lost[0]]}: the time is missing")
+    falls = np.flatnonzero(np.diff(time) < 0.0)
+    if falls.size:
+        i = falls[0]
+        raise InputError(
+            f"{flight.places[i + 1]}: the time must rise; got {time[i + 1]:g} s after {time[i]:g} s"
+        )
+
+
+def _check_complete(flight: Flight, chosen: IndexArray) -> None:
+    """Refuse rows in which a number is missing, or is none that a flight can have."""
+    for name, column in flight.columns.items():
+        values = column.values[chosen]
+        lost = chosen[~np.isfinite(values)]
+        if lost.size:
+            raise InputError(
+                f"{flight.places[lost[0]]}: there is no number in {column.origin}, while the motor"
+                " burns"
+            )
+        least = _MIN_POSITIVE if name in _POSITIVE else -_MAX_SIZE
+        wrong = np.flatnonzero((values < least) | (values > _MAX_SIZE))
+        if wrong.size:
+            rule = "must be positive" if name in _POSITIVE else "must be a plausible number"
+            raise InputError(
+                f"{flight.places[chosen[wrong[0]]]}: {column.origin} {rule}; got"
+                f" {values[wrong[0]]:.6g} in SI units"
+            )
+
+
+def _left_out(
+    flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
+) -> list[str]:
+    """What to say of the rows that were not taken."""
+    time = flight["time"][index]
+    taken = plural(last - first, "row")
+    notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {taken}"]
+    if first:
+        notes.append(
+            f"{plural(first, 'row')} before it left out: on the launch rod, or without thrust"
+        )
+    if last < time.size:
+        notes.append(
+            f"{plural(time.size - last, 'row')} after it left out: thrust below"
+            f" {100 * _BURNING:g} percent of its largest from {time[last]:g} s on"
+        )
+        again = np.nan_to_num(flight["thrust"][index[last:]]) > 0.5 * max(flight["thrust"][index])
+        if np.any(again):
+            notes.append(
+                f"the thrust comes back at {time[last + int(np.argmax(again))]:g} s: that burn is"
+                " read with start (--from) at that time"
+            )
+    if np.any(twice):
+        notes.append(f"{plural(int(np.sum(twice)), 'row')} at the time of the next row left out")
+    return notes
+
+
+_LARGEST_ANGLE = np.radians(2.0)
+"""Above this angle of attack body lift moves the centre of pressure: not the linear vehicle."""
+_PATH_BESIDE = np.radians(10.0)
+"""The path is within the angle of attack of the attitude, and what wind there may be."""
+_THRUST_OVER_WEIGHT = (0.2, 500.0)
+"""Of the largest: upper stages and small rockets lie within, a mass in another unit does not."""
+_RADIUS_OVER_ARM = (0.1, 3.0)
+"""Radius of gyration over the control arm: 0.5 to 1 for a slender body steered at its end."""
+_SLOWEST_EXHAUST = 500.0
+"""m/s: mass that is lost faster than a motor of this exhaust speed burns it has fallen off."""
+_MASS_ROUNDING = 2e-3
+"""Part of the mass that four digits, or three decimals, may jump by."""
+_LONGEST = 5.0
+"""A gimbal farther from the nose than so many times the centre of gravity is in another unit."""
+
+
+def check_angle_of_attack(flight: Flight) -> None:
+    """Refuse rows above 2 degrees, where slope and centre of pressure are not those at zero."""
+    angle = np.abs(flight["angle_of_attack"])
+    large = np.flatnonzero(angle > _LARGEST_ANGLE)
+    if large.size:
+        raise InputError(
+            f"{flight.places[large[0]]}: the angle of attack is"
+            f" {np.degrees(angle[large[0]]):.3g} deg at {flight['time'][large[0]]:g} s, beyond the"
+            " 2 deg up to which slope and centre of pressure are those of the linear vehicle;"
+            " simulate without wind, or leave these rows out with start and stop"
+        )
+
+
+def check_attitude(flight: Flight, attitude: FloatArray) -> None:
+    """Refuse an attitude [rad] that is not above the horizon: without wind the path is near it."""
+    path = np.arcsin(np.clip(flight["climb"] / flight["velocity"], -1.0, 1.0))
+    off = np.abs(path - attitude)
+    worst = int(np.argmax(off))
+    if off[worst] > _PATH_BESIDE:
+        raise InputError(
+            f"{flight.places[worst]}: the attitude is {np.degrees(attitude[worst]):.3g} deg and the"
+            f" path {np.degrees(path[worst]):.3g} deg above the horizon; without wind they are near"
+            " each other, so check that the attitude is not from the vertical"
+        )
+
+
+def check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
+    """Refuse a gimbal ahead of the centre of gravity, and one too far behind it to be in metres."""
+    ahead = np.flatnonzero(gravity >= gimbal)
+    if ahead.size:
+        i = ahead[0]
+        raise InputError(
+            f"gimbal_station must lie behind the centre of gravity, {gravity[i]:.4g} m from the"
+            f" nose tip at {flight['time'][i]:g} s; got {gimbal[i]:.6g} m"
+        )
+    if gimbal.max() > _LONGEST * gravity.max() > 0.0:
+        raise InputError(
+            f"gimbal_station must be in m from the nose tip, and the centre of gravity is"
+            f" {gravity.max():.4g} m from it; got {gimbal.max():.6g} m (is it in cm, or in inches?)"
+        )
+
+
+def check_slope(slope: FloatArray) -> None:
+    """Refuse slopes [1/rad] that are too small to be per radian, or too large for any fins."""
+    if slope.max() > MOST:
+        raise InputError(
+            f"normal_force_coefficient_slope must be per radian, at most {MOST:g} with large fins;"
+            f" got {slope.max():.4g} (was it turned from degrees twice?)"
+        )
+    if slope.max() < LEAST:
+        raise InputError(
+            f"normal_force_coefficient_slope must be per radian, and slender bodies have about 2;"
+            f" got at most {slope.max():.4g} (a coefficient, or per degree: then times 57.3?)"
+        )
+
+
+def check_masses(flight: Flight, weight: FloatArray) -> None:
+    """Refuse a mass in another unit, and a stage that falls off."""
+    ratio = flight["thrust"] / weight
+    best = int(np.argmax(ratio))
+    least, most = _THRUST_OVER_WEIGHT
+    if not least <= ratio[best] <= most:
+        raise InputError(
+            f"{flight.places[best]}: thrust over weight must be between {least:g} and {most:g} for"
+            f" a booster; got {ratio[best]:.3g}, so check the units of mass and thrust"
+        )
+    # m' = -T/c: what one step burns, at the slowest exhaust speed c, and what is lost in it
+    mass = weight / STANDARD_GRAVITY
+    thrust = np.maximum(flight["thrust"][:-1], flight["thrust"][1:])
+    burnt = thrust * np.diff(flight["time"]) / _SLOWEST_EXHAUST + _MASS_ROUNDING * mass[:-1]
+    lost = np.flatnonzero(-np.diff(mass) > burnt)
+    if lost.size:
+        i = lost[0]
+        raise InputError(
+            f"{flight.places[i + 1]}: the mass falls from {mass[i]:.5g} to {mass[i + 1]:.5g} kg,"
+            " more than the motor burns, so a stage leaves; read one stage with start and stop"
+        )
+
+
+def check_inertia(flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray) -> None:
+    """Refuse an inertia in another unit, or about another axis."""
+    positive("moment_of_inertia", inertia, "kg m^2")
+    ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / np.abs(arm)
+    least, most = _RADIUS_OVER_ARM
+    wrong = np.flatnonzero((ratio < least) | (ratio > most))
+    if wrong.size:
+        i = wrong[0]
+        raise InputError(
+            f"{flight.places[i]}: the radius of gyration, {ratio[i] * abs(arm[i]):.3g} m, must be"
+            f" between {least:g} and {most:g} times the control arm, {abs(arm[i]):.3g} m; check the"
+            " unit of the moment of inertia, and that it is about the transverse axis"
+        )
+
+
+MOST_ROWS = 200
+"""Rows of a schedule, where not asked for otherwise."""
+_LINE_TOLERANCE = 1e-3
+"""Rows are added until straight lines between them are so close, in parts of the largest."""
+_NOT_OF_VEHICLE = ("altitude", "nominal_deflection")
+"""What a schedule holds beside its vehicle."""
+
+
+def schedule_of_flight(
+    flight: Flight, columns: dict[str, Column], name: str, most_rows: int = MOST_ROWS
+) -> FlightSchedule:
+    """Return the schedule of a powered flight.
+
+    `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
+    known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
+    deflection where they are known, for the same rows. `InputError` as the checks above.
+    """
+    most = whole_number("most_rows", most_rows)
+    if most < 2:
+        raise InputError(f"most_rows must be 2 or more; got {most}")
+    values = {key: column.values for key, column in columns.items()}
+    if "angle_of_attack" in flight.columns:
+        check_angle_of_attack(flight)
+    if "climb" in flight.columns:
+        check_attitude(flight, values["attitude"])
+    check_masses(flight, values["weight"])
+    check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
+    time = flight["time"]
+    kept, off = rows_kept(time, values, most)
+    thin = f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent"
+    thinned = (thin,) if kept.size < time.size else ()
+    beside = {key: values.pop(key)[kept] for key in _NOT_OF_VEHICLE if key in values}
+    numbers: dict[str, Any] = {key: one[kept] for key, one in values.items()}
+    vehicle = Vehicle(name=name, time=time[kept], **numbers)
+    origins = [f"{key}: {column.origin}" for key, column in columns.items()]
+    notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle))
+    return FlightSchedule(vehicle, **beside, notes=notes)
+
+
+def aerodynamic_arm_of(flight: Flight) -> Column:
+    """Return l_a = x_CG - x_CP [m] of stations from the nose tip aft; negative: stable."""
+    gravity, pressure = flight.columns["gravity_station"], flight.columns["pressure_station"]
+    return Column(gravity.values - pressure.values, f"{gravity.origin} less {pressure.origin}")
+
+
+def control_arm_of(flight: Flight, gimbal: Column) -> Column:
+    """Return l_c = x_gimbal - x_CG [m]; `InputError` unless it is that of a gimbal in metres."""
+    gravity = flight.columns["gravity_station"]
+    check_gimbal(flight, gimbal.values, gravity.values)
+    return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
+
+
+def weight_of(flight: Flight) -> Column:
+    """Return the weight [N] of the mass at each row."""
+    mass = flight.columns["mass"]
+    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+
+
+def given_slope(flight: Flight, given: Slope) -> Column:
+    """Return the slope that is given [1/rad] at the Mach number of each row."""
+    slopes = slope_over_mach(given)
+    return Column(slopes.at(flight["mach"]), slopes.origin)
+
+
+def given_gimbal(flight: Flight, station: float) -> Column:
+    """Return the station of a gimbal [m] at each row of a flight."""
+    return Column(np.full(len(flight.places), station), f"gimbal at {station:g} m, given,")
+
+
+def above_sea(above_ground: Column, source: str, ground: float | None) -> Column:
+    """Return altitudes above the sea [m] of those above the ground."""
+    if ground is None:
+        raise InputError(
+            f"{source} has altitudes above the ground, and winds are above the sea: give ground,"
+            " the elevation of the launch site in m (0 at the sea)"
+        )
+    site = number("ground", ground, between(*LAND), "m")
+    return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
+
+
+def _stable(vehicle: Vehicle) -> tuple[str, ...]:
+    arm = np.asarray(vehicle.aerodynamic_arm)
+    if np.all(arm > 0.0):
+        return ()
+    if np.all(arm <= 0.0):
+        return (
+            "stable throughout: the centre of pressure lies behind the centre of gravity, and a"
+            " fixed path needs no deflection; does the vehicle that is steered have these fins?",
+        )
+    part = int(np.sum(arm <= 0.0))
+    return (f"stable at {part} of {arm.size} times, where a fixed path needs no deflection",)
+
+
+def rows_kept(
+    time: FloatArray, values: dict[str, FloatArray], most: int
+) -> tuple[IndexArray, float]:
+    """Return the rows to keep, and how far lines between them are off, in parts of the largest.
+
+    All where they are few; else the ends, and again and again the row that is farthest off.
+    """
+    if time.size <= most:
+        return np.arange(time.size), 0.0
+    sizes = {key: float(np.abs(value).max()) for key, value in values.items()}
+    table = np.array([values[key] / size for key, size in sizes.items() if size > 0.0])
+    kept = np.array([0, time.size - 1])
+    while True:
+        lines = np.array([np.interp(time, time[kept], row[kept]) for row in table])
+        far = np.abs(lines - table).max(axis=0)
+        worst = int(np.argmax(far))
+        if far[worst] <= _LINE_TOLERANCE or kept.size >= most:
+            return kept, float(far[worst])
+        kept = np.sort(np.append(kept, worst))
