@@ -159,11 +159,11 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
     found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
-    assert found.enough is None
+    assert found.met is None
     assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in found.words
     offered = tv.answers.SizingAsked(schedule=held, **told | {"start": 46.0})
-    assert tv.answers.flight_card(case, offered).verdict.enough is True
+    assert tv.answers.flight_card(case, offered).verdict.met is True
 
 
 def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
@@ -176,7 +176,7 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
     assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
     offered = tv.answers.SizingAsked(schedule=held, stop=64.02, **told)
-    assert tv.answers.flight_card(case, offered).verdict.enough is True
+    assert tv.answers.flight_card(case, offered).verdict.met is True
 
 
 def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_is_named(tmp_path):
@@ -195,7 +195,7 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
         return tv.answers.flight_card(replace(case, model=model), flown)
 
     found = card(10.0)
-    assert found.verdict.enough is None
+    assert found.verdict.met is None
     assert found.verdict.lost == ()
     (reason,) = found.verdict.unknown
     assert reason.startswith("the flight of trim at 10 s in triangular wind of 5 deg, 7.5 s: two")
@@ -204,8 +204,8 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
     angle = found.to_csv().splitlines()[0].split(",").index("angle_deg") + 1  # a name has a comma
     assert (first[angle], first[4]) == ("nan", "no flight")
     assert float(second[angle]) > 0.0
-    assert card(20.0).verdict.enough is True
-    assert card(10.0, "fixed-path").verdict.enough is True
+    assert card(20.0).verdict.met is True
+    assert card(10.0, "fixed-path").verdict.met is True
 
 
 def test_a_flight_that_ends_undecided_is_not_known():
@@ -213,10 +213,10 @@ def test_a_flight_that_ends_undecided_is_not_known():
     assert "neither lost nor settled" in flight_reason(plant, "undecided")
     assert flight_reason(plant, "lost") == flight_reason(plant, "survived") == ""
     verdict = NozzleVerdict.of(NOZZLE, {"limit": 0.5 * DEG}, unknown=["the flight: it is open"])
-    assert verdict.enough is None
-    assert verdict.words == "NOT KNOWN to be enough: the flight: it is open"
+    assert verdict.met is None
+    assert verdict.words == "NOT KNOWN: the flight: it is open"
     short = NozzleVerdict.of(NOZZLE, {"limit": 1.5 * DEG}, unknown=["the flight: it is open"])
-    assert short.words.startswith("NOT ENOUGH: the limit needed")
+    assert short.words.startswith("NOT MET: the limit needed")
 
 
 def test_noise_is_that_of_the_gyro_for_each_sample():
@@ -238,7 +238,7 @@ def test_both_planes_have_their_part_of_the_stop():
 
 
 @pytest.mark.parametrize(
-    ("sheet", "worst", "enough"),
+    ("sheet", "worst", "met"),
     [
         ({}, "limit", True),
         ({"rate_limit": 0.25 * DEG}, "rate limit", True),
@@ -248,10 +248,10 @@ def test_both_planes_have_their_part_of_the_stop():
         ({"travel_limit": 1.2 * DEG}, "travel of a flight", False),
     ],
 )
-def test_the_worst_line_heads_the_verdict(sheet, worst, enough):
+def test_the_worst_line_heads_the_verdict(sheet, worst, met):
     found = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
     assert found.needs[0].name == worst
-    assert found.enough is enough
+    assert found.met is met
     assert worst in found.words
     for one in found.needs:
         assert one.left is None or one.left == pytest.approx(one.there - one.needed)
@@ -261,25 +261,25 @@ def test_of_a_limit_that_is_reached_nothing_is_left():
     reached, beyond = (
         NozzleVerdict.of(NOZZLE, {"limit": DEG * (1.0 + over)}).needs[0] for over in (1e-15, 1e-9)
     )
-    assert (reached.enough, reached.left) == (True, 0.0)
-    assert not beyond.enough
+    assert (reached.met, reached.left) == (True, 0.0)
+    assert not beyond.met
     assert beyond.left < 0.0
 
 
 def test_what_a_lost_flight_needs_is_not_known_to_be_there():
     needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
     lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
-    found = {one.name: (one.needed, one.enough, one.left) for one in lost.needs}
+    found = {one.name: (one.needed, one.met, one.left) for one in lost.needs}
     assert np.isnan(found["limit"][0])
     assert found["limit"][1] is None
     assert np.isnan(found["acceleration"][0])
     assert found["rate limit"][1] is False
-    assert lost.enough is False
+    assert lost.met is False
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     card = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
-    assert card.verdict.enough is False
+    assert card.verdict.met is False
     assert "trim is lost at 60 s" in card.verdict.words
     (rate,) = (one for one in card.verdict.needs if one.name == "rate limit")
     assert rate.needed > max(one.least_rate for one in card.points) / DEG
@@ -335,7 +335,7 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
         assert measure.needed > measure.there == pytest.approx(rate)
 
 
-def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_enough(tmp_path):
+def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient(tmp_path):
     write(tmp_path / "pad.csv")
     study = STUDY.format(limit=5.0, rate=20.0, torque=3e4)
     study = study.replace("[schedule]", '[schedule]\nsource = "pad.csv"')
@@ -346,4 +346,4 @@ def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_enough(tmp
     (card,) = (one for one in questions(found) if one.name == "nozzle card")
     assert card.yes is None
     assert card.text.startswith("the flight of trim at 10 s in 2 winds: two unstable poles")
-    assert text(sentence(found)).startswith("Not shown to be enough: the flight of trim at 10 s")
+    assert text(sentence(found)).startswith("NOT KNOWN: the flight of trim at 10 s")

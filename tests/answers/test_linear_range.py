@@ -33,13 +33,17 @@ def study(deg: float, **options) -> tv.Study:
     [
         ("study", (), "Limit 12.000 deg: NOT KNOWN"),
         ("nozzle", (), "Verdict: NOT KNOWN"),
-        ("nozzle", ("--law", "trim"), "NOT KNOWN to be enough"),
-        ("fly", (), "Flown: NOT KNOWN"),
-        ("fly", ("--engine", "linear", "--law", "trim"), "Flown: NOT KNOWN"),
+        ("nozzle", ("--law", "trim"), "NOT KNOWN"),
+        ("fly", (), "Flown at nominal dynamic pressure: NOT KNOWN"),
+        (
+            "fly",
+            ("--engine", "linear", "--law", "trim"),
+            "Flown at nominal dynamic pressure: NOT KNOWN",
+        ),
         ("loads", ("--law", "trim"), "Verdict: NOT KNOWN"),
         ("autopilot", (), "Limit 12 deg: NOT KNOWN"),
         ("size", ("--from", "66", "--to", "66"), "Limit 12.000 deg: NOT KNOWN"),
-        ("card", ("--from", "66", "--to", "66"), "NOT KNOWN to be enough"),
+        ("card", ("--from", "66", "--to", "66"), "NOT KNOWN"),
     ],
 )
 def test_no_command_judges_a_wind_of_60_degrees(command, options, words) -> None:

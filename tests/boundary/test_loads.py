@@ -206,7 +206,7 @@ def test_a_load_below_what_was_computed_and_above_what_is_proved_is_not_known():
     options = {"moment_ratio": -1.18, "load": little, "limit": np.radians(4.0)}
     front = load_front(plant, wind, [little], **options)
     assert np.isinf(front.needed)
-    assert front.verdict.startswith("NOT known")
+    assert front.verdict.startswith("NOT KNOWN")
 
 
 @pytest.mark.parametrize("plant", usual([FIXED, exact()], 0))
@@ -226,8 +226,8 @@ def test_loads_far_below_the_peak_have_a_limit_too(plant):
         assert np.all(limits >= (loads + 0.25 / loads) / 2.0)
     between = 0.5 * (limits[0] + proofs[0]) * unit
     for limit, verdict in (
-        (between, "NOT known to be enough"),
-        (proofs[0] * 0.9 * unit, "NOT enough"),
+        (between, "NOT KNOWN: the lower bound is between"),
+        (proofs[0] * 0.9 * unit, "NOT SUFFICIENT"),
     ):
         front = load_front(plant, wind, limit=limit, load=loads[0] * PEAK)
         assert front.verdict.startswith(verdict)
@@ -239,7 +239,7 @@ def test_without_a_forecast_half_of_the_peak_is_left():
     assert front.least_load_blind == pytest.approx(PEAK / 2.0)
     assert np.isinf(front.bounds[0])
     assert front.bounds[1] == pytest.approx(abs(free.deflection))
-    assert "does not know" in " ".join(front.notes)
+    assert "without a forecast" in " ".join(front.notes)
 
 
 @pytest.mark.thorough
@@ -248,12 +248,12 @@ def test_the_nozzle_s_point_is_judged_in_both_directions():
     unit = plant.coefficients.B * PEAK
     front = load_front(plant, wind, limit=0.45 * unit, load=0.5 * PEAK)
     again = load_front(plant, wind, [front.needed_load])
-    assert not front.enough
+    assert front.above_lower_bound is False
     assert front.left < 0.0
     assert front.left_load < 0.0
     assert again.limits[0] == pytest.approx(0.45 * unit, rel=3e-4)
     assert load_front(plant, wind, limit=0.36 * unit).needed_load == np.inf
-    assert load_front(plant, wind, limit=0.5 * unit, load=0.6 * PEAK).verdict.startswith("enough")
+    assert load_front(plant, wind, limit=0.5 * unit, load=0.6 * PEAK).above_lower_bound is True
 
 
 def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_bears_its_load():

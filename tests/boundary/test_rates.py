@@ -149,7 +149,7 @@ def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
     at = rate_front(plant, wind, [0.01, front.needed_rate])
     assert front.needed == max(at.limits[0], at.bounds[0])
     assert max(at.limits[1], at.bounds[1]) == pytest.approx(0.006, rel=1e-8)
-    assert (front.left > 0.0) == (front.left_rate > 0.0) == front.enough
+    assert (front.left > 0.0) == (front.left_rate > 0.0) == front.above_lower_bound
     assert rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
 
 
@@ -159,15 +159,15 @@ def test_the_verdict_says_whether_a_forecast_would_help():
     blind = front.needed  # at any rate, which is more than the known wind's
     assert blind > 1.2 * front.least_deflection
     for limit, rate, words in (
-        (0.9 * blind, None, "without a forecast"),
-        (0.9 * blind, 20.0 * front.least_rate, "without a forecast"),
-        (0.9 * front.least_deflection, None, "whatever the control"),
-        (None, 1.1 * front.least_rate, "without a forecast"),
-        (1.1 * front.least_deflection, 1.1 * front.least_rate, "whatever the control"),
+        (0.9 * blind, None, "no forecast"),
+        (0.9 * blind, 20.0 * front.least_rate, "no forecast"),
+        (0.9 * front.least_deflection, None, "wind known"),
+        (None, 1.1 * front.least_rate, "no forecast"),
+        (1.1 * front.least_deflection, 1.1 * front.least_rate, "wind known"),
     ):
         found = rate_front(FIXED, wind, limit=limit, rate_limit=rate)
-        assert found.enough is False
-        assert found.verdict == f"NOT enough, {words}"
+        assert found.above_lower_bound is False
+        assert found.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
 
 
 def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
@@ -191,6 +191,6 @@ def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_needs_nothing():
     assert "changes its sign" in next(front.notes)
     still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0), "fixed-path")
     front = rate_front(still, wind, limit=0.01, rate_limit=0.01)
-    assert front.enough
+    assert front.above_lower_bound
     assert not np.any(front.limits)
     assert "neither" in next(front.notes)

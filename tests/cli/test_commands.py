@@ -390,17 +390,19 @@ def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_pa
     study = run("study", *exact, "--dead-band", "0", "--limit-deg", "0.4")
 
     assert study.exit_code == 1
-    assert "Required deflection: none is enough (model drift-exact, dead band 0)" in study.output
+    assert (
+        "Required deflection: none is sufficient (model drift-exact, dead band 0)" in study.output
+    )
     for others in (
         run("boundary", *exact, "--tau-beta", "4"),
         run("autopilot", *exact),
         run("optimum", *exact),
     ):
-        assert "none is enough" in others.output
+        assert "none is sufficient" in others.output
         assert " inf" not in others.output
     flown = run("fly", str(slow), "--dead-band", "0")
     assert flown.exit_code == 2
-    assert flown.stderr.startswith("Error: no limit is enough with this dead band")
+    assert flown.stderr.startswith("Error: no limit is sufficient with this dead band")
 
 
 def test_a_table_of_boundaries_says_which_of_them_are_not_all_that_is_required() -> None:

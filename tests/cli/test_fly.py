@@ -90,7 +90,10 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     assert result.exit_code == 0
     result = run("--limit-deg", 0.3)
     assert result.exit_code == 1
-    assert "Flown: NOT SURVIVED. Linear theory: NOT SURVIVED." in result.stdout
+    assert (
+        "Flown at nominal dynamic pressure: NOT SURVIVED. Linear theory: NOT SURVIVED."
+        in result.stdout
+    )
     assert "law report, K = 1" in result.stdout
 
 
@@ -221,7 +224,7 @@ def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     least = np.degrees(tv.optimum_deflection(linear(), wind).peak)
     told = f"Note: {least:.3f} deg is the least of all by linear theory"
 
-    assert "Flown: SURVIVED" in run(*asked).output
+    assert "Flown at nominal dynamic pressure: SURVIVED" in run(*asked).output
     assert told in run(*asked).output
     assert "Note" not in run(*asked, "--limit-deg", 1.05 * least).output
     assert document(*asked)["minimum_deg"] == pytest.approx(least, rel=1e-12)

@@ -43,7 +43,7 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
     rows = list(
         csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#"))
     )
-    column = [float(row["wind known [deg]"]) for row in rows]
+    column = [float(row["lower bound, wind known [deg]"]) for row in rows]
     assert column == pytest.approx(np.degrees(expected.limits), rel=1e-12)
 
 
@@ -51,10 +51,18 @@ def test_json_and_csv_equal_the_library(tmp_path: Path) -> None:
     ("options", "code", "words"),
     usual(
         [
-            (("--limit-deg", "0.3", "--load-deg", "3"), 0, "enough by theory"),
-            (("--limit-deg", "0.3", "--load-deg", "2"), 0, "only for a control that knows"),
-            (("--limit-deg", "0.21", "--load-deg", "3"), 1, "NOT enough"),
-            ((), 0, "give a limit"),
+            (
+                ("--limit-deg", "0.3", "--load-deg", "3"),
+                0,
+                "Lower bound, wind known within this load",
+            ),
+            (("--limit-deg", "0.3", "--load-deg", "2"), 0, "more than this load"),
+            (
+                ("--limit-deg", "0.21", "--load-deg", "3"),
+                1,
+                "NOT SUFFICIENT, below the lower bound",
+            ),
+            ((), 0, "a limit below it is never sufficient"),
             (("--limit-deg", "0.5", "--load-deg", "3", "--law", "trim"), 1, "NOT within"),
             (("--limit-deg", "0.5", "--load-deg", "4", "--law", "half-relief"), 0, "within 4.000"),
             (("--limit-deg", "0.1", "--law", "trim"), 1, "trim is lost"),

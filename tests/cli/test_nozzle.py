@@ -28,19 +28,27 @@ def test_json_equals_the_library() -> None:
     expected = front(limit=0.35, rate_limit=2.0)
     assert found["front"]["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
     assert found["front"]["needed_deg"] == pytest.approx(np.degrees(expected.needed), rel=1e-12)
-    assert found["front"]["enough"] is True
+    assert found["front"]["above_lower_bound"] is True
     assert found["flown"] is None
 
 
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     [
-        (("--limit-deg", "0.35", "--rate-limit-deg", "2"), 0, "enough by theory"),
-        (("--limit-deg", "0.21", "--rate-limit-deg", "0.5"), 1, "NOT enough"),
-        (("--limit-deg", "0.35"), 0, "with the rate limit needed"),
-        (("--limit-deg", "0.1"), 1, "NOT enough"),
-        (("--rate-limit-deg", "2"), 0, "with the limit needed"),
-        ((), 0, "give a limit"),
+        (
+            ("--limit-deg", "0.35", "--rate-limit-deg", "2"),
+            0,
+            "Lower bound, wind known at this rate limit",
+        ),
+        (
+            ("--limit-deg", "0.21", "--rate-limit-deg", "0.5"),
+            1,
+            "NOT SUFFICIENT, below the lower bound",
+        ),
+        (("--limit-deg", "0.35"), 0, "Lower bound, wind known: 0.199 deg"),
+        (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
+        (("--rate-limit-deg", "2"), 0, "required deflection 0.412 deg, see study"),
+        ((), 0, "a limit below it is never sufficient"),
         (("--limit-deg", "0.35", "--rate-limit-deg", "0.5", "--law", "trim"), 1, "trim is lost"),
         (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "survives"),
         (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
@@ -57,7 +65,7 @@ def test_json_equals_the_library() -> None:
         (
             ("--limit-deg", "1", "--law", "trim", "--travel-limit-deg", "2"),
             0,
-            "ENOUGH: the travel of a flight needed",
+            "MET: the travel of a flight needed",
         ),
     ],
 )
@@ -148,8 +156,8 @@ def test_a_hinge_without_what_turns_about_it_is_refused(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("limit", "rate", "yes"), [(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)]
 )
-def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit, rate, yes):
-    """In calm air and, if that is enough, with the dynamic pressure at a head wind's peak."""
+def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, limit, rate, yes):
+    """At nominal pressure and, if it survives there, at that of a head wind's peak throughout."""
     file = Path(study_file(tmp_path, ""))
     text = file.read_text().replace("= 0.6", f"= {limit}").replace("= 10", f"= {rate}")
     file.write_text(text)
@@ -171,7 +179,7 @@ def test_a_study_asks_whether_limit_and_rate_are_enough_together(tmp_path, limit
     )
     if limit == 0.3:  # as in docs/limits.md
         assert (round(calm, 3), round(needed, 3)) == (0.173, 0.314)
-    assert f"in that of calm air {calm:.3f} deg/s" in asked["why"]
+    assert f"at the nominal one {calm:.3f} deg/s" in asked["why"]
     assert asked["yes"] is (bool(needed <= rate) or (None if calm <= rate else False))
     assert asked["yes"] is yes
     assert asked["measure"] == {
@@ -191,5 +199,5 @@ def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
     case = tv.load_study(file)
     expected = tv.answers.flown_fronts({"": case}, laws=("trim",))[""]
     assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.needed["trim"]))
-    assert needed["enough"] == {"trim": True}
+    assert needed["survives"] == {"trim": True}
     assert figure.stat().st_size > 5000

@@ -81,5 +81,5 @@ def test_the_panel_does_not_judge_a_wind_of_60_degrees() -> None:
         vehicle=tv.load_vehicle("configuration-i"), wind=wind, nozzle=tv.Nozzle(limit=0.2)
     )
     said = answer(Choices(plan=plan, law="trim"), 4).verdict
-    assert said.startswith("Not known: the wind meets the flight at 60 deg")
+    assert said.startswith("NOT KNOWN: the wind meets the flight at 60 deg")
     assert "the vehicle is not known to survive" in said

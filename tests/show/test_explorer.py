@@ -53,7 +53,7 @@ def test_the_verdict_changes_at_what_a_study_requires(factor: float) -> None:
     needed = tv.Study.of(c.plan, 0.5).required_deflection
     judged = moved(dead_band=0.5, limit=np.degrees(factor * needed))
 
-    assert answer(judged, 4).verdict.startswith("Enough:") is (factor > 1.0)
+    assert answer(judged, 4).verdict.startswith("SUFFICIENT:") is (factor > 1.0)
 
 
 def test_the_curve_is_what_longer_winds_require(few: None) -> None:
@@ -103,7 +103,7 @@ def test_an_answer_in_steps_is_the_whole_one(few: None) -> None:
     assert (len(whole.rest), len(some.rest), len(none.rest)) == (0, 2, 7)
     assert some.required == whole.required
     np.testing.assert_array_equal(some.boundary, whole.boundary[:1])
-    assert none.verdict == "What this wind needs is computed ..."
+    assert none.verdict == "What this wind requires is computed ..."
     assert pixels(new_picture().png(none)).std() > 0.0
 
 
@@ -286,7 +286,7 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
     explored = opened(own)
 
     assert explored.choices.plan.vehicle == own
-    assert "this wind needs" in explored.verdict.value
+    assert "this wind requires" in explored.verdict.value
     assert explored.controls["vehicle"].options == ("mine", *tv.list_vehicles())
     assert explored.controls["limit"].max > 5.0 * panel.controls["limit"].max
     with pytest.raises(tv.InputError, match="one vehicle; got a batch of shape"):

@@ -167,9 +167,9 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     until(lambda _: started.answers())
     until(lambda _: started.printed())
     browser.get(started.printed())
-    until(lambda _: any("needs 0.412 deg" in text for text in seen()["text"]))  # by itself
+    until(lambda _: any("requires 0.412 deg" in text for text in seen()["text"]))  # by itself
     first = seen()
-    assert first["text"][0].startswith("Not enough: with K = 1 this wind needs 0.412 deg")
+    assert first["text"][0].startswith("NOT SUFFICIENT: with K = 1 this wind requires 0.412 deg")
     assert first["sliders"] == 14
     gains = ["gain a0 [-]", "gain a1 [s]", "gain b0 [-]"]
     assert first["greyed"] == ["gust length [s]", "wind from [deg]", *gains]
@@ -188,7 +188,7 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
 
     handle = browser.find_element(By.CSS_SELECTOR, ".jp-OutputArea .noUi-handle")
     until(lambda _: handle.send_keys(Keys.PAGE_UP) is None)
-    until(lambda _: "this wind needs 0.412 deg" not in seen()["text"][0])
+    until(lambda _: "this wind requires 0.412 deg" not in seen()["text"][0])
     assert seen()["src"] != first["src"]
 
     kernels = started.kernels()

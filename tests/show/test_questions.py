@@ -38,24 +38,27 @@ def headline(found: Findings) -> str:
     return "".join(one if isinstance(one, str) else one.text for one in line)
 
 
+NO = ("NOT SUFFICIENT", "NOT MET", "NOT SURVIVED")
+
+
 def answers(found: Findings) -> dict[str, bool | None]:
     return {one.name: one.yes for one in questions(found)}
 
 
-def test_a_limit_that_covers_the_wind_alone_is_not_enough_for_a_probability() -> None:
+def test_a_limit_that_covers_the_wind_alone_is_not_sufficient_for_a_probability() -> None:
     found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(found) == {"wind": True, "probability": False}
-    assert headline(found).endswith(" deg that 99 % of flights need.")
+    assert headline(found).endswith(" deg that 99 % of flights require.")
     wide = found_for(0.6, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(wide) == {"wind": True, "probability": True}
-    assert headline(wide).startswith("Enough")
+    assert headline(wide).startswith("SUFFICIENT")
 
 
 def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> None:
     found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path", design=DESIGN)
     rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in asked_table(found).rows}
     parts = {one.name: one.measure.needed / one.measure.there for one in questions(found)}
-    ranks = [(rows[name][0] != "no", -parts[name]) for name in rows]
+    ranks = [(rows[name][0] not in NO, -parts[name]) for name in rows]
     assert ranks == sorted(ranks)
     for one in questions(found):
         needed, there, left = (float(cell.split()[0]) for cell in rows[one.name][1:4])
@@ -72,7 +75,7 @@ def test_too_few_cases_are_no_yes() -> None:
     assert answers(found) == {"wind": True, "probability": None}
     assert sufficient(found) is None
     assert not all_yes(found)
-    assert headline(found).startswith("Not shown to be enough: too few cases")
+    assert headline(found).startswith("NOT KNOWN: too few cases")
 
 
 @pytest.mark.thorough
@@ -93,7 +96,7 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
         assert answers(found)["autopilot"] is survives
     basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(found))
     assert f"would turn the nozzle by {asks:.3f} deg, more than the limit" in basis
-    assert f"more than the {needs:.3f} deg that this autopilot needs" in headline(found)
+    assert f"more than the {needs:.3f} deg that this autopilot requires" in headline(found)
     wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one for one in questions(wide) if one.name == "autopilot")
@@ -151,7 +154,7 @@ def flown_in_a_head_wind(found: Findings, limit: float, size: float = 1.0) -> fl
 
 
 def test_an_autopilot_is_judged_in_the_air_that_a_head_wind_meets() -> None:
-    """What is enough in calm air alone is lost there; what is said to be enough survives."""
+    """What survives at nominal pressure alone is lost there; what is sufficient survives."""
     design = tv.AutopilotDesign(design="poles", natural_frequency=1.1, damping=0.7)
     found = found_for(0.5, sign=None, design=design, criteria=LOOSE)
     calm, head = (abs(float(one.deflection)) for one in (found.stop, found.head.stop))
@@ -206,7 +209,7 @@ def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
     found = found_for(0.4, vehicle=stable, sign=None, design=tv.AutopilotDesign(), criteria=LOOSE)
     assert answers(found) == {"wind": True, "autopilot": None, "margins": None}
-    assert headline(found).startswith("Not shown to be enough: ")
+    assert headline(found).startswith("NOT KNOWN: ")
 
 
 @pytest.mark.usefixtures("few_durations")

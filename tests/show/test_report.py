@@ -628,7 +628,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     said = "".join(part for part in verdict.sentence(found) if isinstance(part, str))
 
     assert [one.yes for one in questions(found)] == [True, None]
-    assert said.startswith("Not shown to be enough: ")
+    assert said.startswith("NOT KNOWN: ")
     assert "the whole flight of configuration-i is not sized above" in said
     texts = words(flight.over_flight(found))
     assert any("NOT SIZED above 12.0 km" in one for one in texts)
@@ -676,8 +676,8 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     assert headline["verdict.surplus_deg"] == section["total.short_deg"]
     assert tiles["asked.whole_flight.needed_deg"] == headline["verdict.required_deg"]
     assert tiles["asked.wind.needed_deg"] == "0.368"
-    assert verdict.sentence(short)[0] == "Not enough: the limit of "
-    assert "the whole flight of configuration-i needs" in verdict.sentence(short)[-1]
+    assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
+    assert "the whole flight of configuration-i requires" in verdict.sentence(short)[-1]
     total = enough.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
     assert numbers(flight.over_flight(enough))["total.left_deg"] == pytest.approx(left, rel=1e-12)
@@ -726,8 +726,11 @@ def test_what_no_page_can_hold_is_replaced() -> None:
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        (0.3, "Not enough: the limit of 0.300 deg is 0.112 deg (27.1 %) short of the 0.412 deg"),
-        (None, "This wind needs 0.412 deg of deflection."),
+        (
+            0.3,
+            "NOT SUFFICIENT: the limit of 0.300 deg is 0.112 deg (27.1 %) short of the 0.412 deg",
+        ),
+        (None, "This wind requires 0.412 deg of deflection."),
     ],
 )
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
@@ -756,7 +759,7 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
 @pytest.mark.parametrize(
     ("change", "duration", "dead_band", "said"),
     [
-        ({}, 60.0, 0.5, "enough for a control that lets go of it"),
+        ({}, 60.0, 0.5, "survived with a control that lets go of it"),
         ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "Trim stays within the limit"),
     ],
 )
@@ -791,11 +794,13 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.answers.StudyPlan) -> Non
     )
     found = find(asked)
 
-    assert dict(verdict.facts(found))["this wind needs"] == ("none is enough",)
-    assert words(sections.boundaries(found)).count("none is enough") == 2
-    assert [one.text for one in questions(found)] == ["with this dead band no limit is enough"]
+    assert dict(verdict.facts(found))["required deflection"] == ("none is sufficient",)
+    assert words(sections.boundaries(found)).count("none is sufficient") == 2
+    assert [one.text for one in questions(found)] == ["with this dead band no limit is sufficient"]
     endless = find(replace(asked, nozzle=tv.Nozzle()))
-    assert verdict.sentence(endless)[0].startswith("Not enough: no limit is, with this dead band")
+    assert verdict.sentence(endless)[0].startswith(
+        "NOT SUFFICIENT: with this dead band no limit is"
+    )
     assert sections.response(endless) is None
 
 
@@ -880,7 +885,7 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.answers.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))
 
-    assert "that the whole flight of configuration-i needs" in html
+    assert "that the whole flight of configuration-i requires" in html
     assert html.count("There is no answer:") == 2
     assert "No deflection is needed" in tv.report_html(
         tv.answers.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
@@ -895,7 +900,7 @@ def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) ->
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
 
     assert result.exit_code == 1
-    assert "<h1>Not enough: the limit of " in output.read_text()
+    assert "<h1>NOT SUFFICIENT: the limit of " in output.read_text()
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""One table of all that was asked: what is needed, what is there, and what is left, worst first."""
+"""One table of all questions: answer, required, available and remaining, worst first."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,9 @@ from tvclin.base.lines import Line, Table, least, number, significant
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.margins import margin
 
-HEAD = ("question", "enough?", "needed", "there", "left", "why")
+HEAD = ("question", "answer", "required", "available", "remaining", "why")
+_NUMBERS = ("needed", "there", "left")
+"""Names of the numbers of a measure, below the headings required, available and remaining."""
 _SUFFIXES = {"%": "percent"}
 """Units in the names of numbers."""
 _ROUNDED = ("deg", "deg/s", "%", "dB", "ms", "")
@@ -42,10 +44,10 @@ def _row(one: Question, answer: str) -> tuple[Line, ...]:
 
 
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
-    """Return what is needed, there and left, with units; nothing is left where none is enough."""
-    shown = [_shown(f"{key}.{name}", name, measure) for name in HEAD[2:4]]
+    """Return required, available and remaining, with units; none remains of what none satisfies."""
+    shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
     if np.isinf(measure.needed):
-        return (("none is enough",), shown[1], ("",))
+        return (("none is sufficient",), shown[1], ("",))
     return (*shown, _shown(f"{key}.left", "left", measure))
 
 

@@ -31,7 +31,7 @@ CROSS = "cross"
 DIRECTIONS = (*SIGNS, CROSS)
 """Directions of a wind, on which the dynamic pressure encountered depends."""
 FROZEN = "frozen"
-"""The dynamic pressure of calm air, for either sign."""
+"""The nominal dynamic pressure, for either sign of the wind."""
 ANY_NOZZLE = Nozzle()
 """Without limits, and with the usual actuator."""
 _RATE = 100.0
@@ -59,7 +59,7 @@ class Case:
         The autopilot; questions that need one take the canonical gains where nothing is said.
     sign : str, optional
         Which sign of a wind along the path counts in what is required, with the dynamic pressure
-        that is met in it: head, tail, or frozen, that of calm air; the worst of these without it.
+        encountered in it: head, tail, or frozen, the nominal one; the worst of both without it.
         A wind with a direction, and measured ones, have their own.
 
     Raises

@@ -13,6 +13,7 @@ from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.planes import VECTOR, PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.errors import InputError, between, number, positive, single, within
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
@@ -173,7 +174,7 @@ class CaseRequirement:
 
     @property
     def judged(self) -> dict[str, Any]:
-        """Whether the limit is enough, and what peak it survives; None without one."""
+        """Whether the limit is sufficient, and what peak it survives; None without one."""
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
@@ -231,6 +232,39 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
         if case.sign is not None:
             raise
         return replace(need, encountered_unknown=str(error))
+
+
+@dataclass(frozen=True)
+class StudyRequirement:
+    """The required deflection [rad] that `tvclin study` gives for a case, for other answers."""
+
+    required_deflection: float
+    dead_band: float
+    at_nominal_pressure: bool
+
+    @property
+    def words(self) -> str:
+        """The required deflection in a clause."""
+        if np.isinf(self.required_deflection):
+            return "no limit is sufficient, see study"
+        band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
+        nominal = f" {NOMINAL}" if self.at_nominal_pressure else ""
+        required = f"{np.degrees(self.required_deflection):.3f} deg"
+        return f"required deflection {required}{band}{nominal}, see study"
+
+
+def study_requirement(case: Case, dead_band: float = 1.0) -> StudyRequirement | None:
+    """Return the required deflection of a study of the case; None where a study has none.
+
+    That is in a wind that is not of one shape, and beyond linear aerodynamics.
+    """
+    try:
+        need = case_requirement(case, dead_band)
+    except InputError:
+        return None
+    if np.isnan(required := need.required_deflection):
+        return None
+    return StudyRequirement(required, need.dead_band, need.at_nominal_pressure)
 
 
 def _unknown(required: RequiredDeflection) -> RequiredDeflection:

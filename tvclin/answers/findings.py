@@ -116,8 +116,8 @@ class Findings:
     def autopilot_survives(self) -> float:
         """How many times the wind the autopilot survives, flown with the limit as its stop.
 
-        In calm air a flight scales with its wind; a larger head wind meets more dynamic pressure
-        as well. NaN where it is not flown.
+        At nominal dynamic pressure a flight scales with its wind; a larger head wind raises that
+        too. NaN where it is not flown.
         """
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:

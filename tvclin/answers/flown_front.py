@@ -55,8 +55,8 @@ class FlownFront(Shown):
     monotone: dict[str, BoolArray]
     cuts: int
 
-    as_dict = keyed("rates_deg_per_s=front.rates limits_deg monotone cuts needed_deg enough")
-    _keys = "needed_deg enough cuts"
+    as_dict = keyed("rates_deg_per_s=front.rates limits_deg monotone cuts needed_deg survives")
+    _keys = "needed_deg survives cuts"
 
     @property
     def needed(self) -> dict[str, float] | None:
@@ -67,8 +67,8 @@ class FlownFront(Shown):
         return {name: float(values[here[0]]) for name, values in self.limits.items()}
 
     @property
-    def enough(self) -> dict[str, bool] | None:
-        """Whether the nozzle is enough for each law; None if that is not asked, or not known."""
+    def survives(self) -> dict[str, bool] | None:
+        """Whether each law survives with the nozzle; None without its limits, or not known."""
         needed, limit = self.needed, self.front.limit
         if needed is None or limit is None or self.front.beyond:
             return None
@@ -97,8 +97,8 @@ class FlownFront(Shown):
         stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOPS[self.cuts]
         yield (
             f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"
-            " for each rate limit; none: no limit is enough up to three times the largest trim"
-            " deflection"
+            " for each rate limit; none: with no limit a flight survives up to three times the"
+            " largest trim deflection"
         )
         if not all(np.all(one) for one in self.monotone.values()):
             yield "*: some lower limits survive as well; above this one all that were tried survive"
@@ -143,7 +143,7 @@ def flown_fronts(
     >>> case = tv.Case(vehicle=tv.load_vehicle("configuration-i"), nozzle=nozzle)
     >>> laws = ("half-relief", "trim", "recoverable-attitude")
     >>> found = tv.answers.flown_fronts({"a triangle": case}, [nozzle.rate_limit], laws=laws)
-    >>> found["a triangle"].enough
+    >>> found["a triangle"].survives
     {'half-relief': False, 'trim': True, 'recoverable-attitude': True}
     """
     if progress is not None:

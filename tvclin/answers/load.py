@@ -28,7 +28,7 @@ class LoadBound:
     Attributes
     ----------
     load : float, optional
-        Largest angle of attack [rad] that the structure bears; is the limit enough for it?
+        Largest angle of attack [rad] that the structure bears.
     q_alpha : float, optional
         The same times the dynamic pressure [Pa rad], which must be given then.
     dynamic_pressure : float, optional
@@ -119,7 +119,7 @@ class FlownLoad(Shown):
     time: float
     bound: float | None
 
-    as_dict = keyed("law status load_deg time_s bound_deg enough")
+    as_dict = keyed("law status load_deg time_s bound_deg survives_within")
 
     @classmethod
     def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
@@ -160,7 +160,7 @@ class FlownLoad(Shown):
         return cls(name, flight.status, float(felt[worst]), float(flight.times[worst]), most)
 
     @property
-    def enough(self) -> bool | None:
+    def survives_within(self) -> bool | None:
         """Whether the law survives within the bound; None beyond linear aerodynamics."""
         if self.status == NOT_KNOWN:
             return None

@@ -10,6 +10,7 @@ import numpy as np
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Row, Table, degrees, least, number, quantities, significant
+from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.rate_limit import RateLimitedOptimum, optimum_with_rate_limit
@@ -95,7 +96,7 @@ class KnownWind(Shown):
         if self.part_of_trim is not None:
             part = number("optimum.part_of_trim", self.part_of_trim)
             peak = (*peak, " (", *part, " of trim)")
-        rows: list[Row] = [("least peak deflection", peak)]
+        rows: list[Row] = [(WIND_KNOWN, peak)]
         if self.limited is not None:
             rate = f"with {np.degrees(self.limited.rate):.4g} deg/s"
             limited = degrees("optimum.limited", self.limited.peak, unit="deg")
@@ -107,8 +108,8 @@ class KnownWind(Shown):
             ("first segment", (self.first_segment,)),
             ("switches", (switches + (f" and {more} more" if more > 0 else ""),)),
             ("fast pole alone (K = 0)", least(degrees("optimum.held", self.held, unit="deg"))),
-            ("ideal trim", degrees("optimum.trim", self.trim, unit="deg")),
-            ("lower bound (dual)", degrees("optimum.dual", proof.dual, unit="deg")),
+            (STATIC_TRIM, degrees("optimum.trim", self.trim, unit="deg")),
+            ("dual bound", degrees("optimum.dual", proof.dual, unit="deg")),
             ("certificate", ("gap ", *gap, f", {best.status}")),
         ]
         return quantities(caption, rows)

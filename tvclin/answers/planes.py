@@ -201,13 +201,13 @@ def of_heading(
 def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:
     """Yield what the direction of a wind changes, in words; nothing without one.
 
-    `calm`: whether the dynamic pressure of calm air counts, in which `planes` are.
+    `calm`: whether the nominal dynamic pressure counts, at which `planes` are.
     """
     if planes is None:
         return
     missing = 100.0 * planes.misses(plane)
     if not judged:
-        air = "" if calm else " in the dynamic pressure of calm air"
+        air = "" if calm else " at nominal dynamic pressure"
         yield (
             f"this wind blows in both planes: with a round stop they need"
             f" {np.degrees(planes.deflection):.3f} deg{air}, {missing:.0f} % of which"

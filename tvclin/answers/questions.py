@@ -8,14 +8,18 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_notes import in_calm_air
+from tvclin.answers.study_notes import nominal_pressure
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, listed, significant, text
+from tvclin.base.quantities import satisfaction, sufficiency, survival
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, factor_to
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
 _HEAD = ", with the dynamic pressure at the peak of a head wind throughout"
+_FLIGHTS = ("flexible flight",)
+_CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
+"""Questions that a flight answers, and a criterion; the answer to others is a verdict."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +68,14 @@ class Question:
     whose: str = ""
     measure: Measure | None = None
 
-    as_dict = keyed("name yes why=text measure")
+    as_dict = keyed("name answer yes why=text measure")
 
     @property
     def answer(self) -> str:
-        """Return the answer as a word."""
-        return {True: "yes", False: "no", None: "not known"}[self.yes]
+        """The answer as a word: a verdict, whether a criterion is met, or a flight survived."""
+        if self.name in _FLIGHTS:
+            return survival(self.yes)
+        return satisfaction(self.yes) if self.name in _CRITERIA else sufficiency(self.yes)
 
     @property
     def text(self) -> str:
@@ -104,18 +110,29 @@ def sufficient(found: Findings) -> bool | None:
     return None if found.study.limit is None or None in answers else True
 
 
+def overall(found: Findings) -> str:
+    """Return the answers that are not yes by their words, or the verdict where all are."""
+    others: dict[str, list[str]] = {}
+    for one in questions(found):
+        if one.yes is not True:
+            others.setdefault(one.answer, []).append(one.name)
+    if not others:
+        return "no limit was given" if found.study.limit is None else sufficiency(True)
+    return "; ".join(f"{word}: {', '.join(names)}" for word, names in sorted(others.items()))
+
+
 def all_yes(found: Findings) -> bool:
     """Return whether no question has another answer than yes."""
     return all(one.yes is True for one in questions(found))
 
 
-def calm_air_notes(found: Findings) -> Iterator[str]:
-    """Say which answers leave out the head wind that counts in what the wind needs."""
+def nominal_notes(found: Findings) -> Iterator[str]:
+    """Say which answers are at nominal pressure, where a head wind sets the requirement."""
     flown = found.head is not None and found.head.stop is not None
     left = {"load", *(() if flown else ("autopilot", "flexible flight"))}
     calm = [one.name for one in questions(found) if one.yes and one.name in left]
     if calm and found.study.ratio_to_nominal > 1.0:
-        for words in in_calm_air(found.plan):
+        for words in nominal_pressure(found.plan):
             yield f"{listed(calm)}: {words}"
 
 
@@ -170,12 +187,12 @@ def _answered(found: Findings) -> Iterator[Question]:
 
 def _wind(found: Findings) -> Question:
     need, by = found.study.required_deflection, found.study.governs
-    whose = "this wind needs"
+    whose = "this wind requires"
     line: Line = (f"set by {by}",)
     if not need:
         line = ("no deflection is needed",)
     elif np.isinf(need):
-        line = ("with this dead band no limit is enough",)
+        line = ("with this dead band no limit is sufficient",)
     return Question("wind", found.study.sufficient, line, need, whose)
 
 
@@ -186,15 +203,15 @@ def _rate(found: Findings) -> Question:
         return Question(name, None, (_reason(found, "rates"),))
     line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.needed_rate):
-        line = ("with this limit no rate is enough",)
-    yes = front.enough
+        line = ("with this limit no rate is sufficient",)
+    yes = front.above_lower_bound
     if found.head is not None and found.head.rates is not None:
         calm = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
-        line, front = (*line, _HEAD, ", in that of calm air ", *calm), found.head.rates
-        yes = _also(yes, front.enough)
+        line, front = (*line, _HEAD, ", at the nominal one ", *calm), found.head.rates
+        yes = _also(yes, front.above_lower_bound)
     need = front.needed * found.study.of_both
     measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
-    return Question(name, yes, line, need, "at this rate any control needs", measure)
+    return Question(name, yes, line, need, "at this rate any control requires", measure)
 
 
 def _load(found: Findings) -> Question:
@@ -203,10 +220,12 @@ def _load(found: Findings) -> Question:
     if front is None:
         return Question(name, None, (_reason(found, "loads"),))
     line: Line = ("for this load, of a control that knows the wind",)
-    if front.enough and front.verdict.startswith("enough only"):
+    if front.above_lower_bound and front.takes_a_forecast:
         line = (*line, "; a law that does not know when it stops bears more")
     need = front.needed * found.study.of_both
-    return Question(name, front.enough, line, need, "within this load any control needs")
+    return Question(
+        name, front.above_lower_bound, line, need, "within this load any control requires"
+    )
 
 
 def _flight(found: Findings) -> Question:
@@ -215,14 +234,16 @@ def _flight(found: Findings) -> Question:
         return Question(name, None, (_reason(found, "flight"),))
     total = found.flight[1]
     whole = f"the whole flight of {asked.source}" if asked.source else "the whole flight"
-    whose = f"{whole} needs"
+    whose = f"{whole} requires"
     reserve = " with its reserve" if total.reserve else ""
     line: Line = (whole, reserve)
     if total.sufficient is None:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
     limit = found.study.limit
-    if total.too_slow and (limit is None or covers(limit, total.required)):  # the angle is enough
-        line = (f"the least rate with which the limit is enough for {whole}", reserve)
+    if total.too_slow and (
+        limit is None or covers(limit, total.required)
+    ):  # the angle is sufficient
+        line = (f"the least rate with which the limit is sufficient for {whole}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
@@ -241,7 +262,7 @@ def _card(found: Findings) -> Iterator[Question]:
     line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
     if verdict.lost or verdict.unknown:
         line = (verdict.reason,)
-    yield Question(name, verdict.enough, line, measure=measure)
+    yield Question(name, verdict.met, line, measure=measure)
 
 
 def _availability(found: Findings, least: float) -> Question:
@@ -263,11 +284,11 @@ def _probability(found: Findings, limit: float) -> Question:
     r = d.required
     flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
     if np.isinf(r.estimate):
-        return Question("probability", False, (*flights, " need more than any limit"))
+        return Question("probability", False, (*flights, " require more than any limit"))
     if np.isinf(r.upper):
         return Question("probability", None, ("too few cases to judge ", *flights))
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
-    whose = f"{text(flights)} need"
+    whose = f"{text(flights)} require"
     return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
 
 
@@ -286,11 +307,11 @@ def _autopilot(found: Findings, limit: float) -> Question:
     free: Line = ("without a stop it would turn the nozzle by ", *turns)
     if found.study.in_both:
         free += (" in both planes",)
-    whose = "this autopilot needs"
+    whose = "this autopilot requires"
     rate, most = c.peak_deflection_rate, found.plan.nozzle.rate_limit or np.inf
     if rate > most:
         free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
-    if found.stop is None:  # it cannot be flown: enough is what the linear loop never exceeds
+    if found.stop is None:  # it cannot be flown: sufficient is what the linear loop never exceeds
         known = True if covers(limit, peak) and rate <= most else None
         return Question(name, known, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
     least = abs(float(found.stop.deflection)) * found.study.of_both
@@ -304,13 +325,13 @@ def _autopilot(found: Findings, limit: float) -> Question:
         whose += ", by the bound for a head wind"
         yes = _also(yes, bool(covers(limit, least)))
         needs = degrees("asked.calm", calm, unit="deg")
-        line = ("flown with its stop", _HEAD, ", in that of calm air ", *needs, "; ", *free)
+        line = ("flown with its stop", _HEAD, ", at the nominal one ", *needs, "; ", *free)
     return Question(name, yes, line, least, whose)
 
 
-def _also(calm: bool | None, head: bool | None) -> bool | None:
-    """Return an answer that is known of calm air, and of more than a head wind meets."""
-    return True if calm and head else None if calm else calm
+def _also(nominal: bool | None, head: bool | None) -> bool | None:
+    """Return an answer that holds at nominal pressure and at more than that of a head wind."""
+    return True if nominal and head else None if nominal else nominal
 
 
 def without_stop(found: Findings) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from tvclin.answers.case import FROZEN, Case
 from tvclin.answers.case_requirement import CaseRequirement
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import PAIR
 from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
@@ -59,16 +60,16 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
         yield f"{changes}; what a head wind needs more is not known: {need.encountered_unknown}"
 
 
-def in_calm_air(case: Case) -> Iterator[str]:
-    """Say what a head wind meets, where a question knows the dynamic pressure of calm air alone."""
+def nominal_pressure(case: Case) -> Iterator[str]:
+    """Say by how much a head wind raises the dynamic pressure over the nominal one."""
     peak = abs(float(getattr(case.wind, "peak", 0.0)))
     if case.plane != "pitch" or peak <= _STRONG or not isinstance(case.vehicle, Vehicle):
         return
     ratio = float(pressure_ratio(case.vehicle.attitude, np.asarray(-peak)))
     if ratio > 1.0:
         yield (
-            "in the dynamic pressure of calm air; a head wind of this size meets up to"
-            f" {ratio:.3g} times as much and asks for more"
+            f"computed {NOMINAL}; a head wind of this size raises it by up to"
+            f" {100.0 * (ratio - 1.0):.2g} percent and requires more"
         )
 
 

@@ -18,14 +18,21 @@ from tvclin.base.lines import (
     significant,
     upper_pole,
 )
+from tvclin.base.quantities import (
+    NO_FORECAST,
+    QUANTITIES,
+    STATIC_TRIM,
+    WIND_KNOWN,
+    sufficiency,
+)
 from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
-LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
-"""What stands below the boundaries of every control."""
+LEAST = {"forecast_free": NO_FORECAST, "minimum": WIND_KNOWN}
+"""Labels of the lower bounds, below the boundaries of every control."""
 LEGEND = (
-    'A law that does not know when the wind stops needs at least the limit of "no forecast" (with'
-    ' drift a lower bound), and any control at least the "minimum".'
+    f"{NO_FORECAST[0].upper()}{NO_FORECAST[1:]}: {QUANTITIES[NO_FORECAST]}."
+    f" {WIND_KNOWN[0].upper()}{WIND_KNOWN[1:]}: {QUANTITIES[WIND_KNOWN]}."
 )
 _FIELDS = {
     "inertia": "moment_of_inertia",
@@ -38,10 +45,10 @@ _FIELDS = {
 }
 """What files call the quantities of a vehicle, where it is not the same."""
 AIR = {
-    None: "the worst of calm air, head and tail wind",
-    "head": "met in a head wind",
-    "tail": "met in a tail wind",
-    "frozen": "of calm air",
+    None: "the worst of head and tail wind",
+    "head": "encountered in a head wind",
+    "tail": "encountered in a tail wind",
+    "frozen": "nominal",
 }
 LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 """What the dynamic pressure is, and what leaves the dead band, in words."""
@@ -100,7 +107,7 @@ def boundaries(s: Study) -> Table:
     the wind that it survives with the model of the verdict.
     """
     names, judged = tuple(s.boundaries), _judged(s)
-    rows: list[tuple[Line, ...]] = [(("ideal trim",), *_parts(s, "trim", s.trim_deflection))]
+    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
     for i, K in enumerate(s.dead_bands):
         mark = _VERDICT if K == s.dead_band and not judged else ""
         row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
@@ -153,8 +160,8 @@ def _judged(s: Study) -> dict[str, tuple[float, float]]:
     if s.model not in s.boundaries:
         return {}
     found = {}
-    calm = s.governs == BOUNDARY and s.switch == "literal"
-    if not s.encountered and (calm or s.governs == NOTHING):
+    alone = s.governs == BOUNDARY and s.switch == "literal"
+    if not s.encountered and (alone or s.governs == NOTHING):
         return {}
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
     if not np.isclose(abs(row), s.nominal_deflection, rtol=ROUNDING):
@@ -166,7 +173,7 @@ def _judged(s: Study) -> dict[str, tuple[float, float]]:
 
 
 def verdict(s: Study) -> Iterator[Line]:
-    """Yield what is required, and whether the limit in question is enough."""
+    """Yield the required deflection, and the verdict on the limit."""
     needed = least(degrees("verdict.required", s.required_deflection, unit="deg"))
     left = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
@@ -177,8 +184,8 @@ def verdict(s: Study) -> Iterator[Line]:
     )
     if s.limit is None or s.survivable_peak is None:
         return
-    word = {True: "SUFFICIENT", False: "NOT SUFFICIENT", None: "NOT KNOWN"}[s.sufficient]
-    line: Line = ("Limit ", *degrees("verdict.limit", s.limit, unit="deg"), f": {word}; ")
+    have = degrees("verdict.limit", s.limit, unit="deg")
+    line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}; ")
     survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
     line = (*line, "it survives peaks up to ", *survived)
     of = f", {s.peak_of}" if s.peak_of else ""

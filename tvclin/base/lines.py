@@ -108,8 +108,8 @@ def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
 
 
 def least(limit: Line) -> Line:
-    """Return a least deflection limit: an infinite one says that none is enough."""
-    return ("none is enough",) if limit == (_UNLIMITED,) else limit
+    """Return a least deflection limit: an infinite one says that none is sufficient."""
+    return ("none is sufficient",) if limit == (_UNLIMITED,) else limit
 
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:

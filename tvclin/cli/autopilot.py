@@ -16,7 +16,7 @@ from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
-from tvclin.cli.inputs import case_of, note_calm_air
+from tvclin.cli.inputs import case_of, note_nominal_pressure
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, At, Given, Rigid, Shown, Source
@@ -73,7 +73,7 @@ def autopilot(
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)
-    note_calm_air(case)
+    note_nominal_pressure(case)
     answer(shown.as_json, found.document, lambda: found.print(blows.title(case, "")), found.met)
 
 

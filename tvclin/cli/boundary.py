@@ -6,6 +6,7 @@ import numpy as np
 import typer
 
 from tvclin.base.errors import one_of, positive, within
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.cli.inputs import case_of, chosen, only_with
@@ -38,7 +39,10 @@ def boundary(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
+    """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2.
+
+    A boundary limit is a ratio to static trim, at nominal dynamic pressure, and no verdict.
+    """
     from tvclin import plots
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
@@ -46,7 +50,7 @@ def boundary(
     name, plant, plane, own = _subject(vehicle, time, motion)
     wind = chosen(wind, own)
     shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
-    # one unit of peak is enough: the boundary limit does not depend on it
+    # of one unit of peak: the boundary limit does not depend on it
     blows = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     limits = with_larger_requirements(plant, blows, K, boundary_limit(plant, blows, K))
     shown = None if vehicle is None else plant.coefficients
@@ -59,7 +63,8 @@ def boundary(
         print_json(head | {axis.replace("*", "_"): x} | found)
         return
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
-    print_tables(limits.table(f"{title}: boundary limit y_BR, {wind} wind", axis, x, K))
+    caption = f"{title}: boundary limit y_BR {NOMINAL}, {wind} wind"
+    print_tables(limits.table(caption, axis, x, K))
     say_notes(_notes(axis, x, K, limits.status))
 
 

@@ -50,8 +50,8 @@ def card(
     A law is flown at each flight time in each wind. Torque, power and energy need what turns and
     what resists, in a table named nozzle of a study file. Limits of the nozzle are judged.
 
-    Exit code 0: enough; 1: not enough, a flight is not survived, or a wind is not known along the
-    flight; 2: bad input.
+    Exit code 0: MET, every flight survives within the limits; 1: NOT MET, NOT SURVIVED, or NOT
+    KNOWN, as where a wind is not known along the flight; 2: bad input.
     """
     case = flight_asked("card", source, blows, question, sign, sheet, model, own, planes)
     assert case.sizing is not None
@@ -80,7 +80,7 @@ def card(
         as_json,
         lambda: found.as_dict() | {"notes": notes},
         lambda: _print(found, notes),
-        bool(found.verdict.enough),
+        bool(found.verdict.met),
     )
 
 

@@ -10,6 +10,7 @@ from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.quantities import NOMINAL, survival
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.control.laws.law import Law
@@ -46,6 +47,8 @@ class Flying:
     shape: str
     law: str
     dead_band: float | None
+
+    pressure = "nominal"
 
     @property
     def wind(self) -> History:
@@ -91,7 +94,7 @@ class FlightCase(Flying):
     @property
     def heads(self) -> list[str]:
         """What is flown, and what it takes for granted."""
-        assumed = "parameters frozen, flat planet at rest, rigid, no actuator"
+        assumed = f"parameters frozen {NOMINAL}, flat planet at rest, rigid, no actuator"
         if self.condition is not None:
             assumed = (
                 "gravity turn, standard atmosphere, constant thrust, mass falling"
@@ -99,8 +102,13 @@ class FlightCase(Flying):
                 " the vehicle's own\ntime, flat planet at rest, rigid, no actuator"
             )
         flown = f"flown: {ENGINES[self.engine].words}"
-        linear = f"linear: model {USUAL_MODEL}, parameters frozen"
+        linear = f"linear: model {USUAL_MODEL}, parameters frozen {NOMINAL}"
         return [self.title, flown, f"assumed: {assumed}", linear]
+
+    @property
+    def pressure(self) -> str:  # type: ignore[override]
+        """The dynamic pressure of the flight: the nominal one, or that encountered in the wind."""
+        return "nominal" if self.condition is None else "encountered"
 
     @property
     def options(self) -> dict[str, Any]:
@@ -119,7 +127,7 @@ def flight_case(
     least = linear_boundary(plant, control, wind)
     limit = asked.case.nozzle.limit or _SPARE * least
     if np.isinf(limit):
-        raise InputError("no limit is enough with this dead band; give --limit-deg")
+        raise InputError("no limit is sufficient with this dead band; give --limit-deg")
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
     own = vars(asked)
     if asked.law in _WITH_BAND:
@@ -190,8 +198,8 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
 def _ends(case: FlightCase, flight: FlightBeside) -> Iterator[str]:
     """Whether the flight survives, and what is odd about it."""
-    words = {True: "SURVIVED", False: "NOT SURVIVED", None: "NOT KNOWN"}
-    yield f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."
+    flown = f"Flown at {case.pressure} dynamic pressure: {survival(flight.survived)}."
+    yield f"{flown} Linear theory: {survival(flight.predicted)}."
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         yield (
             f"Note: {np.degrees(case.minimum):.3f} deg is the least of all by linear theory; with"

@@ -108,8 +108,11 @@ def fly(
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
     is flown with a sampled law, beside the rigid one. --rigid leaves all that out.
 
-    Exit code 0: survived; 1: not survived, or that is not known, in a wind of more than 30 deg; 2:
-    bad input.
+    It is at nominal dynamic pressure, and with --along-trajectory at that encountered in the wind;
+    tvclin study is the verdict on a limit.
+
+    Exit code 0: SURVIVED; 1: NOT SURVIVED, or NOT KNOWN, in a wind of more than 30 deg; 2: bad
+    input.
     """
     within("--until", until, 1.0, _LONGEST, "durations of the wind")
     within("--points", points, 2, 1_000_000)

@@ -10,12 +10,13 @@ import numpy as np
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.base.quantities import NOMINAL, survival
 from tvclin.cli.flight_cases import REPORT, Flying
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.flexible import SampledFlight, fly_sampled
+from tvclin.flights.flexible import FATES, NOT_KNOWN, SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
 
 _SPARE, _HIGHEST = 1.1, 4.0
@@ -65,8 +66,8 @@ class LinearCase(Flying):
         said = [
             wind_line(self),
             *([parts_line(structure)] if structure else []),
-            f"linear equations, {self.plant.model}; law at {rate:g} Hz, delay {delay:g} ms,"
-            f" actuator {with_servo}",
+            f"linear equations, {self.plant.model}, {NOMINAL}; law at {rate:g} Hz,"
+            f" delay {delay:g} ms, actuator {with_servo}",
         ]
         return "\n".join(said)
 
@@ -133,7 +134,7 @@ def _ends(
 ) -> Iterator[str]:
     """Whether the flights survive, and what is odd about their boundaries."""
     flown, rigid = map(_word, flight.status)
-    yield f"Flown: {flown}." + (f" Rigid: {rigid}." if case.bends else "")
+    yield f"Flown {NOMINAL}: {flown}." + (f" Rigid: {rigid}." if case.bends else "")
     if "rings" in flight.status:
         yield RINGS_MEANS
     for name, one in zip(("flexible", "rigid")[not case.bends :], least, strict=False):
@@ -142,12 +143,13 @@ def _ends(
 
 
 RINGS_MEANS = (
-    "RINGS: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
+    "It rings: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
     " loop, mostly of bending or slosh, grows near rest or persists between the limits."
 )
 
 
 def _word(status: str) -> str:
-    return {"survived": "SURVIVED", "lost": "NOT SURVIVED", "rings": "NOT SURVIVED, it rings"}.get(
-        status, status.upper()
-    )
+    if status == NOT_KNOWN:
+        return survival(None)
+    fate = {"survived": "", "lost": "", "rings": ", it rings"}.get(status, f", it {FATES[status]}")
+    return f"{survival(status == 'survived')}{fate}"

@@ -1,13 +1,16 @@
 """What `tvclin fly` shows of a flight, whatever flew: a table, JSON, a CSV file and a figure."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from tvclin.answers.case_requirement import StudyRequirement, study_requirement
 from tvclin.base.documents import picked
+from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import print_json, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import wind_words
 from tvclin.flights.beside import PEAKS, FlightBeside
 from tvclin.winds.wind_angles import linear_notes
@@ -53,8 +56,14 @@ class Compared:
             say("\n".join(self.heads))
             print_tables(self.flight.table(self.title, self.columns, self.boundary))
             say("\n".join(self.ends))
+            say_required(self.required)
             say_notes(self.notes)
         return bool(self.flight.survived)
+
+    @cached_property
+    def required(self) -> StudyRequirement | None:
+        """The required deflection of the study of the case."""
+        return study_requirement(self.case.case, chosen(self.case.dead_band, 1.0))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -79,6 +88,8 @@ class Compared:
             **picked(self, "limit_deg survived=flight.survived"),
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "boundary_deg": None if ends is None else self.both(ends),
+            "pressure": self.case.pressure,
+            **({} if self.required is None else picked(self.required, "required_deflection_deg")),
             "notes": self.notes,
             **self.facts,
         }

@@ -6,8 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from tvclin.answers.case import Case
+from tvclin.answers.case_requirement import StudyRequirement, study_requirement
 from tvclin.answers.requirement import covers, required_deflection
 from tvclin.base.errors import InputError, within
+from tvclin.base.quantities import NOMINAL
 from tvclin.cli.wind import wind_words
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import Extremes, Shown, extremes, shown_until
@@ -24,16 +26,21 @@ _LARGEST = 700.0
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A case, and the deflection that meets its wind, with K, what is required and the limit."""
+    """A case, the deflection in its wind, K, and the limit; at nominal dynamic pressure.
+
+    `nominal` is the required deflection [rad] there, governed by `governs`, `required` that of a
+    study.
+    """
 
     case: Case
     name: str
     wind: History
     deflection: History
     dead_band: float
-    required: float
+    nominal: float
     limit: float
     governs: str
+    required: StudyRequirement | None
 
     @property
     def plant(self) -> Plant:
@@ -52,24 +59,24 @@ class Held:
 
     @property
     def words(self) -> str:
-        """Wind, model, dead band and limit."""
-        limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg"
+        """Wind, model, dead band, limit, and that the dynamic pressure is the nominal one."""
+        limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg, {NOMINAL}"
         return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
 
     def followed(self, length: float) -> tuple[Extremes, Shown]:
         """Return the extremes of the attitude in a length [s], and how much of it is shown."""
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
-        enough = bool(covers(self.limit, self.required))
-        shown = shown_until(*motion, length, lets_go=enough and lets_go)
+        survives = bool(covers(self.limit, self.nominal))
+        shown = shown_until(*motion, length, lets_go=survives and lets_go)
         found = extremes(*motion, shown.time)
         if shown.back_at_zero is not None:
             found = replace(found, back_at_zero=shown.back_at_zero)
         return found, shown
 
     @property
-    def sufficient(self) -> bool | None:
-        """Whether the limit is at or above what is required; None beyond linear aerodynamics."""
-        return None if self.beyond else bool(covers(self.limit, self.required))
+    def survived(self) -> bool | None:
+        """Whether the limit survives at this pressure; None beyond linear aerodynamics."""
+        return None if self.beyond else bool(covers(self.limit, self.nominal))
 
     @property
     def beyond(self) -> str:
@@ -94,20 +101,21 @@ def held(case: Case, name: str, dead_band: float, capability: float | None, unti
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     _check_length(plant, max(until, 1.0) * float(history.end))
     needed = required_deflection(plant, history, K)
-    required = abs(float(needed.deflection))
+    nominal = abs(float(needed.deflection))
     if case.nozzle.limit is not None:
         limit = case.nozzle.limit
     else:
-        limit = required * float(
+        limit = nominal * float(
             within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)
         )
         if np.isinf(limit):
-            raise InputError(f"no limit is enough with K = {K:g} here; give --limit-deg")
+            raise InputError(f"no limit is sufficient with K = {K:g} here; give --limit-deg")
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
-    return Held(case, name, history, deflection, K, required, limit, str(needed.governs))
+    required = study_requirement(case, K)
+    return Held(case, name, history, deflection, K, nominal, limit, str(needed.governs), required)
 
 
 def _check_length(plant: Plant, length: float) -> None:

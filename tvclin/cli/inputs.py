@@ -83,11 +83,11 @@ def note_left_out(case: Case, *questions: str) -> None:
         say(f"Note: {sentence}.", err=True)
 
 
-def note_calm_air(case: Case) -> None:
-    """Say on stderr of a verdict that it leaves out what a head wind meets, once it is found."""
-    from tvclin.answers.study_notes import in_calm_air  # late: with all of a study
+def note_nominal_pressure(case: Case) -> None:
+    """Say on stderr that an answer is at nominal dynamic pressure, and what a head wind adds."""
+    from tvclin.answers.study_notes import nominal_pressure  # late: with all of a study
 
-    for words in in_calm_air(case) if case.sign is None else ():
+    for words in nominal_pressure(case) if case.sign is None else ():
         say(f"Note: the answer is {words} (tvclin study counts it).", err=True)
 
 

@@ -2,15 +2,17 @@
 
 import numpy as np
 
+from tvclin.answers.case_requirement import StudyRequirement, study_requirement
 from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_calm_air, note_left_out
+from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -22,7 +24,7 @@ from tvclin.cli.options import (
     Source,
     asked,
 )
-from tvclin.cli.output import answer, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_bound, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -48,8 +50,12 @@ def loads(
 
     With --law also the load in the flight of the law, with the limit as a stop.
 
-    Exit code 0: enough, or not asked; 1: not enough, or a law exceeds it, or that is not known, in
-    a wind of more than 30 deg; 2: bad input.
+    All of it is at nominal dynamic pressure. A limit below the lower bound is never sufficient; of
+    one above it tvclin study is the verdict.
+
+    Exit code 0: the limit is not below the lower bound, and each law survives within the load; 1:
+    NOT SUFFICIENT, below the lower bound, or a flight NOT SURVIVED or beyond the load, or NOT
+    KNOWN; 2: bad input.
     """
     from tvclin import plots
 
@@ -68,12 +74,13 @@ def loads(
         lambda: plots.load_curves(front, flown),
         lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
     )
-    note_calm_air(case)
+    note_nominal_pressure(case)
+    required = study_requirement(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case) | {"front": front, "flown": flown},
-        lambda: _print(title, front, flown),
-        (front.enough is True or front.limit is None) and all(one.enough for one in flown),
+        lambda: blows.document(case, required) | {"front": front, "flown": flown},
+        lambda: _print(title, front, flown, required),
+        (front.limit is None or not front.verdict) and all(one.survives_within for one in flown),
     )
 
 
@@ -86,13 +93,15 @@ def _front(case: StudyPlan) -> LoadFront:
     return load_front(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
 
 
-def _print(title: str, front: LoadFront, flown: list[FlownLoad]) -> None:
+def _print(
+    title: str, front: LoadFront, flown: list[FlownLoad], required: StudyRequirement | None
+) -> None:
     say(title)
     print_tables(*front.tables())
     say_notes(front.notes)
-    say(f"Verdict: {front.verdict}.")
+    say_bound(front, required)
     for one in flown:
-        say(f"Flown: {one.words}.")
+        say(f"Flown {NOMINAL}: {one.words}.")
 
 
 def _flown(case: StudyPlan, names: list[str]) -> list[FlownLoad]:

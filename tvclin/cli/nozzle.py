@@ -1,15 +1,17 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
+from tvclin.answers.case_requirement import StudyRequirement, study_requirement
 from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
+from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
-from tvclin.cli.inputs import case_of, note_calm_air, note_left_out
+from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
 from tvclin.cli.options import (
     GROUP,
     MOTION,
@@ -22,7 +24,7 @@ from tvclin.cli.options import (
     asked,
     switch,
 )
-from tvclin.cli.output import answer, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_bound, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -56,7 +58,11 @@ def nozzle(
     With --law also what the flight of the law asks of the nozzle: rate, travel, time at the stop.
     With --laws also the limit that each law needs flown, in the whole wind and with a sudden stop.
 
-    Exit code 0: enough, or not asked; 1: not enough, not known, or the law does not survive; 2: bad
+    All of it is at nominal dynamic pressure. A limit below the lower bound is never sufficient; of
+    one above it tvclin study is the verdict.
+
+    Exit code 0: the limits are not below the lower bounds, and the flight of the law is MET; 1: NOT
+    SUFFICIENT, below a lower bound, or the flight NOT SURVIVED or NOT MET, or NOT KNOWN; 2: bad
     input.
     """
     from tvclin import plots
@@ -76,23 +82,19 @@ def nozzle(
         front = _front(case)
     title, needed = blows.title(case, vehicle), _needed(case) if laws else None
     drawn, more = needed or front, {} if needed is None else {"laws": needed}
+    required = study_requirement(case)
+    limited = front.limit is not None or front.rate_limit is not None
     shown.write(
         lambda: plots.rate_curves(drawn),
         lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
-    note_calm_air(case)
+    note_nominal_pressure(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case) | {"front": front, "flown": flown} | more,
-        lambda: _print(title, front, needed, flown),
-        _enough(front) and (flown is None or bool(flown.verdict.enough)),
+        lambda: blows.document(case, required) | {"front": front, "flown": flown} | more,
+        lambda: _print(title, front, needed, flown, required),
+        not (limited and front.verdict) and (flown is None or bool(flown.verdict.met)),
     )
-
-
-def _enough(front: RateFront) -> bool:
-    """Whether limit and rate limit are enough by theory; true where neither is given."""
-    limited = front.limit is not None or front.rate_limit is not None
-    return not limited or bool(front.enough)
 
 
 def _front(case: StudyPlan) -> RateFront:
@@ -116,12 +118,16 @@ def _needed(case: StudyPlan) -> FlownFront:
 
 
 def _print(
-    title: str, front: RateFront, needed: FlownFront | None, flown: FlownCard | None
+    title: str,
+    front: RateFront,
+    needed: FlownFront | None,
+    flown: FlownCard | None,
+    required: StudyRequirement | None,
 ) -> None:
     said = [one for one in (front, needed, flown) if one is not None]
     say(title)
     print_tables(*(table for one in said for table in one.tables()))
     say_notes([note for one in said for note in one.notes])
-    say(f"Verdict: {front.verdict}.")
+    say_bound(front, required)
     if flown is not None:
-        say(f"Flown: {flown.words}. {flown.verdict.words}.")
+        say(f"Flown {NOMINAL}: {flown.words}. {flown.verdict.words}.")

@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import typer
 
+from tvclin.answers.case_requirement import study_requirement
 from tvclin.answers.optimum import KnownWind
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, ShownCurves, Source, asked
-from tvclin.cli.output import print_json, print_tables, say, say_notes
+from tvclin.cli.output import print_json, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
@@ -32,7 +33,9 @@ def optimum(
     motion: Given = MOTION,
     shown: ShownCurves = GROUP,
 ) -> None:
-    """Print the least peak deflection that survives a wind known beforehand.
+    """Print the least peak deflection that survives a wind known beforehand, a lower bound.
+
+    It is at nominal dynamic pressure. No control needs less; tvclin study is the verdict.
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
@@ -47,11 +50,12 @@ def optimum(
         lambda: _curves(plant, found.deflection, wind, title),
         lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
-    notes = linear_notes(float(wind.peak))
+    required, notes = study_requirement(case), linear_notes(float(wind.peak))
     if shown.as_json:
-        print_json(blows.document(case) | found.as_dict() | {"notes": notes})
+        print_json(blows.document(case, required) | found.as_dict() | {"notes": notes})
     else:
         print_tables(found.table(title))
+        say_required(required)
         say_notes(notes)
     if found.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)

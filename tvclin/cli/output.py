@@ -13,7 +13,10 @@ import typer
 if TYPE_CHECKING:
     from control import ControlPlot
 
+    from tvclin.answers.case_requirement import StudyRequirement
     from tvclin.base.lines import Line, Table
+    from tvclin.boundary.fronts.load_record import LoadFront
+    from tvclin.boundary.fronts.rate_record import RateFront
 
 
 _BESIDE = 3
@@ -45,6 +48,21 @@ def say_lines(lines: "Iterable[Line]") -> None:
 
     for line in lines:
         say(text(line))
+
+
+def say_required(required: "StudyRequirement | None") -> None:
+    """Print the required deflection of the study beside another answer."""
+    if required is not None:
+        say(f"{required.words[0].upper()}{required.words[1:]}.")
+
+
+def say_bound(front: "RateFront | LoadFront", required: "StudyRequirement | None") -> None:
+    """Print a lower bound with the required deflection, and that a limit is below the bound."""
+    if not front.beyond:
+        words = "; ".join([front.bound_words, *([] if required is None else [required.words])])
+        say(f"{words[0].upper()}{words[1:]}.")
+    if front.verdict:
+        say(f"Verdict: {front.verdict}.")
 
 
 def say_notes(notes: Iterable[str]) -> None:

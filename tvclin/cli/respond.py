@@ -8,8 +8,9 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import within
+from tvclin.base.quantities import NOMINAL, survival
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import case_of, chosen, note_calm_air
+from tvclin.cli.inputs import case_of, chosen, note_nominal_pressure
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -22,7 +23,7 @@ from tvclin.cli.options import (
     Until,
     asked,
 )
-from tvclin.cli.output import answer, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
 from tvclin.linear.loads import response_table
@@ -53,6 +54,8 @@ def respond(
 ) -> None:
     """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
 
+    It is at nominal dynamic pressure; tvclin study is the verdict on a limit.
+
     Exit code 0: answered; 2: bad input.
     """
     from tvclin import plots
@@ -71,7 +74,7 @@ def respond(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
         lambda curves: plots.response_chart(curves, _title(case)),
     )
-    note_calm_air(asked)
+    note_nominal_pressure(asked)
     answer(files.as_json, lambda: _document(case, found, shown), lambda: _print(case, found, shown))
 
 
@@ -96,18 +99,18 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
     caption = f"{case.case.vehicle.name}: exact response"
     whole = _covers_the_wind(case, shown)
     print_tables(response_table(caption, found, case.loads if whole else None))
-    word = {True: "SUFFICIENT", False: "NOT SUFFICIENT", None: "NOT KNOWN"}[case.sufficient]
-    part = f", {case.limit / case.required:.4g} times that" if case.required else ""
-    needed = f"Required {np.degrees(case.required):.3f} deg by {case.governs}"
-    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {word}")
+    part = f", {case.limit / case.nominal:.4g} times that" if case.nominal else ""
+    needed = f"Required {NOMINAL}: {np.degrees(case.nominal):.3f} deg by {case.governs}"
+    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {survival(case.survived)}")
+    say_required(case.required)
     say_notes(case.notes)
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
         stable = "by condition (4b) only the slow mode of the flight path is not stable"
     say(f"Held for ever, the deflection leaves {verdict.left_over}: {stable}.")
-    if case.sufficient and not verdict.stable:
-        say("SUFFICIENT means for a control that lets go of the limit in time.")
+    if case.survived and not verdict.stable:
+        say("SURVIVED means with a control that lets go of the limit in time.")
     if shown.why == LET_GO:
         say(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
@@ -115,7 +118,7 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
         )
     elif shown.why == FALLEN:
         say(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
-        if case.sufficient:
+        if case.survived:
             say(TURNED_OVER)
 
 
@@ -125,11 +128,14 @@ def _covers_the_wind(case: Held, shown: Shown) -> bool:
 
 def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
     verdict, whole = case.verdict, _covers_the_wind(case, shown)
+    needed = None if case.required is None else np.degrees(case.required.required_deflection)
     keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
     return {
         **picked(case, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
         "wind": {"shape": case.name, **picked(case.wind, "peak_deg duration_s=end")},
-        **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient notes"),
+        "required_deflection_deg": needed,
+        **picked(case, "dead_band nominal_deflection_deg=nominal governed_by=governs limit_deg"),
+        **picked(case, "survived notes"),
         "shown_until": picked(shown, "time_s why"),
         "attitude": found,
         "peak_angle_of_attack": picked(case.loads, keys) if whole else None,

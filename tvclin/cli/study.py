@@ -8,8 +8,9 @@ from tvclin.answers import study_tables as tables
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import (
     all_yes,
-    calm_air_notes,
     loop_notes,
+    nominal_notes,
+    overall,
     questioned,
     questions,
     sufficient,
@@ -79,13 +80,13 @@ def study(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Say how much deflection a booster needs in a wind, and whether its limit is enough.
+    """Print the required deflection of a booster in a wind, and the verdict on its limit.
 
     A study file may also ask about the whole flight, an archive of soundings, dispersed vehicles
     and an autopilot. Options count more than the file.
 
-    Exit code 0: the answer to every question is yes, or no limit was given; 1: the answer to one is
-    not yes; 2: bad input.
+    Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
+    limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
     own = limit.over, partial(_beside, stop, disperse), question.over, drawn.over
     plan = case_of(source, *own, blows=blows.over, told=("study",), time=time)
@@ -107,7 +108,7 @@ def study(
 def _document(found: Findings) -> dict[str, Any]:
     """What was found, for JSON."""
     extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
-    said = [*found.study.notes, *calm_air_notes(found), *loop_notes(found)]
+    said = [*found.study.notes, *nominal_notes(found), *loop_notes(found)]
     answers = {"questions": questions(found), "sufficient": sufficient(found), "notes": said}
     return found.study.as_dict() | extra | answers
 
@@ -142,12 +143,6 @@ def _print_questions(found: Findings) -> None:
 
     say("")
     print_tables(asked_table(found))
-    others = ", ".join(one.name for one in each if one.yes is not True)
-    said = {
-        True: "SUFFICIENT in all",
-        False: f"NOT SUFFICIENT: {others}",
-        None: "no limit was given" if found.study.limit is None else f"NOT KNOWN: {others}",
-    }
-    say(f"Verdict: {said[sufficient(found)]}")
+    say(f"Verdict: {overall(found)}")
     days = () if found.availability is None else found.availability.notes
-    say_notes((*calm_air_notes(found), *loop_notes(found), *days))
+    say_notes((*nominal_notes(found), *loop_notes(found), *days))

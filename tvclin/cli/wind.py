@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_requirement import pulse_of
+from tvclin.answers.case_requirement import StudyRequirement, pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, between, nonnegative, nonzero, number, one_of, positive
+from tvclin.base.quantities import NOMINAL
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
@@ -248,15 +249,16 @@ class BlowingOptions(BiasOptions):
         return chosen(getattr(self, "wind", None), case.shape)
 
     def title(self, case: Case, source: str) -> str:
-        """Return the vehicle of a case, its model and its wind in words."""
+        """Return the vehicle of a case, its model and its wind, at nominal dynamic pressure."""
         name = case.vehicle.name or source
-        return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}"
+        return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}, {NOMINAL}"
 
-    def document(self, case: Case) -> dict[str, Any]:
-        """Return the same for JSON, and the plane."""
+    def document(self, case: Case, required: StudyRequirement | None) -> dict[str, Any]:
+        """Return the vehicle, model, wind and plane of a case, and its requirement, for JSON."""
         wind = {"name": self.name(case), **picked(case.history, "peak_deg onset_s end_s")}
         head = picked(case, "vehicle=vehicle.name model=plant.model")
-        return {**head, "wind": wind, "plane": case.plane}
+        needed = None if required is None else degrees(required.required_deflection)
+        return {**head, "wind": wind, "plane": case.plane, "required_deflection_deg": needed}
 
     def sounding(self, plan: StudyPlan, source: str) -> History:
         """Return what the flight of a plan meets of the sounding, in flight time.

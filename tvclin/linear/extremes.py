@@ -30,10 +30,10 @@ FALLEN_OVER = np.pi / 2
 LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
 """Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
 TURNED_OVER = (
-    "Held for ever, this limit turns the vehicle over. It is enough for a control that"
+    "Held for ever, this limit turns the vehicle over. It is survived with a control that"
     " lets go of it in time, which this response does not show."
 )
-"""Of a limit that is enough, and a response with it that exceeds 90 degrees."""
+"""Of a limit that is survived, and a response with it that exceeds 90 degrees."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def shown_until(
     vehicle over to the other side at once, it ends with the wind.
 
     `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: the end
-    that was asked for [s]. `lets_go`: whether the limit is enough, so that the last return to zero
+    that was asked for [s]. `lets_go`: whether the limit survives, so that the last return to zero
     is the end of its work.
     """
     from scipy.optimize import brentq

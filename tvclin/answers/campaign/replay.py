@@ -71,7 +71,7 @@ class Replay:
 
     @cached_property
     def required(self) -> float:
-        """The deflection [rad] that is required at `dead_band` in the dynamic pressure of calm air.
+        """The deflection [rad] that is required at `dead_band` at nominal dynamic pressure.
 
         In the plane of the campaign; its sign opposes the wind.
         """

@@ -77,12 +77,12 @@ class CampaignSummary(Shown):
         both = plan.planes == BOTH
         across = plan.plane != "pitch" and not both
         if across or plan.sign == FROZEN or not required:
-            return "of calm air"
+            return "nominal"
         if both:
-            return "met in each wind"
+            return "in each wind"
         if plan.sign is not None:
-            return f"met in a {plan.sign} wind"
-        return "met in each wind" if plan.wind.count else "met in a head or tail wind, the worse"
+            return f"in a {plan.sign} wind"
+        return "in each wind" if plan.wind.count else "in a head or tail wind, the worse"
 
     @property
     def median(self) -> float:

@@ -1,4 +1,4 @@
-"""What is asked of a nozzle, what it can do, and what is left of that."""
+"""Requirements of motions on a nozzle, what it offers, and what remains of that."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from tvclin.answers.nozzle_cards.card import NozzleCard
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, Table, significant
+from tvclin.base.quantities import satisfaction, survival
 
 SHEET = {
     "limit": ("limit", "deg"),
@@ -58,7 +59,7 @@ class Need(Shown):
     needed: float
     there: float | None
 
-    as_dict = keyed("name unit needed there left enough")
+    as_dict = keyed("name unit needed there left met")
 
     @property
     def left(self) -> float | None:
@@ -66,11 +67,11 @@ class Need(Shown):
         if self.there is None:
             return None
         left = self.there - self.needed
-        return max(left, 0.0) if self.enough else left  # a stop that is reached, but for rounding
+        return max(left, 0.0) if self.met else left  # a stop that is reached, but for rounding
 
     @property
-    def enough(self) -> bool | None:
-        """Whether there is enough; None where nothing is given, or the need is not known."""
+    def met(self) -> bool | None:
+        """Whether the nozzle offers what is needed; None where it says nothing, or not known."""
         if self.there is None or np.isnan(self.needed):
             return None
         return bool(self.needed <= self.there * (1.0 + _ROUNDING))
@@ -83,7 +84,7 @@ class Need(Shown):
 
 @dataclass(frozen=True)
 class NozzleVerdict(Shown):
-    """Whether a nozzle is enough, line by line: that of which the largest part is needed first.
+    """Whether a nozzle meets its data sheet, line by line, that with the largest needed part first.
 
     `lost` are flights that are not survived, `unknown` what cannot be judged, a flight or a wind,
     with the reason and what would make it known; both in words.
@@ -93,7 +94,7 @@ class NozzleVerdict(Shown):
     lost: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
 
-    as_dict = keyed("enough words needs lost unknown")
+    as_dict = keyed("met words needs lost unknown")
     _keys = "verdict=words lost unknown"
 
     @classmethod
@@ -126,9 +127,9 @@ class NozzleVerdict(Shown):
         return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
 
     @property
-    def enough(self) -> bool | None:
+    def met(self) -> bool | None:
         """Whether all flights are survived and no line is short; None where nothing is given."""
-        answers = [one.enough for one in self.needs if one.there is not None]
+        answers = [one.met for one in self.needs if one.there is not None]
         if self.lost or False in answers:
             return False
         return None if not answers or None in answers or self.unknown else True
@@ -139,23 +140,23 @@ class NozzleVerdict(Shown):
         if self.lost:
             others = len(self.lost) - 1
             return f"{self.lost[0]}{f', and {others} more' if others else ''}"
-        if self.unknown and self.enough is None:
+        if self.unknown and self.met is None:
             return "; ".join(self.unknown)
         worst = next((one for one in self.needs if one.there is not None), None)
-        if worst is None or self.enough is None:
+        if worst is None or self.met is None:
             return ""
         if np.isinf(worst.needed):
-            return f"no {worst.name} is enough"
+            return f"no {worst.name} is sufficient"
         needed, there = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
-        return f"the {worst.name} needed is {needed}, and {there} is there"
+        return f"the {worst.name} needed is {needed}, and {there} is available"
 
     @property
     def words(self) -> str:
         """The verdict in a sentence, with its reason."""
         given = any(one.there is not None for one in self.needs)
         if not (given or self.lost or self.unknown):
-            return "nothing is asked; give a limit and a rate limit"
-        word = {True: "ENOUGH", False: "NOT ENOUGH", None: "NOT KNOWN to be enough"}[self.enough]
+            return "nothing is judged; give a limit and a rate limit"
+        word = survival(False) if self.lost else satisfaction(self.met)
         return f"{word}: {self.reason}" if self.reason else word
 
     def _repr_html_(self) -> str:

@@ -111,7 +111,7 @@ def flight_card(
     >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
     >>> asked = tv.answers.SizingAsked(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
     >>> card = tv.answers.flight_card(case, asked)
-    >>> card.verdict.enough, round(card.largest["rate_deg_per_s"], 1)
+    >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
     instance("asked", asked, SizingAsked, "see load_sizing")
@@ -364,8 +364,8 @@ def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -
         )
     if any(one.direction == "head" for one in points):
         yield (
-            "a head wind meets the vehicle with the dynamic pressure of its peak throughout, a tail"
-            " wind with that of calm air"
+            "the dynamic pressure is that at the peak of a head wind throughout, and in a tail wind"
+            " the nominal one"
         )
     if not all(map(_measured, winds.values())):
         noise = ", noise all along" if flying.noise else ""

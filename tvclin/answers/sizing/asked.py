@@ -245,9 +245,9 @@ class SizingAsked:
             progress=progress,
         )
         if self.soundings and any(one.varying for one in found.required):
-            air = "of calm air" if case.sign == FROZEN else "that the wind makes"
+            air = "nominal" if case.sign == FROZEN else "encountered"
             names = ", ".join(self.soundings)
-            said = f"each K, varying counts the dynamic pressure {air} in {names}"
+            said = f"each K, varying counts the {air} dynamic pressure in {names}"
             found = replace(found, notes=(*found.notes, said))
         pulses = self.pulses(case)
 

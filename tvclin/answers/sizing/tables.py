@@ -14,7 +14,7 @@ _MARKS = {
     "1": "beyond the single-pole theory",
     "~": "parameters change while the wind blows",
     "+": "beyond the schedule",
-    "=": "what the sign of a pulse changes is not known, and calm air's number stands for both",
+    "=": "what the sign of a pulse changes is not known, that at nominal pressure is of both",
     "?": "a wind is not known",
 }
 """What the marks of flight times mean in a table of the worst winds."""

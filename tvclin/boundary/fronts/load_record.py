@@ -12,7 +12,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
 from tvclin.base.lines import number as figure
-from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
+from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
 PROVED = 1e-4
@@ -54,8 +55,8 @@ class LoadFront(Shown):
     needed_load : float
         The load [rad] that some control keeps to with that limit, or at any; infinite if none.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, what
-        is needed is NaN, and whether it is enough is not known.
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
+        the lower bound is NaN.
     """
 
     loads: FloatArray
@@ -79,10 +80,11 @@ class LoadFront(Shown):
     as_dict = keyed(
         "loads_deg limits_deg proofs_deg slopes holds bounds_deg least_deflection_deg its_load_deg"
         " least_load_deg least_load_blind_deg moment_ratio rate_limit_deg_per_s limit_deg load_deg"
-        " needed_deg needed_load_deg left_deg left_load_deg enough"
+        " needed_deg needed_load_deg left_deg left_load_deg above_lower_bound"
     )
     _keys = (
-        "least_deflection_deg least_load_deg limit_deg needed_deg load_deg needed_load_deg enough"
+        "least_deflection_deg least_load_deg limit_deg needed_deg load_deg needed_load_deg"
+        " above_lower_bound"
     )
 
     @property
@@ -96,9 +98,26 @@ class LoadFront(Shown):
         return left_of(self.load, self.needed_load)
 
     @property
-    def enough(self) -> bool | None:
-        """Whether the limit is on the front or above, of a control that knows the wind."""
-        return None if self.limit is None or self.beyond else self.limit >= self.needed
+    def above_lower_bound(self) -> bool | None:
+        """Whether the limit is on the front with the wind known, or above.
+
+        None without a limit, and where the front is not proved to be above the limit. A limit below
+        the bound is never sufficient; one above it may be too small for a control.
+        """
+        if self.limit is None or self.beyond:
+            return None
+        return True if self.limit >= self.needed else None if self._proved <= self.limit else False
+
+    @property
+    def _proved(self) -> float:
+        """The lower bound [rad] that is proved for the load."""
+        at = np.flatnonzero(self.loads == self.load)
+        return float(self.proofs[at[0]]) if at.size else self.needed
+
+    @property
+    def takes_a_forecast(self) -> bool:
+        """Whether every law that does not know when the wind stops exceeds the load."""
+        return self.load is not None and self.load < self.least_load_blind
 
     @property
     def beyond(self) -> str:
@@ -106,22 +125,23 @@ class LoadFront(Shown):
         return beyond_linear(self.angle)
 
     @property
+    def bound_words(self) -> str:
+        """The lower bound of the limit within the load, in words."""
+        load = "" if self.load is None else " within this load"
+        return lower_bound(f"{WIND_KNOWN}{load}", self._proved)
+
+    @property
     def verdict(self) -> str:
-        """Whether that is enough, in words."""
+        """Whether the limit is below the lower bound, in words; empty where it is not."""
         if self.beyond:
-            return f"NOT KNOWN: {self.beyond}"
-        if self.enough is None:
-            return "nothing is asked; give a limit and a load"
-        if not self.enough:
-            at = np.flatnonzero(self.loads == self.load)
-            if at.size and self.limit is not None and self.limit >= self.proofs[at[0]]:
-                low, high = np.degrees([self.proofs[at[0]], self.needed])
-                between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
-                return f"NOT known to be enough: the least is {between} deg"
-            return "NOT enough, whatever the control"
-        if self.load is not None and self.load < self.least_load_blind:
-            return "enough only for a control that knows when the wind stops"
-        return "enough by theory, the wind being known"
+            return f"{sufficiency(None)}: {self.beyond}"
+        if self.limit is None or self.above_lower_bound:
+            return ""
+        if self.above_lower_bound is None:
+            low, high = np.degrees([self._proved, self.needed])
+            between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
+            return f"{sufficiency(None)}: the lower bound is {between} deg"
+        return f"{sufficiency(False)}, below the {WIND_KNOWN}"
 
     def tables(self) -> tuple[Table, ...]:
         """Return the front, and the nozzle's point beside what is needed."""
@@ -139,15 +159,15 @@ class LoadFront(Shown):
             for k in range(self.loads.size)
         )
         head = (
-            *("load [deg]", "wind known [deg]", "a degree buys [deg]"),
-            *("no forecast, at least [deg]", "set by"),
+            *("load [deg]", f"{WIND_KNOWN} [deg]", "a degree buys [deg]"),
+            *(f"{NO_FORECAST} [deg]", "set by"),
         )
         point = point_table(
             "Both at once: the limit at that load, the load at that limit",
             ("limit [deg]", "limit", self.needed, self.limit),
             ("load [deg]", "load", self.needed_load, self.load),
         )
-        return Table("Least deflection over the largest load", head, rows), point
+        return Table("Lower bounds of the limit over the largest load", head, rows), point
 
     @property
     def notes(self) -> Iterator[str]:
@@ -159,7 +179,8 @@ class LoadFront(Shown):
             yield "the wind changes its sign: there is no bound for laws without a forecast"
         elif np.isfinite(self.least_load_blind) and self.least_load_blind > 0.0:
             half = np.degrees(self.least_load_blind)
-            yield f"a law that does not know when the wind stops bears {half:.4g} deg at least"
+            more = ", more than this load" * self.takes_a_forecast
+            yield f"a law without a forecast bears {half:.4g} deg at least{more}"
         if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
             apart = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
             worst, at = np.max(apart), np.degrees(self.loads[np.argmax(apart)])

@@ -1,4 +1,4 @@
-"""The nozzle's point beside a front: what is needed, what is there, what is left."""
+"""The nozzle's point compared with a front: lower bound, available and remaining."""
 
 from __future__ import annotations
 
@@ -7,12 +7,19 @@ import numpy as np
 from tvclin.base.lines import Table, degrees, least
 
 Quantity = tuple[str, str, float, float | None]
-"""Label, key, what is needed, and what is there [rad, rad/s]."""
+"""Label, key, lower bound and available quantity [rad, rad/s]."""
 
 
 def left_of(there: float | None, needed: float) -> float | None:
-    """Return what is left of what is there; None where nothing is given."""
+    """Return what remains of an available quantity; None where it is not given."""
     return None if there is None else there - needed
+
+
+def lower_bound(name: str, deflection: float) -> str:
+    """Return a lower bound [rad] of the limit in words."""
+    if np.isinf(deflection):
+        return f"{name}: no limit is sufficient"
+    return f"{name}: {np.degrees(deflection):.3f} deg; a limit below it is never sufficient"
 
 
 def point_table(title: str, *quantities: Quantity) -> Table:
@@ -28,4 +35,4 @@ def point_table(title: str, *quantities: Quantity) -> Table:
                 degrees(f"nozzle.{key}.left", np.nan if left in (None, -np.inf) else left),
             )
         )
-    return Table(title, ("", "needed", "there", "left"), tuple(rows))
+    return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))

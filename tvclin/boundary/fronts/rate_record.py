@@ -11,8 +11,15 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, least
-from tvclin.boundary.fronts.nozzle_point import left_of, point_table
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
+from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
+
+_ROUNDING = 1e-9
+"""Relative tolerance of two equal lower bounds."""
+
+_ROUNDING = 1e-9
+"""Relative tolerance of two equal lower bounds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +49,8 @@ class RateFront(Shown):
     needed_rate : float
         The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
-        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, what
-        is needed is NaN, and whether it is enough is not known.
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
+        the lower bound is NaN.
     """
 
     rates: FloatArray
@@ -62,11 +69,12 @@ class RateFront(Shown):
     as_dict = keyed(
         "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
         " least_rate_blind_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
-        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s enough"
+        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s"
+        " above_lower_bound"
     )
     _keys = (
         "least_deflection_deg least_rate_deg_per_s limit_deg needed_deg rate_limit_deg_per_s"
-        " needed_rate_deg_per_s enough"
+        " needed_rate_deg_per_s above_lower_bound"
     )
 
     @property
@@ -80,10 +88,11 @@ class RateFront(Shown):
         return left_of(self.rate_limit, self.needed_rate)
 
     @property
-    def enough(self) -> bool | None:
+    def above_lower_bound(self) -> bool | None:
         """Whether the nozzle's point is on the front or above; None if nothing is given or known.
 
-        Of a limit or a rate limit alone, whether the other can make it enough.
+        Of a limit or a rate limit alone, whether the other can bring it there. A limit below the
+        bound is never sufficient; one above it may be too small for a control.
         """
         if self.beyond:
             return None
@@ -99,25 +108,32 @@ class RateFront(Shown):
         return beyond_linear(self.angle)
 
     @property
-    def _known(self) -> bool:
-        """Whether it would be enough for who knows the wind; a faster nozzle needs no more."""
+    def _above_wind_known(self) -> bool:
+        """Whether the nozzle's point is on the front with the wind known, or above."""
         fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
         can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
         free = self.rate_limit is None and limit is not None and self.least_deflection < limit
         return free or bool(np.any(can & (self.rates <= fastest)))
 
     @property
+    def bound_words(self) -> str:
+        """The lower bound of the limit at the nozzle's rate, in words."""
+        known, at = self.least_deflection, ""
+        if self.rate_limit is not None:
+            here = self.limits[self.rates == self.rate_limit]
+            known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
+        name = WIND_KNOWN if self.needed <= known * (1.0 + _ROUNDING) else NO_FORECAST
+        return lower_bound(f"{name}{at}", self.needed)
+
+    @property
     def verdict(self) -> str:
-        """Whether that is enough, in words."""
+        """Whether the nozzle's point is below the lower bound, in words; empty where it is not."""
         if self.beyond:
-            return f"NOT KNOWN: {self.beyond}"
-        if self.enough is None:
-            return "nothing is asked; give a limit and a rate limit"
-        if not self.enough:
-            return f"NOT enough, {'without a forecast' if self._known else 'whatever the control'}"
-        lacks = {"limit": self.limit, "rate limit": self.rate_limit}
-        with_it = [f", with the {name} needed" for name, there in lacks.items() if there is None]
-        return "".join(["enough by theory", *with_it])
+            return f"{sufficiency(None)}: {self.beyond}"
+        if self.above_lower_bound is not False:
+            return ""
+        whose = NO_FORECAST if self._above_wind_known else WIND_KNOWN
+        return f"{sufficiency(False)}, below the {whose}"
 
     def tables(self) -> tuple[Table, ...]:
         """Return the front, and the nozzle's point beside what is needed."""
@@ -131,13 +147,13 @@ class RateFront(Shown):
             tuple(least(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
             for k in range(self.rates.size)
         )
-        head = ("rate limit [deg/s]", "wind known [deg]", "no forecast, at least [deg]")
+        head = ("rate limit [deg/s]", f"{WIND_KNOWN} [deg]", f"{NO_FORECAST} [deg]")
         point = point_table(
             "Both at once: the limit at that rate, the rate limit at that angle",
             ("limit [deg]", "limit", self.needed, self.limit),
             ("rate limit [deg/s]", "rate", self.needed_rate, self.rate_limit),
         )
-        return Table("Least deflection over the rate limit", head, rows), point
+        return Table("Lower bounds of the limit over the rate limit", head, rows), point
 
     @property
     def notes(self) -> Iterator[str]:
@@ -148,4 +164,4 @@ class RateFront(Shown):
         elif self.bounds is None:
             yield "the wind changes its sign: there is no bound for laws without a forecast"
         else:
-            yield "without a forecast it is a lower bound: a law may need more angle and more rate"
+            yield "these are lower bounds: a control may require more angle and more rate"

@@ -13,6 +13,7 @@ from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
+from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.flexible import FATES
 from tvclin.kernels.choice import compiling_nothing
@@ -24,7 +25,7 @@ _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"
     " the vehicle over to the other side; a law lets go of it"
 )
-_CALM = "response and flight are in the dynamic pressure of calm air, as those of tvclin fly"
+_NOMINAL = f"response and flight are {NOMINAL}, as those of tvclin fly"
 _BOTH = "what is needed is of both planes with one stop, and the flight of the {} plane alone"
 _UNKNOWN = parts.Part(None, ())
 
@@ -132,7 +133,7 @@ def _notes(choices: Choices, need: CaseRequirement) -> list[str]:
         *gust_placed(choices.wind, need.wind_in_plane),
         *along_the_path(need),
         *(both or words_of(need.planes, plan.plane, False, calm)),
-        *(() if calm else [_CALM]),
+        *(() if calm else [_NOMINAL]),
     ]
 
 
@@ -144,15 +145,17 @@ def _left_out(choices: Choices) -> list[str]:
 def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, known: bool) -> str:
     flown = "" if fate is None else f" Flown with the law {c.law}, the vehicle {FATES[fate]}."
     if need is None:
-        said = "No answer for these choices." if known else "What this wind needs is computed ..."
+        said = (
+            "No answer for these choices." if known else "What this wind requires is computed ..."
+        )
         return f"{said}{flown}"
     if need.beyond:
-        return f"Not known: {need.beyond}.{flown}"
+        return f"{sufficiency(None)}: {need.beyond}.{flown}"
     have, required = float(np.degrees(c.limit)), need.required_deflection
     if not required:
         return f"No deflection is needed: no unstable pole that a wind could excite.{flown}"
-    enough = "Enough" if covers(c.limit, required) else "Not enough"
+    word = sufficiency(bool(covers(c.limit, required)))
     return (
-        f"{enough}: with K = {need.dead_band:g} this wind needs {np.degrees(required):.3f} deg"
+        f"{word}: with K = {need.dead_band:g} this wind requires {np.degrees(required):.3f} deg"
         f" ({need.governs}), and the limit is {have:.3f} deg.{flown}"
     )

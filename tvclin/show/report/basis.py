@@ -9,7 +9,7 @@ from importlib.resources import files
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.glossary import SYMBOLS, TERMS
-from tvclin.answers.questions import calm_air_notes
+from tvclin.answers.questions import nominal_notes
 from tvclin.answers.study_notes import OUTLASTS
 from tvclin.base.lines import Formula, Line, Table, labelled, text
 from tvclin.show.report.blocks import (
@@ -48,7 +48,7 @@ def assumptions(found: Findings) -> Section:
         for status in dict.fromkeys(str(status) for status in one.status if status != "ok")
     ]
     odd += [note for note in s.notes if OUTLASTS not in note and DOUBTFUL not in note]
-    odd += [*calm_air_notes(found), *found.warnings]
+    odd += [*nominal_notes(found), *found.warnings]
     if found.comparison is not None:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
         odd += [f"autopilot: {note}" for note in notes]

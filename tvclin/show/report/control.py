@@ -7,6 +7,7 @@ from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Line, degrees, number, quantities
+from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.criteria import margin_table
 from tvclin.control.margins.margins import Margins
@@ -17,8 +18,8 @@ from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
 from tvclin.show.report.figures import figure_of
 
-_CALM = ", in the dynamic pressure of calm air"
-"""Of a section, where the verdict is on that which a head wind meets as well."""
+_NOMINAL = f", {NOMINAL}"
+"""Of a section, where the verdict is also on the dynamic pressure in a head wind."""
 
 
 def laws(found: Findings) -> Section | None:
@@ -59,8 +60,8 @@ def _apart(found: Findings) -> str:
     apart += ["both planes counted"] if found.study.in_both else []
     added = f", flown with {', '.join(apart)}" if apart else ""
     return (
-        f" The autopilot flies here with the gains of Autopilot and margins. There it needs {least}"
-        f"{added}{_CALM * bool(found.head)}."
+        f" The autopilot flies here with the gains of Autopilot and margins. There it requires"
+        f" {least}{added}{_NOMINAL * bool(found.head)}."
     )
 
 
@@ -75,7 +76,7 @@ def _autopilot(found: Findings) -> list[Block]:
     plant = c.plant
     margins = c.margins if f is None else f.bands.whole
     met = bool(found.criteria.are_met(found.margins or c.margins))
-    verdict = "met" if met else "not met"
+    verdict = satisfaction(met)
     notes = [
         f" {note[0].upper()}{note[1:]}." for note in gain_notes(found.plan, found.criteria, met)
     ]
@@ -119,7 +120,7 @@ def _flown(found: Findings) -> list[Block]:
         " times the least with which this autopilot survives.",
     )
     return [
-        flown_table(f, "Margins that the limit leaves in this wind" + _CALM * bool(found.head)),
+        flown_table(f, "Margins that the limit leaves in this wind" + _NOMINAL * bool(found.head)),
         Paragraph(words),
         *checks(f.notes),
     ]
@@ -133,8 +134,10 @@ def _lost(found: Findings) -> str:
     least, have = np.degrees(abs(stop.deflection) * found.study.of_both), np.degrees(limit)
     if np.isinf(least):
         return f"flown with a stop of {have:.3f} deg or more, the autopilot does not survive"
-    calm = _CALM * bool(found.head)
-    return f"the autopilot needs a stop of {least:.3f} deg, flown{calm}, and has {have:.3f} deg"
+    nominal = _NOMINAL * bool(found.head)
+    return (
+        f"the autopilot requires a limit of {least:.3f} deg, flown{nominal}, and has {have:.3f} deg"
+    )
 
 
 def dispersed(found: Findings) -> Section | None:
@@ -159,7 +162,7 @@ def _in_the_wind(found: Findings, c: TrimComparison) -> list[Block]:
     title = "The autopilot in this wind, without a stop"
     title += "" if found.flexible is None else ", flexible vehicle"
     title += f", {found.study.plane} plane alone" if found.study.in_both else ""
-    title += _CALM if found.head is not None else ""
+    title += _NOMINAL if found.head is not None else ""
     stop = None if found.stop is None else abs(float(found.stop.deflection))
     tables = [c.deflections(title, stop), quantities("Largest motions", c.motions())]
     return [*tables, *_of_both(found, stop)]

@@ -108,7 +108,7 @@ def boundaries(found: Findings) -> Section:
     label = f"Required deflection over the duration of the wind, for {' and '.join(s.boundaries)}"
     caption = (
         "Required deflection over the duration of the wind, for each dead band K and model, in the"
-        f" dynamic pressure of calm air{alone}. The dot is what this study requires."
+        f" nominal dynamic pressure{alone}. The dot is what this study requires."
     )
     words = (
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
@@ -119,7 +119,7 @@ def boundaries(found: Findings) -> Section:
     if s.encountered:
         words += (
             " The rows of a head and a tail wind have the dynamic pressure that the vehicle meets"
-            " in them, all others that of calm air."
+            " in them, all others the nominal one."
         )
     shown: Block = Paragraph(
         (f"{as_sentence(s.beyond)} Over trim stand the limits of the linear equations.",)

@@ -14,12 +14,13 @@ from tvclin.answers.study import Study
 from tvclin.answers.study_notes import TRUSTS
 from tvclin.answers.study_tables import survivable
 from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import BOUNDARY
 from tvclin.show.report.blocks import Section
 from tvclin.winds.shaped import ShapedWind
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
-_NONE = "Not enough: no limit is, with this dead band, see Assumptions."
+_NONE = f"{sufficiency(False)}: with this dead band no limit is, see Assumptions."
 SURVIVES = "survives this wind up to"
 """How the largest peak is called that limit and autopilot survive, whatever else is asked."""
 _SENSIBLE = 1000.0
@@ -29,7 +30,7 @@ _LEAST_SHOWN = 0.001
 
 
 def sentence(found: Findings) -> Line:
-    """Return the verdict: enough or not, and by how much of what needs most."""
+    """Return the verdict, and by how much of the largest requirement."""
     study, each = found.study, questions(found)
     failed = [one for one in each if one.yes is False]
     unknown = [one for one in each if one.yes is None and study.limit is not None]
@@ -40,8 +41,8 @@ def sentence(found: Findings) -> Line:
         return _needed(study)
     if study.limit is not None and worst is not None and (failed or not unknown):
         return _beside(worst, study.limit, not failed)
-    word = "Not enough" if failed else "Not shown to be enough"
     first = asked[0]
+    word = first.answer
     said = f"{word}: {first.text.partition('; ')[0]}"
     if first.measure is not None and first.whose and np.isnan(first.needs):  # it needs a rate
         needed, there = measured("verdict", first.measure)[:2]
@@ -56,20 +57,24 @@ def _needed(study: Study) -> Line:
     """What the wind needs, where no limit is in question."""
     need = study.required_deflection
     if study.beyond:
-        return (f"Not known: {study.beyond}.",)
+        return (f"{sufficiency(None)}: {study.beyond}.",)
     if not need:
         return (_NOTHING,)
     if np.isinf(need):
         return (_NONE,)
-    return ("This wind needs ", *degrees("verdict.required", need, unit="deg"), " of deflection.")
+    return (
+        "This wind requires ",
+        *degrees("verdict.required", need, unit="deg"),
+        " of deflection.",
+    )
 
 
-def _beside(worst: Question, limit: float, enough: bool) -> Line:
-    """By how much a limit is enough for a question, or not."""
+def _beside(worst: Question, limit: float, sufficient: bool) -> Line:
+    """By how much a limit is sufficient for a question, or not."""
     if not worst.needs:
         return (_NOTHING,)
     if np.isinf(worst.needs):
-        return (_NONE if worst.name == "wind" else f"Not enough: {worst.text}.",)
+        return (_NONE if worst.name == "wind" else f"{sufficiency(False)}: {worst.text}.",)
     needed = degrees("verdict.required", worst.needs, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
     apart = abs(limit - worst.needs)
@@ -79,7 +84,7 @@ def _beside(worst: Question, limit: float, enough: bool) -> Line:
         by = (f"less than {_LEAST_SHOWN:g} deg",)
     elif percent <= _SENSIBLE:
         by += (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
-    word, side = ("Enough", "more than") if enough else ("Not enough", "short of")
+    word, side = sufficiency(sufficient), "more than" if sufficient else "short of"
     tail = (*by, f" {side} the ", *needed, f" that {worst.whose}.")
     return (f"{word}: the limit of ", *have, " is ", *tail)
 
@@ -122,7 +127,7 @@ def basis(found: Findings) -> Line:
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 2, "%")
     return (
         *line,
-        " With vehicle and wind dispersed the limit is enough in ",
+        " With vehicle and wind dispersed the limit is sufficient in ",
         *percent,
         " of cases.",
     )
@@ -157,7 +162,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     rows: list[tuple[str, Line]] = []
     if asked(found) is None:  # else it is one of its rows
         need = least(degrees("facts.required", s.required_deflection, unit="deg"))
-        rows.append(("this wind needs", need))
+        rows.append(("required deflection", need))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.limit is not None and s.survivable_peak is not None:
@@ -168,9 +173,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
         rows.append((SURVIVES + by, (*peak, " deg")))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
-        rows.append(("ideal trim takes", trim))
+        rows.append((STATIC_TRIM, trim))
     if s.model in s.minima and not s.in_both:
-        rows.append(
-            ("minimum, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg"))
-        )
+        rows.append((WIND_KNOWN, degrees("facts.minimum", s.minima[s.model], unit="deg")))
     return tuple(rows)

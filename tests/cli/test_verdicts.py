@@ -1,0 +1,66 @@
+"""The verdict on a limit that every command gives or leaves to `tvclin study`, in its words.
+
+Configuration I in a triangle of 5 deg and 7.5 s with 0.4 deg: 0.412 deg is required, at the dynamic
+pressure of a head wind, by `solve_ivp` of the linear equations in `tests/answers/test_encountered`.
+"""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from tvclin.base.quantities import satisfaction, sufficiency, survival
+from tvclin.cli.app import app
+
+WIND = ("--wind", "triangular", "--duration", "7.5", "--peak-deg", "5")
+LIMIT = ("--limit-deg", "0.4")
+AT = ("--from", "66", "--to", "66")
+REQUIRED, NOMINAL = "0.412 deg", "at nominal dynamic pressure"
+SEE = f"equired deflection {REQUIRED}, see study"
+OTHERS = re.compile(
+    r"(?<!NOT )\b(SUFFICIENT|ENOUGH|Enough|enough)\b|NOT [Ee]nough|NOT ENOUGH|\bLOST\b|calm air"
+)
+"""Verdicts that a limit of 0.4 deg must not have, and words that are no verdicts."""
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("study", "configuration-i", *WIND, *LIMIT), 1, (REQUIRED, "Limit 0.400 deg: NOT SUFF")),
+        (("boundary", "configuration-i"), 0, (f"y_BR {NOMINAL}",)),
+        (("respond", "configuration-i", *WIND, *LIMIT), 0, (SEE, "that: SURVIVED", NOMINAL)),
+        (("fly", "configuration-i", *WIND, *LIMIT), 0, (SEE, f"Flown {NOMINAL}: SURVIVED")),
+        (("nozzle", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
+        (("loads", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
+        (("optimum", "configuration-i", *WIND), 0, (SEE, "lower bound, wind known", NOMINAL)),
+        (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
+        (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) and value[0].isalpha() else "",
+)
+def test_no_command_calls_a_limit_sufficient_that_is_not(arguments, code, words) -> None:
+    result = run(*arguments)
+    said = " ".join(result.output.split())
+    assert result.exit_code == code, said
+    assert [one for one in words if one not in said] == [], said
+    assert OTHERS.search(said) is None, said
+
+
+@pytest.mark.parametrize("command", ["study", "respond", "fly", "nozzle", "loads", "optimum"])
+def test_json_has_the_required_deflection_under_one_name(command) -> None:
+    limit = () if command == "optimum" else LIMIT
+    document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)
+    found = document.get("verdict", document) if command == "study" else document
+    assert found["required_deflection_deg"] == pytest.approx(0.412, abs=5e-4)
+
+
+def test_answers_have_three_words_each() -> None:
+    each = [[word(one) for one in (True, False, None)] for word in (sufficiency, satisfaction)]
+    assert each[0] == ["SUFFICIENT", "NOT SUFFICIENT", "NOT KNOWN"]
+    assert each[1] == ["MET", "NOT MET", "NOT KNOWN"]
+    assert [survival(one) for one in (True, False, None)][1] == "NOT SURVIVED"

@@ -1,0 +1,52 @@
+"""The quantities of a verdict, each with its one sentence, and the words of verdicts."""
+
+from __future__ import annotations
+
+QUANTITIES = {
+    "static trim": "the largest |B alpha_w| at nominal dynamic pressure, without drift",
+    "trim along the path": "the largest deflection of ideal trim, unlimited, with drift, at the"
+    " dynamic pressure encountered",
+    "boundary limit": "y(K) of eq (4b) at nominal dynamic pressure, a ratio to static trim",
+    "required deflection": "the smallest limit from which on every limit survives, for the ideal"
+    " trim law, in the wind's own angle and dynamic pressure, the worst of what is not known; the"
+    " verdict stands on it",
+    "lower bound, wind known": "the minimum peak of appendix C: no control needs less",
+    "lower bound, no forecast": "no law without a forecast of the wind needs less",
+    "autopilot requirement": "the smallest limit from which on every limit survives, for one"
+    " autopilot as it is modelled: samples, delay, actuator, filters, bending, rate limit",
+    "budget": "the required deflection with nominal flight, offsets, dispersions and reserve",
+    "available": "the deflection limit of the nozzle",
+    "remaining": "the available deflection minus what is required",
+    "survivable peak": "the largest peak of a wind of this shape and duration that the limit"
+    " survives, up to a wind angle of 30 deg",
+    "required rate": "the smallest rate limit with which a control that knows the wind survives"
+    " with the deflection limit",
+    "controllability ratio": "the available deflection over static trim with all that adds up; it"
+    " takes the wind for lasting",
+}
+"""The quantities, by name; each sentence stands here alone."""
+
+STATIC_TRIM = "static trim"
+WIND_KNOWN, NO_FORECAST = "lower bound, wind known", "lower bound, no forecast"
+REQUIREMENT = "autopilot requirement"
+NOMINAL = "at nominal dynamic pressure"
+"""Of an answer that leaves out the dynamic pressure that the wind itself makes."""
+
+
+def sufficiency(answer: bool | None) -> str:
+    """Return the verdict on a limit: SUFFICIENT, NOT SUFFICIENT or NOT KNOWN."""
+    return _word(answer, "SUFFICIENT")
+
+
+def satisfaction(answer: bool | None) -> str:
+    """Return whether criteria are satisfied: MET, NOT MET or NOT KNOWN."""
+    return _word(answer, "MET")
+
+
+def survival(answer: bool | None) -> str:
+    """Return the outcome of a flight: SURVIVED, NOT SURVIVED or NOT KNOWN."""
+    return _word(answer, "SURVIVED")
+
+
+def _word(answer: bool | None, word: str) -> str:
+    return {True: word, False: f"NOT {word}", None: "NOT KNOWN"}[answer]
