@@ -1,6 +1,7 @@
 """A study as tables, and its verdict in words."""
 
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -110,21 +111,19 @@ def boundaries(s: Study) -> Table:
     rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
     for i, K in enumerate(s.dead_bands):
         mark = _VERDICT if K == s.dead_band and not judged else ""
-        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
+        cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            row.append(least(degrees(key, abs(one.deflection[i]))))
-            row.append(least(number(f"{key}.limit", one.limit[i])))
-        rows.append(tuple(row))
-    counted = _counted(s)
-    for label, (need, _) in judged.items():
-        mark = _VERDICT if label == counted else ""
-        needs = {s.model: need}
-        rows.append(((label + mark,), *_parts(s, label.replace(" ", "_"), needs)))
+            cells.append(least(degrees(key, abs(one.deflection[i]))))
+            cells.append(least(number(f"{key}.limit", one.limit[i])))
+        rows.append(tuple(cells))
+    for row in judged:
+        mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
+        rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     if s.limit is not None and not s.in_both and s.model in s.boundaries:
-        peaks = _survived(s, s.limit, [survived for _, survived in judged.values()])
+        peaks = _survived(s, s.limit, [one.survived for one in judged])
         bound = abs(s.peak_bound)
         survived = [survivable(f"survived.{k}", one, bound) for k, one in enumerate(peaks)]
         head = (*head, "limit survives [deg]")
@@ -141,35 +140,40 @@ def boundaries(s: Study) -> Table:
     return Table(caption, head, tuple(rows))
 
 
-def _counted(s: Study) -> str:
-    """What is the row of the required deflection called, where it is not that of the dead band."""
-    if s.in_both:
-        return "both planes"
-    return "required" if s.at_nominal_pressure else f"{s.direction} wind"
+class _Judged(NamedTuple):
+    """Row of a required deflection [rad], with the peak [rad] that the limit survives there."""
+
+    label: str
+    required: float
+    survived: float
+    of_verdict: bool
 
 
-def _judged(s: Study) -> dict[str, tuple[float, float]]:
-    """What is required [rad] where it is more than a boundary, and the peak [rad] that survives.
+def _judged(s: Study) -> list[_Judged]:
+    """Return the rows of required deflections that are larger than a boundary.
 
     Empty where the boundary with the dead band of the verdict is all that is required. Of the
-    signs of a wind the peak is known only of the one that counts.
+    directions of a wind the peak is known only of the one that counts.
     """
-    met = abs(s.survivable_peak or np.nan)
+    survived = abs(s.survivable_peak or np.nan)
     if s.in_both:
-        return {"both planes": (s.required_deflection, met)}
+        return [_Judged("both planes", s.required_deflection, survived, True)]
     if s.model not in s.boundaries:
-        return {}
-    found = {}
+        return []
+    rows = []
     alone = s.governs == BOUNDARY and s.switch == "literal"
     if not s.encountered and (alone or s.governs == NOTHING):
-        return {}
+        return []
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
-    if not np.isclose(abs(row), s.nominal_deflection, rtol=ROUNDING):
-        peak = abs(s.judged_peak) * (s.limit or np.nan) / s.nominal_deflection
-        found["nominal pressure" if s.encountered else "required"] = (s.nominal_deflection, peak)
+    nominal = s.nominal_deflection
+    if not np.isclose(abs(row), nominal, rtol=ROUNDING):
+        peak = abs(s.judged_peak) * (s.limit or np.nan) / nominal
+        label = "nominal pressure" if s.encountered else "required"
+        rows.append(_Judged(label, nominal, peak, s.at_nominal_pressure))
     for name, need in s.encountered.items():
-        found[f"{name} wind"] = (need, met if s.direction == name else np.nan)
-    return found
+        counts = s.direction == name
+        rows.append(_Judged(f"{name} wind", need, survived if counts else np.nan, counts))
+    return rows
 
 
 def verdict(s: Study) -> Iterator[Line]:
