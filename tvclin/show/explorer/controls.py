@@ -135,6 +135,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         v["heading"] * _DEG if slanting else None,
         _gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
         file_wind.gust_at if v["gust_peak"] else None,
+        **_speeds(base, vehicle, v),
     )
     plan = replace(
         base,
@@ -156,6 +157,22 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     return Choices(plan=plan, law=v["law"])
 
 
+def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float | None]:
+    """Return the speeds [m/s] of the wind and its gust in the file, while their angles stay."""
+    start = {field: slider.value for field, slider in sliders(base, [base.vehicle]).items()}
+    start |= {field: row[2] for field, row in lists(base, [""]).items()}
+    wind = base.wind
+    assert isinstance(wind, ShapedWind)
+    stays = vehicle is base.vehicle and all(
+        v[field] == start[field] for field in ("plane", "direction", "heading")
+    )
+    speeds = {"speed": ("peak", wind.speed), "gust_speed": ("gust_peak", wind.gust_speed)}
+    return {
+        field: speed if stays and v[angle] == start[angle] else None
+        for field, (angle, speed) in speeds.items()
+    }
+
+
 def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
     """The plane whose flight is shown of both; the other one where the wind has no part in it."""
     whole = whole_vehicle(vehicle, "a wind with a direction")
@@ -174,8 +191,11 @@ def idle(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
         "stop": not both and f"counts only in the plane {BOTH}",
         "direction": both and "both planes need a direction",
         "heading": not slanting and "counts only with a wind from a direction",
-        "sign": (slanting and "the wind's direction says it")
-        or (v["plane"] == "yaw" and "a wind in yaw blows across the path"),
+        "sign": v["sign"] != FROZEN
+        and (
+            (slanting and "the wind's direction says it")
+            or (v["plane"] == "yaw" and "a wind in yaw blows across the path")
+        ),
         "gust_duration": not v["gust_peak"] and "there is no gust: its peak is 0",
         "rate_limit": v["law"] == REPORT and f"counts only in flights of a law, not with {REPORT}",
         **dict.fromkeys(OWN_GAINS, v["design"] != OWN and ruled),

@@ -62,19 +62,25 @@ def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
 
 def _wind(wind: Any) -> list[tuple[str, Table]]:
     assert isinstance(wind, ShapedWind)
-    table: Table = {"shape": wind.shape, "peak_deg": _deg(wind.peak), "duration_s": wind.duration}
+    peak = _peak(float(wind.peak), wind.speed)
+    table: Table = {"shape": wind.shape, **peak, "duration_s": wind.duration}
     if wind.heading is not None:
         table |= {"direction_deg": _deg(wind.heading), "azimuth_deg": 0.0}
     gust = wind.gust
     if gust is None:
         return [("[wind]", table)]
     own = {
-        "peak_deg": _deg(float(gust.peak)),
+        **_peak(float(gust.peak), wind.gust_speed),
         "duration_s": _short(float(gust.end - gust.onset)),
         "plateau_s": _short(plateau_of(gust)),
         "peak_time_s": wind.gust_at,
     }
     return [("[wind]", table), ("[gust]", _given(own))]
+
+
+def _peak(angle: float, speed: float | None) -> Table:
+    """Return the peak of a wind or gust, by its speed [m/s] where it is known by that."""
+    return {"peak_deg": _deg(angle)} if speed is None else {"peak_speed_m_per_s": speed}
 
 
 def _nozzle(choices: Choices) -> Table:
