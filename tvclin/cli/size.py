@@ -286,7 +286,7 @@ def flight_asked(
     assert asked is not None
     if not asked.soundings:
         question.only_with("a sounding, --winds or [[wind]] with one", "window")
-        if case.planes == "yaw" and case.heading is None:
+        if case.planes == "yaw" and case.heading is None and case.sign != FROZEN:
             sign.only_with("--plane pitch: it is that of a wind along the path")
     elif not (asked.pulse or asked.others or case.sign == FROZEN):
         sign.only_with("a pulse: a sounding has its own sign, or is frozen")
