@@ -159,8 +159,8 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
 
 def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float | None]:
     """Return the speeds [m/s] of the wind and its gust in the file, while their angles stay."""
-    start = {field: slider.value for field, slider in sliders(base, [base.vehicle]).items()}
-    start |= {field: row[2] for field, row in lists(base, [""]).items()}
+    start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
+    start |= {k: choice[2] for k, choice in lists(base, [""]).items()}
     wind = base.wind
     assert isinstance(wind, ShapedWind)
     stays = vehicle is base.vehicle and all(
