@@ -70,7 +70,7 @@ _ = bode_chart(autopilot, plant)
 
 # %%
 for one in tv.CRITERIA["aircraft"].judge(margins):
-    print(one.requirement.margin, round(float(one.value), 2), "met" if one.met else "NOT MET")
+    print(one.requirement.margin, round(float(one.value), 2), "met" if one.satisfied else "NOT MET")
 
 # %% [markdown]
 # And the nozzle? In a wind this loop asks for a peak deflection. Below the boundary limits no
@@ -87,7 +87,7 @@ _ = comparison_chart(beside)
 # deflection, if the angle of attack is fed back too? One wind alone is overfitted, so take three.
 
 # %% tags=["within 3e-2"]
-same = tv.control.Criteria.own(
+same = tv.control.Criteria.custom(
     aero_margin_dB=margins.aero_margin_dB,
     gain_increase_dB=margins.gain_increase_dB,
     phase_margin_deg=margins.phase_margin_deg,
@@ -115,7 +115,7 @@ for place, (name, loop) in enumerate(loops.items()):
     promised = 20.0 * np.log10([fall.near_rest, rise.near_rest])
     changes.bar(at, promised, 0.36, fill=False, edgecolor=f"C{place}")
     changes.bar(at, [fall.dB, rise.dB], 0.36, color=f"C{place}", label=name)
-    asks = tv.compare_with_trim(plant, loop, wind).relative
+    asks = tv.compare_with_trim(plant, loop, wind).ratio_to_trim
     needs.bar(at, [asks, flown.boundary], 0.36, color=f"C{place}")
 changes.set_xticks([0.2, 1.2], ["gain may fall", "gain may rise"])
 changes.set_ylabel("[dB]")
@@ -131,7 +131,7 @@ _ = needs.set_ylabel("nozzle, of trim [-]")
 # %%
 answer = (
     f"Stable, with {margins.aero_margin_dB:.1f} dB down, {margins.gain_increase_dB:.1f} dB up and "
-    f"{margins.phase_margin_deg:.0f} deg; in this wind it asks for {beside.relative:.2f} times "
+    f"{margins.phase_margin_deg:.0f} deg; in this wind it takes {beside.ratio_to_trim:.2f} times "
     f"the deflection of trim, where {beside.minimum / beside.trim_deflection:.2f} is the least."
 )
 print(answer)

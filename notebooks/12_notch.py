@@ -53,7 +53,7 @@ print(f"around the one that bends: {rigid.margins(plant).reason}")
 def bands(autopilot, around=plant):
     """Print and return the margins by band."""
     found = autopilot.band_margins(around)
-    print(f"whole loop: {found.whole.status}, {found.whole.gain_increase_dB:.1f} dB up")
+    print(f"whole loop: {found.margins.status}, {found.margins.gain_increase_dB:.1f} dB up")
     for mode in found.modes:
         peak = f", peak {mode.peak_dB:.1f} dB" if np.isfinite(mode.peak_dB) else ""
         print(f"  {mode.name} at {mode.frequency:.1f} rad/s: {mode.stabilised}{peak}")
@@ -151,7 +151,7 @@ answer = (
     f"{before.mode('bending 2').peak_dB:+.1f} to {off[1.0].peak_dB:+.1f} dB, and to "
     f"{max(off[0.9].peak_dB, off[1.1].peak_dB):+.1f} dB so far off; at twenty percent less it is "
     f"held by {off[0.8].stabilised} at {off[0.8].peak_dB:+.1f} dB. The loop keeps "
-    f"{after.whole.gain_increase_dB:.1f} dB up, and the limit in this wind changes by "
+    f"{after.margins.gain_increase_dB:.1f} dB up, and the limit in this wind changes by "
     f"{100.0 * price:+.1f} percent."
 )
 print(answer)

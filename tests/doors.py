@@ -95,8 +95,8 @@ BARE = {
     "parts",
     "take",
     "aliases",
-    "from_plane",
-    "in_plane",  # of the arithmetic that a loop stands on
+    "w_to_s",
+    "s_to_w",  # of the arithmetic that a loop stands on
     "one",
     "some",
     "path_per_attitude",
@@ -258,7 +258,7 @@ def doors(folder: Path) -> dict[str, Door]:
     flexible = tv.FlexiblePlant.from_vehicle(booster, structure, "drift-exact")
     notch = tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
-    easy = tv.control.Criteria.own(aero_margin_dB=1.0)
+    easy = tv.control.Criteria.custom(aero_margin_dB=1.0)
     sought = {"winds": wind, "criteria": easy, "actuator": actuator, "delay": 0.02}
     found = hasty(tv.least_deflection_gains)(plant=plant, **sought)
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
@@ -330,13 +330,15 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Autopilot.band_margins": Door(steered.band_margins, {"plant": flexible}),
         "Autopilot.exact_loop": Door(steered.exact_loop, {"plant": flexible}),
-        "Autopilot.answer": Door(autopilot.answer, history),
+        "Autopilot.wind_response": Door(autopilot.wind_response, history),
         "Autopilot.close": Door(autopilot.close, {"plant": plant}),
         "Autopilot.closed_loop_poles": Door(autopilot.closed_loop_poles, {"plant": plant}),
         "Autopilot.frequency_response": Door(
             autopilot.frequency_response, {"plant": plant, "omega": [0.5, 2.0]}
         ),
-        "Autopilot.in_winds": Door(lambda plant, wind: autopilot.in_winds(plant)(wind), history),
+        "Autopilot.wind_response_function": Door(
+            lambda plant, wind: autopilot.wind_response_function(plant)(wind), history
+        ),
         "Autopilot.loop": Door(autopilot.loop, {"plant": plant}),
         "Autopilot.margins": Door(autopilot.margins, {"plant": plant}),
         "Autopilot.rational_loop": Door(autopilot.rational_loop, {"plant": plant}),
@@ -456,13 +458,13 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.control.Criteria,
             {"name": "own", "requirements": tv.CRITERIA["classic"].requirements},
         ),
-        "Criteria.are_met": Door(tv.CRITERIA["classic"].are_met, {"margins": margins}),
+        "Criteria.are_satisfied": Door(tv.CRITERIA["classic"].are_satisfied, {"margins": margins}),
         "Criteria.changed": Door(
             tv.CRITERIA["classic"].changed, {"source": "us", "phase_margin_deg": 20.0}
         ),
         "Criteria.judge": Door(tv.CRITERIA["classic"].judge, {"margins": margins}),
-        "Criteria.own": Door(
-            tv.control.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
+        "Criteria.custom": Door(
+            tv.control.Criteria.custom, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
         ),
         "EstimatedLaw": Door(
             tv.control.EstimatedLaw, {"law": law, "estimator": estimator, "plant": plant}
@@ -654,7 +656,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "LayeredGust": Door(tv.winds.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
         "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
-        "Loop.findings": Door(tv.Loop([1.0], [1.0, 1.0]).findings, {"delays": False}),
+        "Loop.analysis": Door(tv.Loop([1.0], [1.0, 1.0]).analysis, {"delays": False}),
         "Loop.from_matrices": Door(
             tv.Loop.from_matrices,
             {"A": [[-1.0]], "B": [[1.0]], "C": [[2.0]], "D": 0.0, "delay": 0.1},

@@ -63,12 +63,12 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
     for k in range(0, 12, 3):
         plant = plant_of(draw_case(asked, k).values)
         bands = autopilot.band_margins(plant)
-        assert found["margin_stable"][k] == bands.whole.stable
+        assert found["margin_stable"][k] == bands.margins.stable
         pairs = {
-            "margin_aero_dB": bands.whole.aero_margin_dB,
-            "margin_gain_dB": bands.whole.gain_increase_dB,
-            "margin_phase_deg": bands.whole.phase_margin_deg,
-            "margin_delay": bands.whole.delay_margin,
+            "margin_aero_dB": bands.margins.aero_margin_dB,
+            "margin_gain_dB": bands.margins.gain_increase_dB,
+            "margin_phase_deg": bands.margins.phase_margin_deg,
+            "margin_delay": bands.margins.delay_margin,
             "margin_bending_1_peak_dB": bands.mode("bending 1").peak_dB,
         }
         for name, value in pairs.items():

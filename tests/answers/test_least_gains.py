@@ -78,7 +78,7 @@ def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_be
     assert found.meaning == "peak"
     a = found.autopilot
     assert (a.attitude_gain, a.rate_gain, a.alpha_gain) == pytest.approx(held, rel=0.03, abs=2e-3)
-    assert tv.CRITERIA["classic"].are_met(a.margins(plant(model)))
+    assert tv.CRITERIA["classic"].are_satisfied(a.margins(plant(model)))
 
 
 @pytest.mark.thorough
@@ -100,7 +100,7 @@ def test_a_differential_evolution_with_single_loops_finds_the_same(two):
         return (
             (MISSES + short)
             if short
-            else abs(one.answer(plant(), wind).peak("deflection")[0]) / trim
+            else abs(one.wind_response(plant(), wind).peak("deflection")[0]) / trim
         )
 
     other = differential_evolution(
@@ -119,7 +119,7 @@ def test_a_brute_scan_finds_nothing_less(two):
     assert good.shape[0] > 60
     best = (
         asked.autopilot(good[np.argmin(peaks)])
-        .answer(asked.plant, asked.winds[0])
+        .wind_response(asked.plant, asked.winds[0])
         .peak("deflection")
     )
     assert found.deflection < abs(best[0]) < 1.1 * found.deflection
@@ -146,7 +146,7 @@ def test_peaks_of_many_loops_are_those_of_each(gust):
             **{n: getattr(rows, n)[k] for n in ("attitude_gain", "rate_gain", "alpha_gain")},
         )
         assert found == pytest.approx(
-            abs(one.answer(plant(), wind).peak("deflection")[0]), rel=5e-4
+            abs(one.wind_response(plant(), wind).peak("deflection")[0]), rel=5e-4
         )
 
 
@@ -156,7 +156,7 @@ def test_the_share_of_alpha_is_affine_on_a_fixed_path():
     B = float(fixed.coefficients.B)
     times = np.linspace(0.0, 15.0, 61)
     shown = [
-        tv.Autopilot(attitude_gain=3 * B - b, rate_gain=0.4, alpha_gain=b, **NOZZLE).answer(
+        tv.Autopilot(attitude_gain=3 * B - b, rate_gain=0.4, alpha_gain=b, **NOZZLE).wind_response(
             fixed, wind
         )(times)[-1]
         for b in (0.0, B, 2 * B)
@@ -173,7 +173,7 @@ def test_a_limit_that_flies_is_below_the_peak_and_is_that_of_the_boundary():
     law = tv.SaturatedLaw.of(found.autopilot)
     flown = tv.closed_loop_boundary(plant(), law, wind, sample_rate=60.0, **NOZZLE)
     steady = replace(found.autopilot, sample_rate=None)
-    peak = abs(steady.answer(plant(), wind).peak("deflection")[0])
+    peak = abs(steady.wind_response(plant(), wind).peak("deflection")[0])
     trim = float(plant().coefficients.B) * wind.peak
     assert found.meaning == "boundary"
     assert found.relative == pytest.approx(flown.limit, abs=1e-9)
@@ -243,7 +243,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
 
 @pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
-    easy = tv.control.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=30.0)
+    easy = tv.control.Criteria.custom(aero_margin_dB=6.0, phase_margin_deg=30.0)
     found = tv.least_deflection_gains(
         plant("fixed-path"), triangles(4), gains=THREE, criteria=easy, **NOZZLE
     )
@@ -258,7 +258,7 @@ def test_more_disk_margin_costs_what_another_search_says():
     found = tv.least_deflection_gains(
         plant("fixed-path"),
         triangles(4),
-        criteria=tv.control.Criteria.own(aero_margin_dB=0.0),
+        criteria=tv.control.Criteria.custom(aero_margin_dB=0.0),
         **NOZZLE,
     )
     front = tv.answers.least_gains_front(found, [1.2, 1.4])
@@ -276,13 +276,13 @@ def test_a_flight_has_gains_at_each_time():
     found = tv.answers.least_gain_schedule(
         [40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE
     )
-    assert tv.CRITERIA["classic"].are_met(found.schedule.margins(plants)).all()
+    assert tv.CRITERIA["classic"].are_satisfied(found.schedule.margins(plants)).all()
     assert found.deflection == max(one.deflection for one in found.each)
 
 
 def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     flexible = tv.linear.plant_of(tv.load_vehicle("made-up-launcher"))
-    criteria = tv.control.Criteria.own(
+    criteria = tv.control.Criteria.custom(
         aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0
     )
     asked = question(plant=flexible, criteria=criteria)
@@ -293,7 +293,7 @@ def test_the_modes_of_a_flexible_vehicle_are_asked_too():
     lacks, rigid = asked.lacks(points), whole.lacks(points)
     assert np.all(lacks >= rigid)
     for point, one in zip(points, lacks, strict=True):
-        met = criteria.are_met(asked.autopilot(point).band_margins(flexible))
+        met = criteria.are_satisfied(asked.autopilot(point).band_margins(flexible))
         assert bool(met) == (one <= 0.0)
 
 
@@ -336,7 +336,7 @@ def test_criteria_that_no_gains_meet_name_the_nearest_and_the_bound():
         tv.least_deflection_gains(
             plant("fixed-path"),
             triangles(4),
-            criteria=tv.control.Criteria.own(disk_margin=1.5),
+            criteria=tv.control.Criteria.custom(disk_margin=1.5),
             **NOZZLE,
         )
     words = str(said.value)

@@ -163,7 +163,7 @@ def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections
     loop, row = replace(loop, actuator=found.comparison.autopilot.actuator), -1
     plant, times = found.comparison.plant, np.linspace(0.0, 20.0, 4001)
     rows = [
-        loop.answer(plant, tv.TriangularWind(peak=peak, duration=7.5))(times)[row]
+        loop.wind_response(plant, tv.TriangularWind(peak=peak, duration=7.5))(times)[row]
         for peak in peaks.values()
     ]
     most = np.degrees(np.hypot(*rows).max())

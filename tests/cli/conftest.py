@@ -17,5 +17,5 @@ def stable_vehicle(tmp_path):
 
 @pytest.fixture(autouse=True)
 def _few_swings(monkeypatch):
-    """Look for the worst duration at 50 in the swings of a mode: tests/control look at 2000."""
-    monkeypatch.setattr(duration, "_MOST_IN_A_SWING", 50)
+    """Take at most 50 durations for each mode in the search for the worst one."""
+    monkeypatch.setattr(duration, "_MAX_PER_MODE", 50)

@@ -147,7 +147,7 @@ def test_the_autopilot_is_compared_as_in_the_library():
     peak = np.degrees(expected.peak_deflection)
     assert document["peak_deflection_deg"] == pytest.approx(peak, rel=1e-12)
     assert document["minimum_deg"] == pytest.approx(np.degrees(expected.minimum), rel=1e-12)
-    assert document["part_of_trim"] == pytest.approx(expected.relative, rel=1e-12)
+    assert document["part_of_trim"] == pytest.approx(expected.ratio_to_trim, rel=1e-12)
 
 
 def test_a_limit_is_judged():

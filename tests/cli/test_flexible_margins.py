@@ -41,7 +41,7 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
     assert document["model"] == "drift-exact"
     for name in ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin"):
         found = document["margins"][name]
-        assert found == pytest.approx(getattr(expected.whole, name), rel=1e-12, nan_ok=True)
+        assert found == pytest.approx(getattr(expected.margins, name), rel=1e-12, nan_ok=True)
     rigid = document["bands"]["rigid_body"]
     assert rigid["phase_margin_deg"] == pytest.approx(expected.rigid.phase_margin_deg, rel=1e-12)
     for mode in expected.modes:
@@ -155,12 +155,12 @@ def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
     document = json.loads(margins(*asked, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
-    criteria = tv.control.Criteria.own(**limits, mode_gain_margin_dB=1)
+    criteria = tv.control.Criteria.custom(**limits, mode_gain_margin_dB=1)
     expected = tv.control.detuned(autopilot(), booster(), criteria=criteria)
     assert [row["change"] for row in document["rows"]] == list(expected.changes)
-    assert [row["first"] for row in document["rows"]] == list(expected.first)
-    assert [row["met"] for row in document["rows"]] == expected.met.tolist()
-    assert "unstable" in expected.first
+    assert [row["first"] for row in document["rows"]] == list(expected.critical_margin)
+    assert [row["met"] for row in document["rows"]] == expected.satisfied.tolist()
+    assert "unstable" in expected.critical_margin
     for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
         found = row["phase_margin_deg"]
         assert (found is None) == (row["status"] != "ok")

@@ -60,7 +60,7 @@ def test_a_study_file_designs_with_its_samples_and_filters(tmp_path):
     found = autopilot_asked(case, case.history, tv.CRITERIA["classic"])
     assert found.sample_rate == 25.0
     assert len(found.rate_filters) == 1
-    assert tv.CRITERIA["classic"].are_met(found.margins(case.plant))
+    assert tv.CRITERIA["classic"].are_satisfied(found.margins(case.plant))
 
 
 def test_a_study_file_asks_for_them(tmp_path):
@@ -68,7 +68,7 @@ def test_a_study_file_asks_for_them(tmp_path):
     file.write_text(STUDY)
     found = find(tv.load_study(file)).comparison
     assert found.relative == pytest.approx(1.109, abs=2e-3)
-    assert tv.CRITERIA["classic"].are_met(found.margins)
+    assert tv.CRITERIA["classic"].are_satisfied(found.margins)
 
 
 def test_the_worst_margins_of_a_box_are_judged():

@@ -57,7 +57,7 @@ def test_the_load_is_that_of_an_integration_of_the_forces(station):
 def test_at_the_centre_of_percussion_it_is_a_vane_but_for_its_lag():
     percussion = BOOSTER.moment_of_inertia * 9.80665 / (BOOSTER.weight * BOOSTER.control_arm)
     law = tv.control.AccelerometerLaw(GAINS, BOOSTER, station=percussion, bandwidth=500.0)
-    alpha, deflection, _ = law.felt
+    alpha, deflection, _ = law.sensitivities
     assert deflection == pytest.approx(0.0, abs=1e-12 * alpha)
     assert law.gain * alpha == pytest.approx(GAINS.alpha_gain, rel=1e-12)
     assert law.numbers.attitude == pytest.approx(GAINS.attitude_gain, rel=1e-12)

@@ -6,7 +6,7 @@ from scipy.optimize import minimize_scalar, newton
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
-from tvclin.control.autopilot.actuator import INPUTS, actuated
+from tvclin.control.autopilot.actuator import INPUTS, plant_with_actuator
 
 ACTUATOR = tv.Actuator(natural_frequency=22.0, damping=0.8)
 
@@ -26,7 +26,7 @@ def booster(structure=STRUCTURE):
 )
 @pytest.mark.parametrize("s", [0.4 + 0.3j, 5j, 33j])
 def test_it_is_actuator_times_plant(plant, actuator, s):
-    found = actuated(plant, actuator)
+    found = plant_with_actuator(plant, actuator)
     assert found.outputs == (*plant.outputs, "deflection")
     system = transfer(found.matrices(), s)
     alone = transfer(plant.matrices(), s)
@@ -43,12 +43,16 @@ def test_it_is_actuator_times_plant(plant, actuator, s):
 def test_a_batch_of_plants_and_one_of_actuators_are_each_pair():
     vehicles = BOOSTER.replace(thrust=np.array([[2.4e7], [2.5e7]]))
     plants = tv.FlexiblePlant.from_vehicle(vehicles, STRUCTURE, "drift-exact")
-    every = actuated(plants, tv.Actuator(natural_frequency=[20.0, 22.0, 24.0], damping=0.8))
+    every = plant_with_actuator(
+        plants, tv.Actuator(natural_frequency=[20.0, 22.0, 24.0], damping=0.8)
+    )
     assert [one.shape for one in every.matrices()] == [
         *((2, 3, 17, 17), (2, 3, 17, len(INPUTS)), (2, 3, 7, 17), (2, 3, 7, len(INPUTS)))
     ]
     vehicle = BOOSTER.replace(thrust=2.5e7)
-    one = actuated(tv.FlexiblePlant.from_vehicle(vehicle, STRUCTURE, "drift-exact"), ACTUATOR)
+    one = plant_with_actuator(
+        tv.FlexiblePlant.from_vehicle(vehicle, STRUCTURE, "drift-exact"), ACTUATOR
+    )
     for mine, batch in zip(one.matrices(), every.matrices(), strict=True):
         atol = 1e-15 * np.abs(mine).max(initial=0.0)
         np.testing.assert_allclose(batch[1, 1], mine, rtol=1e-12, atol=atol)
@@ -57,12 +61,12 @@ def test_a_batch_of_plants_and_one_of_actuators_are_each_pair():
 @pytest.mark.parametrize("actuator", [None, tv.Actuator(damping=None)])
 def test_an_engine_with_inertia_needs_an_actuator_of_second_order(actuator):
     with pytest.raises(tv.InputError, match="needs an actuator of second order"):
-        actuated(booster(), actuator)
+        plant_with_actuator(booster(), actuator)
 
 
 def loop_of(plant, actuator, gains, filters=(), delay=0.0):
     """Return L(s), which is minus what returns for a command, so that 1 + L = 0."""
-    system = actuated(plant, actuator)
+    system = plant_with_actuator(plant, actuator)
     places = [system.outputs.index(f"sensed_attitude{end}") for end in ("", "_rate")]
 
     def loop(s):

@@ -386,7 +386,7 @@ def test_python_control_systems_are_for_one():
             what = rf"{method.__name__}\(\) is for one autopilot and one plant; got .*margins\(\)"
             with pytest.raises(InputError, match=what):
                 method(plant)
-        for name in ("answer", "respond"):
+        for name in ("wind_response", "respond"):
             with pytest.raises(InputError, match=rf"^{name}\(\) is for one autopilot and one pl"):
                 getattr(autopilot, name)(plant, TRIANGLE, *[[0.0]][: name == "respond"])
     with pytest.raises(InputError, match=r"for one actuator; got a batch of shape \(2,\)"):

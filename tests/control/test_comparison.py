@@ -118,14 +118,14 @@ def test_the_answer_is_that_of_python_control(model, options, wind):
     np.testing.assert_allclose(found.outputs / scale, expected / scale, atol=1e-9)
     assert found.output_labels == closed.output_labels
     early = np.nextafter(history.knots[0], -np.inf)
-    assert not autopilot.answer(plant, history)([early - 1.0, early]).any()
+    assert not autopilot.wind_response(plant, history)([early - 1.0, early]).any()
 
 
 def test_a_critically_damped_loop_in_closed_form():
     """A double pole -w: theta = -mu_alpha alpha_w (1 - (1 + w t) e^-wt)/w^2 in a steady wind."""
     w, c, times = 1.3, COEFFICIENTS, np.array([0.0, 0.5, 2.0, 5.0, 7.9, 8.0, 9.0, 14.0])
     autopilot = tv.design_gains(c, natural_frequency=w, damping=1.0)
-    answer = autopilot.answer(plant_of(), WINDS["rectangular"][0])
+    answer = autopilot.wind_response(plant_of(), WINDS["rectangular"][0])
 
     def held(t):
         t = np.maximum(t, 0.0)
@@ -145,7 +145,7 @@ def test_a_critically_damped_loop_in_closed_form():
 
 
 def assert_peaks(autopilot, plant, history, corners):
-    answer, through = autopilot.answer(plant, history), autopilot.close(plant).D[:, 0]
+    answer, through = autopilot.wind_response(plant, history), autopilot.close(plant).D[:, 0]
     jumps = bool(corners[1][0] or corners[1][-1])
     for (label, rate), (sampled, refined, time) in peaks(autopilot, plant, corners).items():
         k = answer.labels.index(label)
@@ -166,7 +166,7 @@ def test_peaks_and_their_rates_are_those_of_dense_sampling(options, wind):
     """A deflection that is fed the angle of attack without actuator jumps with the wind."""
     autopilot, (history, *corners) = Autopilot(**GAINS, **options), WINDS[wind]
     assert_peaks(autopilot, plant_of(), history, corners)
-    jumps = autopilot.answer(plant_of(), history).peak_rate("deflection") == np.inf
+    jumps = autopilot.wind_response(plant_of(), history).peak_rate("deflection") == np.inf
     assert jumps is (options == OPTIONS["alpha"] and wind != "triangular")
 
 
@@ -174,7 +174,7 @@ def test_peaks_and_their_rates_are_those_of_dense_sampling(options, wind):
 def test_a_peak_after_the_wind_is_found(duration):
     soft = Autopilot(attitude_gain=1.88, rate_gain=0.02)
     history = tv.TriangularWind(peak=0.1, duration=duration)
-    assert soft.answer(COURSE, history).peak("deflection")[1] > duration
+    assert soft.wind_response(COURSE, history).peak("deflection")[1] > duration
     assert_peaks(soft, COURSE, history, ([0, duration / 2, duration], [0, 0.1, 0]))
 
 
@@ -202,7 +202,7 @@ def test_every_number_of_a_comparison(model):
         "peak_angle_of_attack": sizes["angle_of_attack", 0],
         "peak_attitude": sizes["attitude", 0],
         "peak_flight_path_angle": sizes.get(("flight_path_angle", 0), np.nan),
-        "relative": sizes["deflection", 0] / (0.28 / 2.6 * 0.1),
+        "ratio_to_trim": sizes["deflection", 0] / (0.28 / 2.6 * 0.1),
         "minimum": tv.optimum_deflection(plant, TRIANGLE).peak,
     }
     for name, value in expected.items():
@@ -281,12 +281,12 @@ def test_an_unstable_loop_has_no_finite_numbers_but_the_theory_has():
     found = tv.compare_with_trim(plant, fallen, TRIANGLE)
     names = ("deflection", "deflection_rate", "angle_of_attack", "attitude", "flight_path_angle")
     assert {getattr(found, f"peak_{name}") for name in names} == {np.inf}
-    assert found.wind_gain == found.relative == np.inf
+    assert found.wind_gain == found.ratio_to_trim == np.inf
     assert found.notes == (found.margins.reason,)
     assert "unstable: 2 closed-loop poles lie in the right half plane" in found.notes[0]
     assert found.minimum == tv.optimum_deflection(plant, TRIANGLE).peak
     assert 0 < found.boundaries[0.0] < found.boundaries[1.0] < found.trim_deflection
-    answer = fallen.answer(plant, TRIANGLE)
+    answer = fallen.wind_response(plant, TRIANGLE)
     assert answer.peak("attitude")[0] == answer.peak_rate("attitude") == np.inf
     with pytest.raises(InputError, match="nothing to compare: .* 2 closed-loop poles"):
         comparison_chart(found)
@@ -301,7 +301,9 @@ def test_a_wind_of_two_signs_has_no_boundary():
     found = tv.compare_with_trim(plant_of(), autopilot, history)
     assert np.isnan([*found.boundaries.values()]).tolist() == [True] * 3
     assert [note.partition(":")[0] for note in found.notes] == ["no boundary"]
-    assert found.peak_deflection == abs(autopilot.answer(plant_of(), history).peak("deflection")[0])
+    assert found.peak_deflection == abs(
+        autopilot.wind_response(plant_of(), history).peak("deflection")[0]
+    )
     assert found.minimum == tv.optimum_deflection(plant_of(), history).peak > 0
     labels = [column.label for column in curves_of(comparison_chart(found)).columns]
     mpl.pyplot.close("all")
@@ -357,12 +359,12 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
     found = worst(1.0, 20.0)
     assert found.peak_deflection == pytest.approx(sampled(found.duration), rel=1e-4)
     assert found.peak_deflection > max(map(sampled, np.geomspace(1.0, 20.0, 16))) * (1 - 1e-9)
-    assert not found.at_the_end
+    assert not found.at_range_end
     if shape is tv.TriangularWind:
         low, high = 0.8 * found.duration, 1.2 * found.duration
         for ends, end in (((1.0, low), low), ((high, 20.0), high)):
             edge = worst(*ends)
-            assert (edge.duration, edge.at_the_end) == (pytest.approx(end, rel=1e-12), True)
+            assert (edge.duration, edge.at_range_end) == (pytest.approx(end, rel=1e-12), True)
 
 
 @pytest.mark.parametrize(("damping", "low"), [(0.01, 20.0), (0.003, 35.0), (0.01, 1.0)])
@@ -446,7 +448,7 @@ def test_a_pade_approximation_of_another_stability_is_refused():
         poles = MISLED.close(COURSE).poles()
     exact = MISLED.margins(COURSE).unstable_poles
     assert np.sum(poles.real > 0) != exact
-    for call in (MISLED.answer, lambda *args: MISLED.respond(*args, [0.0, 1.0])):
+    for call in (MISLED.wind_response, lambda *args: MISLED.respond(*args, [0.0, 1.0])):
         with pytest.raises(InputError, match="pade_order = 4 is too low .* unstable poles"):
             call(COURSE, TRIANGLE)
     better = replace(MISLED, pade_order=8)
@@ -456,7 +458,7 @@ def test_a_pade_approximation_of_another_stability_is_refused():
 def test_attitude_hold_makes_the_angle_of_attack_larger_than_a_steady_wind():
     for options in ({}, {"actuator": Actuator(), "delay": 0.1}):
         steady = tv.RectangularWind(peak=0.1, duration=400.0)
-        answer = Autopilot(**GAINS, **options).answer(plant_of(), steady)
+        answer = Autopilot(**GAINS, **options).wind_response(plant_of(), steady)
         found = answer(399.0)[answer.labels.index("angle_of_attack")]
         assert found == pytest.approx(-0.1 * 0.3 / (0.3 - 0.28 / 2.6), rel=1e-11)
 
@@ -484,7 +486,7 @@ def test_the_chart_draws_what_the_comparison_says(model, peak):
     for key, row in expected.items():
         np.testing.assert_allclose(drawn[key], row, rtol=1e-9, atol=1e-9, err_msg=str(key))
     assert (t.min(), t.max()) == (0.0, 12.8)
-    assert f"{c.relative:.3g} times trim" in curves.parameters
+    assert f"{c.ratio_to_trim:.3g} times trim" in curves.parameters
     for line, (key, row) in zip(plot.axes[0, 0].lines, drawn.items(), strict=False):
         assert line.get_label().replace("$", "") == key[1]
         np.testing.assert_array_equal(line.get_ydata(), row)

@@ -273,8 +273,8 @@ def test_one_loop_gives_plain_python():
     names += [f"{name.removesuffix('_margin')}_frequency" for name in ("aero_margin", "disk")]
     assert {type(getattr(m, name)) for name in [*NUMBERS, *names]} == {float}
     assert (m.reason, m.notes) == ("", ())
-    assert type(CRITERIA["classic"].are_met(m)) is bool
-    assert {type(one.met) for one in CRITERIA["classic"].judge(m)} == {bool}
+    assert type(CRITERIA["classic"].are_satisfied(m)) is bool
+    assert {type(one.satisfied) for one in CRITERIA["classic"].judge(m)} == {bool}
 
 
 def test_decibels_and_degrees_are_those_of_the_factors():
@@ -318,7 +318,7 @@ def test_the_named_criteria_say_what_they_ask_for_and_where_it_comes_from():
     for name, criteria in CRITERIA.items():
         assert criteria.name == name
         assert [r.unit for r in criteria.requirements] == ["dB", "dB", "deg"]
-        assert not any(r.at_most for r in criteria.requirements)
+        assert not any(r.is_upper_limit for r in criteria.requirements)
         assert all(len(r.source) > 20 for r in criteria.requirements)
 
 
@@ -326,67 +326,71 @@ def test_surplus_is_positive_where_a_requirement_is_met():
     m = loop_margins(course_loop())
     peak, phase = m.peak_sensitivity, m.phase_margin_deg
     for shift, met in ((0.1, True), (0.0, True), (-0.1, False)):
-        own = Criteria.own(peak_sensitivity=peak + shift, phase_margin_deg=phase - shift)
+        own = Criteria.custom(peak_sensitivity=peak + shift, phase_margin_deg=phase - shift)
         judged = own.judge(m)
         assert [one.value for one in judged] == [peak, phase]
         assert [one.surplus for one in judged] == pytest.approx([shift, shift], abs=1e-12)
-        assert [one.met for one in judged] == [met, met]
-        assert own.are_met(m) is met
-        assert [one.requirement.at_most for one in judged] == [True, False]
-    assert not Criteria.own(peak_sensitivity=peak + 1, phase_margin_deg=phase + 1).are_met(m)
+        assert [one.satisfied for one in judged] == [met, met]
+        assert own.are_satisfied(m) is met
+        assert [one.requirement.is_upper_limit for one in judged] == [True, False]
+    assert not Criteria.custom(peak_sensitivity=peak + 1, phase_margin_deg=phase + 1).are_satisfied(
+        m
+    )
 
 
 def test_criteria_of_a_batch_and_of_unstable_loops():
     m = loop_margins(course_loop(np.array([[0.01], [1.0], [10.0], [30.0]])))
     assert m.status.tolist() == ["unstable", "ok", "ok", "unstable"]
     expected = [False, True, False, False]
-    assert CRITERIA["classic"].are_met(m).tolist() == expected
+    assert CRITERIA["classic"].are_satisfied(m).tolist() == expected
     for one in CRITERIA["classic"].judge(m):
         assert np.isnan(one.surplus[[0, 3]]).all()
-        assert not one.met[[0, 3]].any()
-    lenient = Criteria.own(peak_sensitivity=1e9, disk_margin=0.0)
-    assert lenient.are_met(m).tolist() == [False, True, True, False]
+        assert not one.satisfied[[0, 3]].any()
+    lenient = Criteria.custom(peak_sensitivity=1e9, disk_margin=0.0)
+    assert lenient.are_satisfied(m).tolist() == [False, True, True, False]
     marginal = loop_margins(Loop([1], [1, 0, 1]))
-    assert lenient.are_met(marginal) is False
-    assert CRITERIA["classic"].are_met(loop_margins(Loop([2.1, 2.5], [1, 0, -0.2]))) is True
+    assert lenient.are_satisfied(marginal) is False
+    assert CRITERIA["classic"].are_satisfied(loop_margins(Loop([2.1, 2.5], [1, 0, -0.2]))) is True
 
 
 def test_criteria_of_ones_own():
-    own = Criteria.own("dispersed", "a memorandum", delay_margin=0.1, disk_margin=0.4)
+    own = Criteria.custom("dispersed", "a memorandum", delay_margin=0.1, disk_margin=0.4)
     assert own.name == "dispersed"
     assert own.requirements == (
         Requirement("delay_margin", 0.1, "a memorandum"),
         Requirement("disk_margin", 0.4, "a memorandum"),
     )
     assert [r.unit for r in own.requirements] == ["s", ""]
-    assert Criteria.own(delay_margin=1).requirements[0].source
+    assert Criteria.custom(delay_margin=1).requirements[0].source
     assert Criteria(own.name, list(own.requirements)) == own
 
 
 def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from():
-    own = Criteria.own("own", "a memorandum", delay_margin=0.05, disk_margin=0.4)
-    changed = own.changed("a letter", disk_margin=0.5, aero_margin_dB=6.0)
+    own = Criteria.custom("own", "a memorandum", delay_margin=0.05, disk_margin=0.4)
+    changed = own.with_limits("a letter", disk_margin=0.5, aero_margin_dB=6.0)
     assert changed.name == "own, changed by a letter"
     assert changed.requirements == (
         Requirement("delay_margin", 0.05, "a memorandum"),
         Requirement("disk_margin", 0.5, "a letter"),
         Requirement("aero_margin_dB", 6.0, "a letter"),
     )
-    assert changed.words == "delay margin 50 ms, disk margin 0.5, aero margin 6 dB"
-    assert own.changed("nobody") is own
+    assert changed.description == "delay margin 50 ms, disk margin 0.5, aero margin 6 dB"
+    assert own.with_limits("nobody") is own
 
 
 def test_what_is_asked_of_modes_can_be_set_apart():
-    whole = Criteria.own("both", aero_margin_dB=6.0)
+    whole = Criteria.custom("both", aero_margin_dB=6.0)
     modes = {"mode_gain_margin_dB": 12.0, "mode_phase_margin_deg": 45.0}
-    both = Criteria.own("both", aero_margin_dB=6.0, **modes)
-    assert (whole.of_modes, both.of_modes) == (False, True)
-    assert both.without_modes == whole.without_modes == whole
-    assert Criteria.own(**modes).without_modes is None
+    both = Criteria.custom("both", aero_margin_dB=6.0, **modes)
+    assert (whole.has_mode_limits, both.has_mode_limits) == (False, True)
+    assert both.without_mode_limits == whole.without_mode_limits == whole
+    assert Criteria.custom(**modes).without_mode_limits is None
 
 
 def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_band():
-    (one,) = Criteria.own("own", "a memorandum", disk_margin=0.4).judge(loop_margins(course_loop()))
+    (one,) = Criteria.custom("own", "a memorandum", disk_margin=0.4).judge(
+        loop_margins(course_loop())
+    )
     told = one.as_dict()
     assert [told[key] for key in ("margin", "limit", "source", "band")] == [
         *("disk_margin", 0.4, "a memorandum", None)
@@ -398,16 +402,19 @@ def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_ban
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (Criteria.own, "criteria need a limit: one or more of aero_margin_dB"),
-        (lambda: Criteria.own(phase_margin=30), "did you mean .*'phase_margin_deg'"),
-        (lambda: Criteria.own(phase_margin_deg=-30), "phase_margin_deg must be zero or positive"),
-        (lambda: Criteria.own(delay_margin=np.nan), "delay_margin must be finite"),
-        (lambda: Criteria.own(delay_margin=[0.1, 0.2]), "delay_margin must be "),
+        (Criteria.custom, "criteria need a limit: one or more of aero_margin_dB"),
+        (lambda: Criteria.custom(phase_margin=30), "did you mean .*'phase_margin_deg'"),
+        (
+            lambda: Criteria.custom(phase_margin_deg=-30),
+            "phase_margin_deg must be zero or positive",
+        ),
+        (lambda: Criteria.custom(delay_margin=np.nan), "delay_margin must be finite"),
+        (lambda: Criteria.custom(delay_margin=[0.1, 0.2]), "delay_margin must be "),
         (lambda: Requirement("phase_margin", 30.0, "me"), "margin must be one of aero_margin_dB"),
         (lambda: Requirement("disk_margin", 0.4, 7), "source must be a text .*; got 7"),
         (lambda: Criteria(7, CRITERIA["classic"].requirements), "name must be a text .*; got 7"),
         (lambda: Criteria("mine", ["disk_margin"]), "requirements must be a tuple of Requirement"),
-        (lambda: CRITERIA["classic"].changed(7, disk_margin=0.4), "source must be a text"),
+        (lambda: CRITERIA["classic"].with_limits(7, disk_margin=0.4), "source must be a text"),
         (lambda: CRITERIA["classic"].judge(6.0), "margins must be a Margins .*; got 6.0"),
     ],
 )

@@ -9,7 +9,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
 from tests.turns import usual
-from tvclin.control.autopilot.actuator import actuated
+from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.comparison import wind_gain
 
 FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
@@ -84,7 +84,7 @@ def course(hertz, k=5e-4, filters=()):
 def test_the_course_example(hertz, k, filters, unstable, peak, at, closed):
     found = course(hertz, k, filters)
     mode = found.mode("bending 1")
-    assert found.whole.unstable_poles == unstable
+    assert found.margins.unstable_poles == unstable
     assert mode.peak_dB == pytest.approx(peak, abs=0.51e-4)
     if at is not None:
         assert mode.peak_frequency / (2 * np.pi) == pytest.approx(at, abs=0.51e-4)
@@ -93,14 +93,14 @@ def test_the_course_example(hertz, k, filters, unstable, peak, at, closed):
 
 
 def test_the_margins_of_the_course_example():
-    hertz = course(12.0).whole.crossings.gain_frequencies / (2 * np.pi)
+    hertz = course(12.0).margins.crossings.gain_frequencies / (2 * np.pi)
     np.testing.assert_allclose(hertz, [2.06624, 11.85995, 12.16750], atol=0.51e-5)
-    m = course(12.0, filters=(NOTCH,)).whole
+    m = course(12.0, filters=(NOTCH,)).margins
     assert m.phase_margin_deg == pytest.approx(47.28655, abs=0.51e-5)
     assert m.crossover_frequency / (2 * np.pi) == pytest.approx(2.03827, abs=0.51e-5)
     assert m.gain_increase_dB == pytest.approx(12.67744, abs=0.51e-5)
     assert m.gain_increase_frequency / (2 * np.pi) == pytest.approx(6.0967, abs=0.51e-4)
-    assert course(3.0).whole.phase_margin_deg == pytest.approx(56.2096, abs=0.51e-4)
+    assert course(3.0).margins.phase_margin_deg == pytest.approx(56.2096, abs=0.51e-4)
 
 
 def test_the_loop_of_the_booster():
@@ -169,7 +169,7 @@ def test_the_bands_of_the_booster():
     distances = [found.mode(f"slosh {k}").distance for k in (1, 2)]
     assert distances == [to_margin(0.640864), to_margin(0.535212)]
     assert one.closed_pole == pytest.approx(-0.97433769 + 14.72192906j, abs=1e-8)
-    assert found.rigid.gain_increase_dB == found.whole.gain_increase_dB
+    assert found.rigid.gain_increase_dB == found.margins.gain_increase_dB
     assert "bending 3, stabilised" in found._repr_html_()
     with pytest.raises(tv.InputError, match="name must be one of bending 1, bending 2"):
         found.mode("bending")
@@ -211,11 +211,11 @@ def test_detuned_modes_of_the_booster():
     far = row("bending 1 x 1.2")
     assert m.phase_margin_deg[far] == pytest.approx(26.700, abs=0.51e-3)
     assert m.crossover_frequency[far] == pytest.approx(17.227, abs=0.51e-3)
-    assert found.first[far] == "phase_margin_deg"
-    assert found.first[row("bending 1 x 0.8")] == "gain_increase_dB"
+    assert found.critical_margin[far] == "phase_margin_deg"
+    assert found.critical_margin[row("bending 1 x 0.8")] == "gain_increase_dB"
     turned = [row(f"bending {k}, slopes at the sensors turned") for k in (1, 2)]
     assert m.unstable_poles[turned[0]] == 2
-    assert found.first[turned[0]] == "unstable"
+    assert found.critical_margin[turned[0]] == "unstable"
     assert m.gain_increase_dB[turned[1]] == pytest.approx(5.657, abs=0.51e-3)
     plant = booster(
         bending=(
@@ -227,32 +227,36 @@ def test_detuned_modes_of_the_booster():
     assert AUTOPILOT.band_margins(plant).mode("bending 2").peak_dB == pytest.approx(
         -4.861, abs=0.51e-3
     )
-    assert all(np.isnan([edge.lower, edge.upper]).all() for edge in found.edges)
+    assert all(np.isnan([edge.lower, edge.upper]).all() for edge in found.stable_ranges)
     assert "bending 1 x 0.8" in found._repr_html_()
 
 
 def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     """4.861 dB are left of the second mode at 0.9 of its frequency, of 16.816 dB at its place."""
-    asked = tv.control.Criteria.own(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
+    asked = tv.control.Criteria.custom(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
     found = tv.control.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=asked)
     off, home = found.row("bending 2 x 0.9"), found.row("bending 2 x 1")
-    assert found.first[off] == found.first[home] == "mode_gain_margin_dB of bending 2"
-    assert not found.met[off]
-    assert found.met[home]
-    assert found.met[found.row("nominal")]
-    lower = tv.control.detuned(
-        AUTOPILOT, booster(), [0.9], tv.control.Criteria.own(mode_gain_margin_dB=4.8)
+    assert (
+        found.critical_margin[off]
+        == found.critical_margin[home]
+        == "mode_gain_margin_dB of bending 2"
     )
-    assert lower.met[lower.row("bending 2 x 0.9")]
+    assert not found.satisfied[off]
+    assert found.satisfied[home]
+    assert found.satisfied[found.row("nominal")]
+    lower = tv.control.detuned(
+        AUTOPILOT, booster(), [0.9], tv.control.Criteria.custom(mode_gain_margin_dB=4.8)
+    )
+    assert lower.satisfied[lower.row("bending 2 x 0.9")]
     turned = found.row("bending 1, slopes at the sensors turned")
-    assert found.first[turned] == "unstable"
-    assert not found.met[turned]
+    assert found.critical_margin[turned] == "unstable"
+    assert not found.satisfied[turned]
 
 
 def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane():
     loud = replace(AUTOPILOT, delay=0.07)
     found = tv.control.detuned(loud, booster(), factors=[0.8, 1.3])
-    upper = found.edges[0].upper
+    upper = found.stable_ranges[0].upper
     assert 1.0 < upper < 1.3
     mode = STRUCTURE.bending[0]
     for factor, unstable in ((upper * (1 - 1e-5), 0), (upper * (1 + 1e-5), 2)):
@@ -271,7 +275,7 @@ def test_the_exact_loop_is_the_product_of_its_blocks():
         rate_filters=FILTERS[:1],
     )
     for plant in (booster(), tv.Plant.from_vehicle(BOOSTER, "drift-exact")):
-        seen = actuated(plant, autopilot.actuator)
+        seen = plant_with_actuator(plant, autopilot.actuator)
         sensed = isinstance(plant, tv.FlexiblePlant) * "sensed_"
         names = (f"{sensed}attitude", f"{sensed}attitude_rate", "angle_of_attack")
         for omega in (0.3, 4.0, 14.0, 40.0):
@@ -308,33 +312,33 @@ def test_filters_reach_the_answer_to_a_wind():
         .outputs[-1]
         .ravel()
     )
-    found = autopilot.answer(plant, wind)(times)[-1]
+    found = autopilot.wind_response(plant, wind)(times)[-1]
     np.testing.assert_allclose(found, expected, atol=1e-7)
 
 
 def test_criteria_know_bands():
-    asked = tv.control.Criteria.own(
+    asked = tv.control.Criteria.custom(
         aero_margin_dB=6.0, mode_gain_margin_dB=18.0, mode_phase_margin_deg=45.0
     )
     found = AUTOPILOT.band_margins(booster())
     judged = {(one.requirement.margin, one.band): one for one in asked.judge(found)}
     assert len(judged) == 1 + 2 * 5
-    assert not judged["mode_gain_margin_dB", "bending 2"].met
+    assert not judged["mode_gain_margin_dB", "bending 2"].satisfied
     assert judged["mode_gain_margin_dB", "bending 2"].surplus == to_margin(16.816351 - 18.0)
-    assert judged["mode_gain_margin_dB", "bending 3"].met
+    assert judged["mode_gain_margin_dB", "bending 3"].satisfied
     assert judged["mode_gain_margin_dB", "bending 1"].surplus == np.inf
-    assert judged["mode_phase_margin_deg", "bending 1"].met
-    assert judged["aero_margin_dB", ""].met
-    assert not asked.are_met(found)
+    assert judged["mode_phase_margin_deg", "bending 1"].satisfied
+    assert judged["aero_margin_dB", ""].satisfied
+    assert not asked.are_satisfied(found)
     just = judged["mode_gain_margin_dB", "bending 2"].value
     for spare, met in ((0.1, True), (0.0, True), (-0.1, False)):
-        every = tv.control.Criteria.own(mode_gain_margin_dB=just - spare).judge(found)
-        assert [one.met for one in every if one.band == "bending 2"] == [met]
+        every = tv.control.Criteria.custom(mode_gain_margin_dB=just - spare).judge(found)
+        assert [one.satisfied for one in every if one.band == "bending 2"] == [met]
     with pytest.raises(tv.InputError, match="is asked of modes"):
-        asked.judge(found.whole)
+        asked.judge(found.margins)
     turned = replace(STRUCTURE.bending[0], attitude_slope=-0.2724, rate_slope=-0.2548)
     lost = AUTOPILOT.band_margins(booster(bending=(turned, *STRUCTURE.bending[1:])))
-    assert not any(one.met for one in asked.judge(lost))
+    assert not any(one.satisfied for one in asked.judge(lost))
     assert lost.mode("bending 1").stabilised == "unstable"
 
 
@@ -348,7 +352,7 @@ def test_a_mode_in_a_loop_that_is_large_is_not_held_by_gain():
     around = slosh.frequency * (1.0 + np.linspace(-0.01, 0.01, 2001))
     loop = np.abs(gains.frequency_response(plant, around))
     assert loop.min() > 1.0
-    assert bands.whole.status == "ok"
+    assert bands.margins.status == "ok"
     assert slosh.stabilised == "phase"
     assert np.isnan(slosh.gain_margin_dB)
     assert np.isnan(slosh.phase_margin_deg)
@@ -363,7 +367,9 @@ def test_a_batch_of_plants_is_each_of_them():
     for k, factor in enumerate(factors):
         one = booster(bending=(replace(first, frequency=factor * 13.58), *STRUCTURE.bending[1:]))
         alone = AUTOPILOT.band_margins(one)
-        assert found.whole.gain_increase[k] == pytest.approx(alone.whole.gain_increase, rel=1e-9)
+        assert found.margins.gain_increase[k] == pytest.approx(
+            alone.margins.gain_increase, rel=1e-9
+        )
         for name in ("peak", "lag_margin", "closed_pole", "distance"):
             pair = [getattr(b.mode("bending 1"), name) for b in (found, alone)]
             assert pair[0][k] == pytest.approx(pair[1], rel=1e-8)

@@ -384,7 +384,7 @@ def test_the_answer_to_a_triangular_wind_is_that_of_python_control(model, option
     found = autopilot.respond(plant, wind, times)
     assert found.output_labels == closed.output_labels
     np.testing.assert_allclose(found.outputs, expected.outputs, rtol=1e-9, atol=1e-9 * 0.1)
-    np.testing.assert_array_equal(autopilot.answer(plant, wind)(times), found.outputs)
+    np.testing.assert_array_equal(autopilot.wind_response(plant, wind)(times), found.outputs)
 
 
 @EACH_MODEL
@@ -403,12 +403,12 @@ def test_the_answer_to_a_smooth_gust_is_that_of_an_integrator(model):
     second = solve_ivp(motion, (6, 25), first.y[:, -1], t_eval=times[5:], **options)
     wind = 0.05 * (1 - np.cos(2 * np.pi * times / 6)) * (times < 6)
     expected = closed.C @ np.hstack([first.y, second.y]) + closed.D[:, :1] * wind
-    found = autopilot.answer(plant, gust)(times)
+    found = autopilot.wind_response(plant, gust)(times)
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)
 
 
 def assert_peaks_of_dense_sampling(autopilot, plant, duration):
-    answer = autopilot.answer(plant, tv.TriangularWind(peak=-0.1, duration=duration))
+    answer = autopilot.wind_response(plant, tv.TriangularWind(peak=-0.1, duration=duration))
     times, step = np.linspace(0, 3 * duration, 12_001, retstep=True)
     wind = np.interp(times, [0, duration / 2, duration], [0, -0.1, 0])
     inputs = [wind, 0 * times, 0 * times]
@@ -436,7 +436,7 @@ def test_a_fast_mode_that_has_long_died_out_does_not_return_in_a_peak():
 
 def test_a_jump_of_the_wind_is_a_rate_without_limit():
     wind = tv.RectangularWind(peak=0.1, duration=8.0)
-    answer = Autopilot(**GAINS).answer(Plant(COEFFICIENTS, "fixed-path"), wind)
+    answer = Autopilot(**GAINS).wind_response(Plant(COEFFICIENTS, "fixed-path"), wind)
     assert answer.peak_rate("angle_of_attack") == np.inf
     assert answer.peak_rate("deflection") < np.inf
 
@@ -444,14 +444,17 @@ def test_a_jump_of_the_wind_is_a_rate_without_limit():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda a, p, w: a.answer(p, w).peak("deflektion"), "deflection'?"),
-        (lambda a, p, w: a.answer(p, w).peak_rate("attitude_rat"), "did you mean 'attitude_rate'"),
-        (lambda a, p, w: a.answer(p, w).peak("flight_path_angle"), "output must be one of"),
-        (lambda a, p, w: a.answer(p, 0.1), "wind must be a History"),
-        (lambda a, p, w: a.answer(w, w), "plant must be a Plant"),
-        (lambda a, p, w: a.answer(p, w * [1.0, 2.0]), r"wind must be one .* shape \(2,\)"),
+        (lambda a, p, w: a.wind_response(p, w).peak("deflektion"), "deflection'?"),
         (
-            lambda a, p, w: Autopilot(attitude_gain=[1, 2], rate_gain=1).answer(p, w),
+            lambda a, p, w: a.wind_response(p, w).peak_rate("attitude_rat"),
+            "did you mean 'attitude_rate'",
+        ),
+        (lambda a, p, w: a.wind_response(p, w).peak("flight_path_angle"), "output must be one of"),
+        (lambda a, p, w: a.wind_response(p, 0.1), "wind must be a History"),
+        (lambda a, p, w: a.wind_response(w, w), "plant must be a Plant"),
+        (lambda a, p, w: a.wind_response(p, w * [1.0, 2.0]), r"wind must be one .* shape \(2,\)"),
+        (
+            lambda a, p, w: Autopilot(attitude_gain=[1, 2], rate_gain=1).wind_response(p, w),
             "one autopilot",
         ),
         (lambda a, p, w: a.respond(p, w, [[0.0, 1.0]]), "one row of numbers"),

@@ -12,7 +12,7 @@ from scipy.signal import bilinear, tf2ss
 import tvclin as tv
 from tests.control.test_flexible_loops import AUTOPILOT, FILTERS, booster, to_margin
 from tests.flexible import BOOSTER, transfer
-from tvclin.control.autopilot.actuator import actuated
+from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.wiring import COMMAND
 
 SAMPLED = replace(AUTOPILOT, sample_rate=25.0)
@@ -25,7 +25,7 @@ def test_the_booster_sampled_at_25_hertz():
     assert loop.response(14.0) == pytest.approx(-2.24657083 - 4.72188699j, abs=1e-8)
     assert np.abs(loop.closed_loop_poles).max() == pytest.approx(0.99815586, abs=1e-8)
     found = SAMPLED.band_margins(plant)
-    m = found.whole
+    m = found.margins
     assert m.aero_margin_dB == to_margin(9.952950)
     assert (m.gain_increase_dB, m.gain_increase_frequency) == (
         to_margin(7.774023),
@@ -63,7 +63,7 @@ def by_aliases(autopilot, plant, omega, terms=640):
     """Return L(e^(j omega h)) as the sum over all frequencies that have the same samples."""
     rate, delay = autopilot.sample_rate, autopilot.delay
     h = 1.0 / rate
-    seen = actuated(plant, autopilot.actuator)
+    seen = plant_with_actuator(plant, autopilot.actuator)
     rows = [seen.outputs.index(n) for n in ("sensed_attitude", "sensed_attitude_rate")]
     held = np.zeros(2, dtype=complex)
     for k in range(-terms, terms + 1):
@@ -170,7 +170,7 @@ def test_a_rigid_loop_and_its_margins_are_those_of_python_control(model, late):
 
 def flown(autopilot, plant, seconds, parts=8):
     """Return the attitude of a flight in which every command is applied at its time."""
-    seen = actuated(plant, autopilot.actuator)
+    seen = plant_with_actuator(plant, autopilot.actuator)
     h, n = 1.0 / autopilot.sample_rate, len(seen.A)
     rows = [seen.outputs.index(name) for name in ("sensed_attitude", "sensed_attitude_rate")]
     held = np.zeros((n + 1, n + 1))
@@ -223,7 +223,7 @@ def test_filters_are_exact_at_their_own_frequency():
 
 def test_the_vehicle_moves_in_steps_as_it_does_between_them():
     plant = booster()
-    seen = actuated(plant, SAMPLED.actuator)
+    seen = plant_with_actuator(plant, SAMPLED.actuator)
     steps = seen.select((COMMAND,), plant.sensed).to_steps(0.04, 0.05)
     late = ("deflection_command_1", "deflection_command_2")
     assert steps.states == (*plant.states, "actuator_deflection", "actuator_rate", *late)
@@ -255,7 +255,12 @@ def test_what_cannot_be_sampled_is_refused():
         replace(SAMPLED, delay=5.0).margins(booster())
     with pytest.raises(tv.InputError, match="is too low for a vehicle whose motion grows"):
         replace(SAMPLED, sample_rate=1e-3, filters=()).margins(booster())
-    for call in (SAMPLED.loop, SAMPLED.close, SAMPLED.closed_loop_poles, SAMPLED.in_winds):
+    for call in (
+        SAMPLED.loop,
+        SAMPLED.close,
+        SAMPLED.closed_loop_poles,
+        SAMPLED.wind_response_function,
+    ):
         with pytest.raises(tv.InputError, match="is for continuous autopilots"):
             call(booster())
     with pytest.raises(tv.InputError, match="sample_rate"):

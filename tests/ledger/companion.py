@@ -76,4 +76,4 @@ def autopilot() -> float:
     """Return what the usual autopilot asks for in the usual wind, without a stop, over trim."""
     plant = Plant.from_vehicle(load_vehicle("configuration-i"))
     wind = TriangularWind(peak=np.radians(5.0), duration=7.5)
-    return compare_with_trim(plant, canonical_gains(plant, actuator=Actuator()), wind).relative
+    return compare_with_trim(plant, canonical_gains(plant, actuator=Actuator()), wind).ratio_to_trim

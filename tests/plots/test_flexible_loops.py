@@ -98,7 +98,7 @@ def test_each_mode_is_marked_where_it_peaks_with_its_margin(name):
             assert mode.name in texts
     peak = bode.curves.column("magnitude", "magnitude").max()
     assert peak == pytest.approx(bands.mode("bending 1").peak_dB, abs=1e-9)
-    at = bands.whole.gain_increase_frequency, -bands.whole.gain_increase_dB
+    at = bands.margins.gain_increase_frequency, -bands.margins.gain_increase_dB
     assert marked(bode, "gain may rise") == pytest.approx(at)
 
 
@@ -132,7 +132,9 @@ def test_nyquist_turns_as_often_as_the_poles_say(name):
 
 def test_criteria_of_modes_are_judged_in_the_title():
     for limit, words in ((10.0, "criteria bands met"), (18.0, "criteria bands not met")):
-        asked = tv.control.Criteria.own("bands", mode_gain_margin_dB=limit, phase_margin_deg=30.0)
+        asked = tv.control.Criteria.custom(
+            "bands", mode_gain_margin_dB=limit, phase_margin_deg=30.0
+        )
         plot = plots.nichols_chart(AUTOPILOT, PLANT, asked)
         assert words in plot.axes[0, 0].get_title()
 
@@ -170,7 +172,7 @@ def test_the_root_locus_of_a_sampled_loop_follows_its_discrete_poles():
 def test_steps_and_winds_of_a_flexible_loop_are_drawn():
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     drawn = plots.wind_chart(AUTOPILOT, PLANT, wind).curves
-    value, _ = AUTOPILOT.answer(PLANT, wind).peak("deflection")
+    value, _ = AUTOPILOT.wind_response(PLANT, wind).peak("deflection")
     found = drawn.column("deflection", "deflection")
     assert np.abs(found).max() == pytest.approx(abs(np.degrees(value)), rel=1e-9)
     step = plots.step_chart(AUTOPILOT, PLANT).curves

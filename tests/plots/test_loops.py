@@ -218,10 +218,10 @@ def test_the_box_has_the_sides_of_the_criteria(name):
 
 
 def test_the_box_of_own_criteria_may_be_lopsided_and_may_be_missing():
-    own = tv.control.Criteria.own(aero_margin_dB=3.0, gain_increase_dB=8.0, delay_margin=9.0)
+    own = tv.control.Criteria.custom(aero_margin_dB=3.0, gain_increase_dB=8.0, delay_margin=9.0)
     plot = plots.nichols_chart(*course(**LAG), own)
     box = plot.axes[0, 0].patches[0]
-    without = plots.nichols_chart(*course(), tv.control.Criteria.own(disk_margin=0.5))
+    without = plots.nichols_chart(*course(), tv.control.Criteria.custom(disk_margin=0.5))
 
     assert box_sides(own) == (3.0, 8.0, 0.0)
     assert (*box.get_xy(), box.get_width(), box.get_height()) == (-180.0, -8.0, 0.0, 11.0)
@@ -380,7 +380,7 @@ def test_the_step_is_that_of_the_closed_loop(make):
 def test_the_wind_chart_is_the_exact_answer_beside_trim(make):
     autopilot, plant = make()
     plot = chart("autopilot-in-wind", make)
-    answer, curves = autopilot.answer(plant, WIND), plot.curves
+    answer, curves = autopilot.wind_response(plant, WIND), plot.curves
     expected = dict(zip(answer.labels, np.degrees(answer(curves.abscissa)), strict=True))
 
     names = [name for name in expected if name not in {"attitude_rate", "deflection"}]

@@ -18,7 +18,7 @@ from tvclin.cli.app import app
 from tvclin.show.report import verdict
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
-LOOSE = tv.control.Criteria.own("loose", aero_margin_dB=3.0)
+LOOSE = tv.control.Criteria.custom("loose", aero_margin_dB=3.0)
 DESIGN = tv.AutopilotDesign(design="poles", natural_frequency=2.0, damping=0.8)
 
 
@@ -196,7 +196,7 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
 
 @pytest.mark.thorough
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
-    strict = tv.control.Criteria.own("strict", aero_margin_dB=60.0)
+    strict = tv.control.Criteria.custom("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):
         found = found_for(limit, design=DESIGN, criteria=strict)
         assert answers(found)["margins"] is False

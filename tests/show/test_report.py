@@ -558,7 +558,7 @@ def test_each_model_has_the_equation_that_glossary_and_conventions_say(
 def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'
     vehicle = tv.load_vehicle("configuration-i").replace(name=name)
-    criteria = tv.control.Criteria.own("--><script>", aero_margin_dB=3)
+    criteria = tv.control.Criteria.custom("--><script>", aero_margin_dB=3)
     html = tv.report_html(tv.answers.StudyPlan(vehicle=vehicle, criteria=criteria))
     page = Page(html)
 

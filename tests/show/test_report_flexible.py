@@ -112,7 +112,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     moved = plant.shift()
     assert shown["flexible.shift.trim_price"] == pytest.approx(moved.trim_price, rel=1e-12)
     margin = numbers(control.autopilot(found))
-    assert margin["margin.gain_increase_dB"] == pytest.approx(bands.whole.gain_increase_dB)
+    assert margin["margin.gain_increase_dB"] == pytest.approx(bands.margins.gain_increase_dB)
 
 
 def test_the_loop_can_be_built_again_from_the_numbers_of_the_page(found, plan):

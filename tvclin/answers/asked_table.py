@@ -64,11 +64,11 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
 def beside(found: Findings) -> Iterator[Question]:
     """Yield what is known beside the questions, of which no answer was asked."""
     margins = found.margins
-    if isinstance(margins, BandMargins) and not found.criteria.of_modes:
+    if isinstance(margins, BandMargins) and not found.criteria.has_mode_limits:
         yield from _modes(margins)
     if found.flexible is not None and found.flexible.detuned is not None:
         d = found.flexible.detuned
-        missed = [one for one, met in zip(d.changes, d.met, strict=True) if not met]
+        missed = [one for one, met in zip(d.changes, d.satisfied, strict=True) if not met]
         named = f": {', '.join(missed[:_FEW])}{', ...' * (len(missed) > _FEW)}" if missed else ""
         words = f"{len(missed)} of {len(d.changes)} changes of one mode miss the criteria{named}"
         yield Question("modes detuned", None, (words,))

@@ -97,6 +97,8 @@ def _satisfies(case: Case, criteria: Criteria) -> bool:
     with suppress(InputError, np.linalg.LinAlgError, ArithmeticError):
         whole = case.autopilot.margins(plant)
         if not isinstance(plant, FlexiblePlant):
-            return bool(criteria.are_met(whole))
-        return bool(whole.stable) and bool(criteria.are_met(case.autopilot.band_margins(plant)))
+            return bool(criteria.are_satisfied(whole))
+        return bool(whole.stable) and bool(
+            criteria.are_satisfied(case.autopilot.band_margins(plant))
+        )
     return False

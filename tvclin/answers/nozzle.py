@@ -17,7 +17,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.control.autopilot.actuator import Actuator, sized
+from tvclin.control.autopilot.actuator import Actuator, positive_in_range
 from tvclin.vehicle.structure import Engine
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
@@ -161,6 +161,6 @@ def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7)
     if number("actuator_frequency", actuator_frequency) == 0.0:
         return None
     return Actuator(
-        natural_frequency=sized("actuator_frequency", actuator_frequency, "rad/s"),
-        damping=sized("actuator_damping", actuator_damping),
+        natural_frequency=positive_in_range("actuator_frequency", actuator_frequency, "rad/s"),
+        damping=positive_in_range("actuator_damping", actuator_damping),
     )

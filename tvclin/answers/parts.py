@@ -184,7 +184,9 @@ def _given(case: Case, left: set[str]) -> list[str]:
         "delay": lambda: case.asked.delay > 0.0,
         "sample rate": lambda: case.asked.sample_rate is not None,
         "filters": lambda: any(case.asked.chains.values()),
-        "gains": lambda: replace(case.asked.bare, sample_rate=None) != type(case.asked)(),
+        "gains": lambda: (
+            replace(case.asked.without_filters_and_delay, sample_rate=None) != type(case.asked)()
+        ),
         "dispersion": lambda: dispersions is not None and dispersions.each,
         "limit": lambda: nozzle.limit is not None,
         _WORK: lambda: any(vars(nozzle)[one] is not None for one in _LIMITS_OF_WORK),

@@ -13,7 +13,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, listed, significant, text
 from tvclin.base.quantities import satisfaction, sufficiency, survival
 from tvclin.control.margins.criteria import Judgement
-from tvclin.control.margins.margins import DIGITS, factor_to
+from tvclin.control.margins.margins import DIGITS, unit_factor
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
 _HEAD = ", with the dynamic pressure at the peak of a head wind throughout"
@@ -148,7 +148,7 @@ def loop_notes(found: Findings) -> Iterator[str]:
 
     margins = found.margins
     if margins is not None:
-        met = bool(found.criteria.are_met(margins))
+        met = bool(found.criteria.are_satisfied(margins))
         yield from gain_notes(found.plan, found.criteria, met)
     else:
         yield from actuator_notes(found.plan)
@@ -347,7 +347,7 @@ def _margins(found: Findings) -> Question:
     margins = found.margins
     if getattr(found, part) is None or margins is None:
         return Question("margins", None, (_reason(found, part),))
-    met = bool(found.criteria.are_met(margins))
+    met = bool(found.criteria.are_satisfied(margins))
     words, whose = "meets" if met else "does not meet", " of the flexible vehicle" * flexible
     line: Line = (f"the loop{whose} {words} the criteria {found.criteria.name}",)
     judged = [one for one in found.criteria.judge(margins) if np.isfinite(one.surplus)]
@@ -367,8 +367,8 @@ def _spare(one: Judgement) -> float:
 def _measured(one: Judgement) -> Measure:
     """A margin beside what is asked of it, in the unit of tables."""
     limit, unit = one.requirement.shown
-    value, digits = factor_to(unit) * float(one.value), DIGITS[unit]
-    return Measure(limit, value, unit, digits, one.requirement.at_most)
+    value, digits = unit_factor(unit) * float(one.value), DIGITS[unit]
+    return Measure(limit, value, unit, digits, one.requirement.is_upper_limit)
 
 
 def _flexible(found: Findings) -> Question:

@@ -22,7 +22,7 @@ from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.margins.margins import MARGINS, Margins, factor_to, loop_margins, margin
+from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
 from tvclin.linear.models import usual_model
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -119,7 +119,7 @@ class WorstCase(Shown):
         rows: list[tuple[lines.Line, ...]] = []
         for name, one in self.margins.items():
             label, unit, _ = MARGINS[name]
-            both = (margin("", factor_to(unit) * x, unit) for x in (one.nominal, one.value))
+            both = (margin("", unit_factor(unit) * x, unit) for x in (one.nominal, one.value))
             rows.append(((label,), *both, *one.place))
         if self.deflection is not None:
             one = self.deflection

@@ -147,7 +147,7 @@ class _Found:
             **picked(
                 found,
                 "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
-                " part_of_trim=relative peak_deflection_rate_deg_s peak_angle_of_attack_deg",
+                " part_of_trim=ratio_to_trim peak_deflection_rate_deg_s peak_angle_of_attack_deg",
             ),
             "peak_normal_force_N": force,
             **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
@@ -185,7 +185,7 @@ class _Found:
 
     def _judge(self) -> None:
         word = "MET" if self.criteria_met else "NOT MET (tvclin margins says by how much)"
-        say(f"Criteria {self.case.held_to.name}: {word} ({self.case.held_to.words})")
+        say(f"Criteria {self.case.held_to.name}: {word} ({self.case.held_to.description})")
         if self.limit is None:
             return
         word = "ENOUGH" if self.within else "NOT ENOUGH for this autopilot"
@@ -206,7 +206,7 @@ class _Found:
         if isfinite(across):
             yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
         if worst is not None:
-            end = ", an end of the range tried" * worst.at_the_end
+            end = ", an end of the range tried" * worst.at_range_end
             asks = angle("wind.worst", worst.peak_deflection, unit="deg")
             yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
 

@@ -81,7 +81,7 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
     if autopilot.sample_rate is not None:
         say("Note: the margins in the box are of the continuous autopilot.", err=True)
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
-    return BoxFound(worst, case.held_to.without_modes or case.held_to)
+    return BoxFound(worst, case.held_to.without_mode_limits or case.held_to)
 
 
 def _interval(

@@ -50,4 +50,4 @@ class CriteriaOptions:
         named = plan.held_to
         if self.criteria is not None:
             named = CRITERIA[one_of("--criteria", self.criteria, CRITERIA)]
-        return replace(plan, criteria=named.changed("the command line", **limits))
+        return replace(plan, criteria=named.with_limits("the command line", **limits))

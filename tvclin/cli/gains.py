@@ -10,7 +10,12 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, nonnegative, number, positive
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import DESIGN, GROUP, SAMPLE_RATE, Given, asked
-from tvclin.control.autopilot.design_rules import BY_POLES, OWN_GAINS, RULE_KEYS, AutopilotDesign
+from tvclin.control.autopilot.design_rules import (
+    GIVEN_GAINS,
+    POLE_PLACEMENT_RULES,
+    RULE_KEYS,
+    AutopilotDesign,
+)
 from tvclin.vehicle.filters import Filter
 
 
@@ -104,11 +109,11 @@ def with_gains(asked: AutopilotDesign, **given: float | str | None) -> Autopilot
     Each puts out the other, and a named rule also what another one took.
     """
     out: tuple[str, ...] = ()
-    if given.keys() & set(OWN_GAINS):
+    if given.keys() & set(GIVEN_GAINS):
         out = RULE_KEYS
     elif given.keys() & set(RULE_KEYS):
-        other = "design" in given or asked.design not in (None, *BY_POLES)
-        out = (*OWN_GAINS, *(RULE_KEYS if other else ()))
+        other = "design" in given or asked.design not in (None, *POLE_PLACEMENT_RULES)
+        out = (*GIVEN_GAINS, *(RULE_KEYS if other else ()))
     changed: Any = dict.fromkeys(out) | given
     return replace(asked, **changed)
 

@@ -67,7 +67,7 @@ def case_of(
 
 def without_structure(plan: StudyPlan) -> StudyPlan:
     """Return a case of the rigid vehicle, of which nothing is asked of modes."""
-    asked = plan.criteria and plan.criteria.without_modes
+    asked = plan.criteria and plan.criteria.without_mode_limits
     return replace(plan, vehicle=plan.vehicle.rigid, criteria=asked)
 
 

@@ -129,7 +129,7 @@ def _beside_boundaries(plan: StudyPlan) -> StudyPlan:
     if plan.vehicle.structure is not None:
         return plan
     note_left_out(plan, "laws of a rigid vehicle")
-    design = plan.design and plan.design.bare
+    design = plan.design and plan.design.without_filters_and_delay
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 
 

@@ -40,7 +40,7 @@ class MarginsFound:
         if plant.structure is None:
             return cls(autopilot, plant, autopilot.margins(plant), None, asked)
         bands = autopilot.band_margins(plant)
-        return cls(autopilot, plant, bands.whole, bands, asked)
+        return cls(autopilot, plant, bands.margins, bands, asked)
 
     @property
     def judged(self) -> tuple[Judgement, ...]:
@@ -56,7 +56,7 @@ class MarginsFound:
     @property
     def met(self) -> bool:
         """Whether all of it is met."""
-        return bool(self.asked.are_met(self.bands or self.whole))
+        return bool(self.asked.are_satisfied(self.bands or self.whole))
 
 
 def print_margins(title: str, found: MarginsFound) -> None:
@@ -82,7 +82,7 @@ def _print_bands(found: BandMargins, asked: Criteria) -> None:
     judged_modes = {one.band for one in judged if one.band and not isnan(one.value)}
     for word, option in _OPTIONS.items():
         free = [mode.name for mode in found.modes if mode.stabilised == word]
-        if asked.of_modes and free and judged_modes.isdisjoint(free):
+        if asked.has_mode_limits and free and judged_modes.isdisjoint(free):
             say(
                 f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
                 " the margins of the whole loop count"

@@ -123,7 +123,7 @@ class _Answer:
     @property
     def met(self) -> bool:
         """Whether the criteria are met, with detuned modes and in the box too."""
-        more = (self.moved and self.moved.all_met, self.in_box and self.in_box.met)
+        more = (self.moved and self.moved.all_satisfied, self.in_box and self.in_box.met)
         return self.found.met and False not in more
 
     def document(self) -> dict[str, Any]:
@@ -146,7 +146,7 @@ class _Answer:
         say_notes(self.notes)
         if self.moved is not None:
             print_tables(self.moved.table())
-            say_lines(self.moved.said)
+            say_lines(self.moved.stability_lines)
             say(f"Criteria {self.found.asked.name} with detuned modes: {self.moved.verdict}")
         if self.in_wind is not None:
             _print_flown(self.in_wind, case, self.wind)

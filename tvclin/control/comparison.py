@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,18 +39,17 @@ from tvclin.numerics.loop_margins import (
 from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 
-if TYPE_CHECKING:
-    from tvclin.control.autopilot.autopilot import Autopilot
-
-
-_EVEN = 801
-"""Logarithmic frequencies from far below the smallest root to far beyond the largest."""
-_ZERO = 1e-12
-"""A root that is smaller, over the largest, is one at zero, of which there are no surroundings."""
-_BESIDE = np.geomspace(1e-8, 0.3, 24)
-"""Around a frequency at which |L| = 1, where a delay may leave little damping; relative."""
-_PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
-"""Steps of the delay's phase [rad], and the most there may be."""
+_GRID_FREQUENCIES = 801
+"""Number of logarithmic frequencies from far below the smallest root to far above the largest."""
+_MIN_ROOT_OVER_LARGEST = 1e-12
+"""Smallest root, over the largest, that gets frequencies around it; smaller roots are zero."""
+_CROSSOVER_OFFSETS = np.geomspace(1e-8, 0.3, 24)
+"""Relative distances of frequencies from each gain crossover, where a delay may leave little
+damping."""
+_PHASE_STEP = np.pi / 8.0
+"""Step of the delay's phase [rad] from frequency to frequency."""
+_MAX_PHASE_STEPS = 20_000
+"""Largest number of such frequencies."""
 
 
 def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
@@ -58,87 +57,95 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
 
     `plant`, `autopilot`: one each.
 
-    It is the highest peak of |G(j omega)|, the delay being exact. The peak is bracketed among
-    frequencies around all roots and gain crossovers and refined there, so that what is left is
-    rounding, about 1e-12 of the value for well separated roots. Of a flexible plant, which has no
-    polynomials, it is the norm of python-control, with the Pade approximation of `Autopilot.close`.
+    The norm is the highest peak of |G(j omega)|, with the exact delay. The peak is bracketed among
+    frequencies around all roots and gain crossovers and refined to about 1e-12 of its value for
+    well separated roots. For a flexible plant, which has no polynomials, it is the norm of
+    python-control with the Pade approximation of `Autopilot.close`.
     """
-    found = loop_margins(autopilot.exact_loop(plant))
-    if not found.stable:
+    margins = loop_margins(autopilot.exact_loop(plant))
+    if not margins.stable:
         return float(np.inf)
     if plant.structure is not None:
         import control
 
         return float(control.system_norm(autopilot.close(plant)["deflection", "wind"], p="inf"))
     loop = autopilot.rational_loop(plant)
-    above = wind_numerator(autopilot, plant)
+    numerator = wind_numerator(autopilot, plant)
 
-    def lowness(omega: FloatArray) -> FloatArray:
-        parts = loop.form.parts(omega.reshape(1, -1))
-        returned, below = (part.reshape(omega.shape) for part in parts)
-        return -np.abs(polynomials.value(above, 1j * omega) / (below + returned))
+    def negative_gain(omega: FloatArray) -> FloatArray:
+        terms = loop.form.parts(omega.reshape(1, -1))
+        returned, denominator = (term.reshape(omega.shape) for term in terms)
+        return -np.abs(polynomials.value(numerator, 1j * omega) / (denominator + returned))
 
-    omega = _samples(loop, above, found.crossings.gain_frequencies)
-    values = lowness(omega)
-    # At infinity nothing returns, and what is left is what passes through at once.
-    through = abs(above[0] / loop.denominator[0]) if above.size == loop.denominator.size else 0.0
+    omega = _frequencies(loop, numerator, margins.crossings.gain_frequencies)
+    values = negative_gain(omega)
+    # At infinity L vanishes, and G is the direct term.
+    same_degree = numerator.size == loop.denominator.size
+    direct = abs(numerator[0] / loop.denominator[0]) if same_degree else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    tops = grid_minimum(lowness, omega[k - 1], omega[k + 1])[1] if k.size else values
-    return float(max(-values.min(), -np.min(tops), through))
+    peaks = grid_minimum(negative_gain, omega[k - 1], omega[k + 1])[1] if k.size else values
+    return float(max(-values.min(), -np.min(peaks), direct))
 
 
-def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArray:
-    """Frequencies from zero on, rising, that leave no resonance between two of them unseen."""
-    parts = [loop.denominator + loop.numerator, loop.denominator, np.trim_zeros(above, "f")]
-    roots = np.concatenate([polynomials.roots(part) for part in parts if part.size])
+def _frequencies(loop: Loop, numerator: FloatArray, crossovers: FloatArray) -> FloatArray:
+    """Return rising frequencies [rad/s] from zero, so dense that they bracket every resonance."""
+    factors = [loop.denominator + loop.numerator, loop.denominator, np.trim_zeros(numerator, "f")]
+    roots = np.concatenate([polynomials.roots(factor) for factor in factors if factor.size])
     sizes = np.abs(roots)
-    counted = sizes[sizes > _ZERO * sizes.max()]
-    low, high = LOW_OVER_SMALLEST_ROOT * counted.min(), HIGH_OVER_LARGEST_ROOT * counted.max()
-    widths = np.maximum(np.abs(roots.real), _BESIDE[0] * sizes)
+    nonzero = sizes[sizes > _MIN_ROOT_OVER_LARGEST * sizes.max()]
+    low, high = LOW_OVER_SMALLEST_ROOT * nonzero.min(), HIGH_OVER_LARGEST_ROOT * nonzero.max()
+    widths = np.maximum(np.abs(roots.real), _CROSSOVER_OFFSETS[0] * sizes)
     offsets = np.concatenate([-ROOT_OFFSETS[1:], ROOT_OFFSETS])
-    every = [
-        np.geomspace(low, high, _EVEN),
+    ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
+    grids = [
+        np.geomspace(low, high, _GRID_FREQUENCIES),
         (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),
-        np.multiply.outer(crossovers, np.concatenate([1.0 - _BESIDE, 1.0 + _BESIDE])).ravel(),
+        np.multiply.outer(crossovers, ratios).ravel(),
     ]
     if loop.delay:
-        turns = min(int(high * loop.delay / _PHASE_STEP), _MOST_STEPS)
-        every.append(np.arange(1.0, turns + 1.0) * _PHASE_STEP / loop.delay)
-    omega = np.concatenate(every)
+        steps = min(int(high * loop.delay / _PHASE_STEP), _MAX_PHASE_STEPS)
+        grids.append(np.arange(1.0, steps + 1.0) * _PHASE_STEP / loop.delay)
+    omega = np.concatenate(grids)
     return np.unique(np.append(0.0, omega[(omega > 0.0) & (omega <= high)]))
 
 
-_DURATIONS, _EACH_SWING, _MOST_IN_A_SWING = 41, 16, 2000
-"""Durations tried first: over the whole range, in each swing of a mode, and at most for one."""
-_FIRST, _ABOUT = 4, 6
-"""Each so many of them is tried at first, and so many of these show how tall a swing is."""
-_DECAYED = 5.0
-"""The swings of a mode are counted until it has fallen to e^-5."""
-_NEAR = 1e-6
-"""To which a worst duration is sought, over the shortest."""
-_FLAT = 1e-9
-"""A summit that rises less than this part above its samples is not refined."""
+_GRID_DURATIONS = 41
+"""Number of durations over the whole range."""
+_PER_PERIOD = 16
+"""Number of durations in each period of an oscillating mode."""
+_MAX_PER_MODE = 2000
+"""Largest number of durations for one mode."""
+_STRIDE = 4
+"""Stride through the durations in the first pass."""
+_WINDOW = 6
+"""Number of first-pass values that give the height of the oscillation around a duration."""
+_DECAY_EXPONENT = 5.0
+"""Exponent of the decay, e^-5, of a mode up to which its periods are sampled."""
+_DURATION_TOLERANCE = 1e-6
+"""Tolerance of the worst duration, over the shortest duration."""
+_MIN_RISE = 1e-9
+"""Smallest rise of a parabola above its samples, over the largest value, that is refined."""
 
 
 @dataclass(frozen=True)
 class WorstDuration(Shown):
-    """The wind of a family in which an autopilot needs the largest deflection.
+    """Duration at which a family of winds requires an autopilot's largest deflection.
 
     Attributes
     ----------
     duration : float
-        Its duration [s].
+        Duration [s].
     peak_deflection : float
-        The deflection [rad].
-    at_the_end : bool
-        Whether it is the shortest or longest that was asked about: beyond it may be worse.
+        Magnitude of the peak deflection in that wind [rad].
+    at_range_end : bool
+        Whether it is the shortest or longest duration of the search: beyond it may be worse.
     """
 
     duration: float
     peak_deflection: float
-    at_the_end: bool
+    at_range_end: bool
 
-    as_dict = keyed("duration_s peak_deflection_deg at_the_end")
+    as_dict = keyed("duration_s peak_deflection_deg at_the_end=at_range_end")
 
 
 def worst_duration(
@@ -150,7 +157,7 @@ def worst_duration(
     longest: float,
     shape: Callable[..., History],
 ) -> WorstDuration:
-    """Return the duration in a family of winds that needs the largest deflection.
+    """Return the duration at which a family of winds requires the largest deflection.
 
     Parameters
     ----------
@@ -159,9 +166,9 @@ def worst_duration(
     peak : float
         Peak [rad] of every wind of the family.
     shortest, longest : float
-        The durations [s] in question.
+        Range of durations [s].
     shape : callable
-        Such as `TriangularWind`: called with peak and duration.
+        Wind of a peak and a duration, such as `TriangularWind`.
 
     Raises
     ------
@@ -170,9 +177,9 @@ def worst_duration(
 
     Notes
     -----
-    Durations are tried over the whole range and in every swing of the loop's modes until they
-    have died out (at most 2000 for one mode), and those that may be the worst are refined. A
-    family whose winds swing by themselves, faster than the loop, may hide a worse one.
+    Durations are evaluated over the whole range and in every period of the loop's modes until they
+    have decayed (at most 2000 for one mode), and those near a maximum are refined. A family whose
+    winds oscillate faster than the loop may hide a worse duration.
 
     Examples
     --------
@@ -182,7 +189,7 @@ def worst_duration(
     >>> worst = tv.control.worst_duration(
     ...     plant, gains, peak=0.1, shortest=1, longest=60, shape=tv.TriangularWind
     ... )
-    >>> round(worst.duration, 1), worst.at_the_end
+    >>> round(worst.duration, 1), worst.at_range_end
     (12.8, False)
     """
     check_plant(plant)
@@ -199,116 +206,117 @@ def worst_duration(
     warn_of_feedback(autopilot, plant)
     if not margins.stable:
         raise InputError(f"no duration is the worst: {margins.reason}")
-    answer = autopilot.in_winds(plant)
+    response = autopilot.wind_response_function(plant)
 
     def deflection(duration: float) -> float:
-        return abs(answer(shape(peak=peak, duration=duration)).peak("deflection")[0])
+        return abs(response(shape(peak=peak, duration=duration)).peak("deflection")[0])
 
     return _worst(deflection, _durations(closed_loop(autopilot, plant).A, low, high))
 
 
 def _worst(deflection: Callable[[float], float], durations: FloatArray) -> WorstDuration:
-    """The worst of the durations, or what is worse between them."""
+    """Return the worst of the durations [s], refined between its neighbours."""
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
-    durations, values = _tried(deflection, durations)
+    durations, values = _evaluated(deflection, durations)
     top = int(np.argmax(values))
     ends = (0, durations.size - 1)
     worst = WorstDuration(float(durations[top]), float(values[top]), top in ends)
-    for k in _summits(durations, values):
-        edges = durations[k - 1], durations[k + 1]
-        near = minimize_scalar(
-            lambda d: -deflection(d), bounds=edges, options={"xatol": _NEAR * durations[0]}
-        )
-        if -near.fun > worst.peak_deflection:
-            worst = WorstDuration(float(near.x), float(-near.fun), False)
+    for k in _maxima(durations, values):
+        bounds = durations[k - 1], durations[k + 1]
+        tolerance = {"xatol": _DURATION_TOLERANCE * durations[0]}
+        maximum = minimize_scalar(lambda d: -deflection(d), bounds=bounds, options=tolerance)
+        if -maximum.fun > worst.peak_deflection:
+            worst = WorstDuration(float(maximum.x), float(-maximum.fun), False)
     return worst
 
 
-def _tried(
+def _evaluated(
     deflection: Callable[[float], float], durations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Some of the durations and their values; all of them where a swing may be the tallest.
+    """Return durations [s] and their peak deflections [rad], dense where the maximum may lie.
 
-    That is where the highest of those about rises above the rest by as much as they differ.
+    The first pass takes every fourth duration. The second pass fills the intervals whose local
+    maximum plus local variation reaches the largest value of the first.
     """
     values = np.full(durations.shape, np.nan)
 
-    def fill(places: IndexArray) -> None:
-        values[places] = [deflection(duration) for duration in durations[places]]
+    def fill(indices: IndexArray) -> None:
+        values[indices] = [deflection(duration) for duration in durations[indices]]
 
-    first = np.unique(np.append(np.arange(0, durations.size, _FIRST), durations.size - 1))
+    first = np.unique(np.append(np.arange(0, durations.size, _STRIDE), durations.size - 1))
     fill(first)
-    about = np.pad(values[first], _ABOUT // 2 - 1, mode="edge")
-    about = np.lib.stride_tricks.sliding_window_view(about, _ABOUT)
-    tall = 2.0 * about.max(axis=-1) - about.min(axis=-1) >= values[first].max()
-    between = np.searchsorted(first, np.arange(durations.size), side="right") - 1
-    fill(np.flatnonzero(np.isnan(values) & np.append(tall, False)[between]))
-    known = ~np.isnan(values)
-    return durations[known], values[known]
+    windows = np.pad(values[first], _WINDOW // 2 - 1, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(windows, _WINDOW)
+    tall = 2.0 * windows.max(axis=-1) - windows.min(axis=-1) >= values[first].max()
+    interval = np.searchsorted(first, np.arange(durations.size), side="right") - 1
+    fill(np.flatnonzero(np.isnan(values) & np.append(tall, False)[interval]))
+    finished = ~np.isnan(values)
+    return durations[finished], values[finished]
 
 
-def _summits(x: FloatArray, values: FloatArray) -> list[int]:
-    """The middles of the triples whose parabola may have the highest summit of all."""
+def _maxima(x: FloatArray, values: FloatArray) -> list[int]:
+    """Return the indices of samples whose parabola may have the highest maximum of all."""
     steps, slopes = np.diff(x), np.diff(values) / np.diff(x)
-    bend = np.diff(slopes) / (x[2:] - x[:-2])
-    slope = slopes[:-1] + bend * steps[:-1]
-    hollow = np.where(bend < 0.0, bend, np.nan)
-    way, gain = -slope / (2.0 * hollow), -(slope**2) / (4.0 * hollow)
+    curvature = np.diff(slopes) / (x[2:] - x[:-2])
+    slope = slopes[:-1] + curvature * steps[:-1]
+    concave = np.where(curvature < 0.0, curvature, np.nan)
+    offset, rise = -slope / (2.0 * concave), -(slope**2) / (4.0 * concave)
     before, after = 0.5 * steps[:-1], 0.5 * steps[1:]
     before[0], after[-1] = steps[0], steps[-1]
-    likely = (-before <= way) & (way <= after) & (gain > _FLAT * values.max())
-    likely &= values[1:-1] + 2.0 * gain > values.max()
+    likely = (-before <= offset) & (offset <= after) & (rise > _MIN_RISE * values.max())
+    likely &= values[1:-1] + 2.0 * rise > values.max()
     return (1 + np.flatnonzero(likely)).tolist()
 
 
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
-    """Durations [s] between which no swing of the closed loop A is lost, until it has decayed."""
-    parts = [np.geomspace(low, high, _DURATIONS)]
+    """Return durations [s] that resolve every oscillation of the closed loop A until it decays."""
+    grids = [np.geomspace(low, high, _GRID_DURATIONS)]
     for pole in np.linalg.eigvals(A):
-        last = min(_DECAYED / -pole.real, high)
+        last = min(_DECAY_EXPONENT / -pole.real, high)
         if pole.imag > 0.0 and last > low:
-            count = int((last - low) * pole.imag / (2.0 * np.pi) * _EACH_SWING) + 2
-            parts.append(np.linspace(low, last, min(count, _MOST_IN_A_SWING)))
-    return np.unique(np.concatenate(parts))
+            count = int((last - low) * pole.imag / (2.0 * np.pi) * _PER_PERIOD) + 2
+            grids.append(np.linspace(low, last, min(count, _MAX_PER_MODE)))
+    return np.unique(np.concatenate(grids))
 
 
 DEAD_BANDS = (1.0, 0.5, 0.0)
+"""Dead bands K at which the boundary limit is computed for comparison."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrimComparison(Shown):
-    """What an autopilot does in a wind, beside trim and the least deflections of the theory.
+    """Peaks of an autopilot in a wind, compared with trim, boundary limits and the minimum.
 
-    Angles are sizes [rad]. Where the closed loop is unstable the autopilot's are infinite.
+    Angles are magnitudes [rad]. If the closed loop is unstable the autopilot's are infinite.
 
     Attributes
     ----------
     plant, autopilot, wind : Plant or FlexiblePlant, Autopilot, History
-        What was compared.
+        The loop and its wind.
     margins : Margins
-        Those of the loop.
+        Margins of the loop.
     trim_deflection : float
-        ``|B alpha_w,max|``, what ideal trim without drift takes.
+        ``|B alpha_w,max|``, the deflection of ideal trim without drift.
     peak_deflection : float
         Largest deflection of the autopilot.
     peak_deflection_rate : float
-        Its largest rate [rad/s]; infinite where the deflection jumps, which it does in a wind
-        that jumps when the angle of attack is fed back without an actuator.
+        Largest deflection rate [rad/s]; infinite where the deflection jumps, which it does in a
+        wind that jumps if the angle of attack is fed back without an actuator.
     peak_angle_of_attack, peak_attitude : float
-        The largest ones. Ideal trim keeps the attitude, and the wind is its angle of attack.
-        The bending moment goes with N times the angle of attack.
+        Largest angle of attack and attitude error. Ideal trim keeps the attitude, and its angle of
+        attack is the wind. The bending moment is proportional to N times the angle of attack.
     peak_flight_path_angle : float
-        The drift; times the speed it is the lateral velocity. NaN on a fixed path.
+        Largest drift of the path; times the speed it is the lateral velocity. NaN on a fixed path.
     boundaries : dict of float to float
-        For each dead band K the deflection on the report's boundary; NaN for a wind of two signs.
+        Deflection on the report's boundary for each dead band K; NaN for a wind of two signs.
     minimum : float
-        The least peak of any control that knows the wind, appendix C.
+        Minimum peak over all controls, the wind being known, appendix C.
     wind_gain : float
-        The H-infinity norm from wind to deflection: the deflection per wind angle in the worst
+        H-infinity norm from wind to deflection: the deflection per wind angle in the worst
         sinusoidal wind.
     notes : tuple of str
-        What the reader should know before believing the numbers; often nothing.
+        Warnings on the validity of the numbers; often empty.
     """
 
     plant: AnyPlant
@@ -332,21 +340,21 @@ class TrimComparison(Shown):
     )
 
     def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
-        """Return the largest deflection beside trim, the boundaries and the minimum.
+        """Return the table of the peak deflection, of trim, boundary limits and minimum.
 
         Parameters
         ----------
         caption : str
-            Stands above the table.
+            Caption of the table.
         stop : float, optional
-            The least stop [rad] with which the autopilot survives, flown.
+            Smallest deflection limit [rad] with which the autopilot survives in flight.
         """
         flown = {} if stop is None else {"stop": ("least stop that it survives with, flown", stop)}
-        each = {
+        deflections = {
             "deflection": ("this autopilot, without a stop", self.peak_deflection),
             **flown,
             "trim": ("ideal trim", self.trim_deflection),
-            **{f"K{K:g}": (f"boundary, K = {K:g}", one) for K, one in self.boundaries.items()},
+            **{f"K{K:g}": (f"boundary, K = {K:g}", y) for K, y in self.boundaries.items()},
             "minimum": ("minimum, wind known", self.minimum),
         }
         trim = self.trim_deflection or np.nan
@@ -356,12 +364,12 @@ class TrimComparison(Shown):
                 lines.least(lines.degrees(f"wind.{key}", value)),
                 lines.least(lines.number(f"wind.{key}.part", value / trim)),
             )
-            for key, (label, value) in each.items()
+            for key, (label, value) in deflections.items()
         )
         return lines.Table(caption, ("deflection", "[deg]", "over trim"), rows)
 
     def motions(self) -> list[lines.Row]:
-        """Return the largest rate, angles and drift, and the gain of the worst sinusoidal wind."""
+        """Return rows of the peak rate, angles and drift, and of the H-infinity norm."""
         rate = lines.degrees("wind.deflection_rate", self.peak_deflection_rate, unit="deg/s")
         angles = {
             "angle_of_attack": ("largest angle of attack", self.peak_angle_of_attack),
@@ -384,21 +392,21 @@ class TrimComparison(Shown):
         return table(self.deflections(title)) + table(motions, notes)
 
     @property
-    def relative(self) -> float:
-        """The autopilot's largest deflection over that of trim."""
+    def ratio_to_trim(self) -> float:
+        """Peak deflection of the autopilot over the trim deflection."""
         return self.peak_deflection / self.trim_deflection if self.trim_deflection else np.nan
 
 
 def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> TrimComparison:
-    """Return what an autopilot does in a wind, beside trim and the theory's least deflections.
+    """Return the peaks of an autopilot in a wind, compared with trim, boundaries and minimum.
 
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        One plant of any model; trim, boundaries and minimum are those of the rigid one.
+        One plant of any model; trim, boundaries and minimum are computed for the rigid vehicle.
     autopilot : Autopilot
-        One autopilot. It has no limits here: compare its peak with the one there is. Of one with a
-        sample rate the margins are those in steps, and peaks those of the continuous one.
+        One autopilot, here without deflection limit. With a sample rate the margins are those of
+        the sampled loop, and the peaks those of the continuous loop.
     wind : History
         One wind that ends.
 
@@ -409,9 +417,8 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
 
     Notes
     -----
-    Trim, the boundaries and the minimum need no gains; they say how far the autopilot is from
-    what the wind itself demands. Pure attitude hold makes the angle of attack larger than the
-    wind: in a steady wind by a0/(a0 - B).
+    Trim, boundaries and minimum do not depend on the gains. Pure attitude hold makes the angle of
+    attack larger than the wind: in a steady wind by a0/(a0 - B).
 
     Examples
     --------
@@ -419,7 +426,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     >>> c = tv.compare_with_trim(plant, tv.control.canonical_gains(plant.coefficients), wind)
-    >>> round(c.relative, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
+    >>> round(c.ratio_to_trim, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
     (1.622, 0.654)
     """
     check_plant(plant)
@@ -437,9 +444,9 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     if autopilot.sample_rate is not None:
         notes.append("margins are of the sampled autopilot, all peaks of the continuous one")
     boundaries = _boundaries(plant.rigid, wind, notes)
-    least = optimum_deflection(plant.rigid, wind)
-    if least.status != "ok":
-        notes.append(f"minimum: {least.status}")
+    minimum = optimum_deflection(plant.rigid, wind)
+    if minimum.status != "ok":
+        notes.append(f"minimum: {minimum.status}")
     return TrimComparison(
         plant=plant,
         autopilot=autopilot,
@@ -448,7 +455,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
         trim_deflection=trim,
         **peaks,
         boundaries=boundaries,
-        minimum=float(least.peak),
+        minimum=float(minimum.peak),
         wind_gain=wind_gain(plant, steady),
         notes=tuple(notes),
     )
@@ -464,11 +471,12 @@ _PEAKS = (
 
 
 def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
-    answer = autopilot.answer(plant, wind)
-    sizes = {name: abs(answer.peak(name)[0]) for name in answer.labels}
+    """Return the peaks [rad, rad/s] of the closed loop in a wind, by their names."""
+    response = autopilot.wind_response(plant, wind)
+    sizes = {name: abs(response.peak(name)[0]) for name in response.labels}
     return {
         "peak_deflection": sizes["deflection"],
-        "peak_deflection_rate": answer.peak_rate("deflection"),
+        "peak_deflection_rate": response.peak_rate("deflection"),
         "peak_angle_of_attack": sizes["angle_of_attack"],
         "peak_attitude": sizes["attitude"],
         "peak_flight_path_angle": sizes.get("flight_path_angle", np.nan),
@@ -476,12 +484,13 @@ def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, An
 
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
+    """Return the boundary limit [rad] of each dead band; further `notes` say where none exists."""
     try:
         bands = np.array(DEAD_BANDS)
         boundary = boundary_limit(plant, wind, bands, "literal")
-        found = with_larger_requirements(plant, wind, bands, boundary)
-        limits = found.deflection
-        notes += _boundary_notes(found.status)
+        requirement = with_larger_requirements(plant, wind, bands, boundary)
+        limits = requirement.deflection
+        notes += _boundary_notes(requirement.status)
     except InputError as error:
         notes.append(f"no boundary: {error}")
         limits = np.full(len(DEAD_BANDS), np.nan)
@@ -489,8 +498,10 @@ def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, fl
 
 
 def _boundary_notes(status: NDArray[np.str_]) -> list[str]:
-    """What is said of the dead bands whose boundary is no solution, once for each status."""
-    said: dict[str, list[str]] = {}
-    for K, words in zip(DEAD_BANDS, status.tolist(), strict=True):
-        said.setdefault(words, []).append(f"{K:g}")
-    return [f"boundary K = {', '.join(K)}: {words}" for words, K in said.items() if words != "ok"]
+    """Return a note for each status other than ok, with the dead bands that have it."""
+    bands: dict[str, list[str]] = {}
+    for K, reason in zip(DEAD_BANDS, status.tolist(), strict=True):
+        bands.setdefault(reason, []).append(f"{K:g}")
+    return [
+        f"boundary K = {', '.join(K)}: {reason}" for reason, K in bands.items() if reason != "ok"
+    ]

@@ -80,7 +80,7 @@ def nichols_chart(
     _draw_box(axes, box, criteria.name)
     more = ""
     if samples.margins.stable and any(box):
-        met = "met" if criteria.are_met(samples.judged) else "not met"
+        met = "met" if criteria.are_satisfied(samples.judged) else "not met"
         more = f", criteria {criteria.name} {met}"
     axes.set(
         title=title("Nichols chart of the loop", samples, more),
@@ -222,7 +222,7 @@ def _frame_bode(axes: Any, samples: LoopSamples) -> float:
     if loud.size:
         marked = np.max([*decisive, *(w for w in modes if np.isfinite(w))], initial=0.0)
         right = min(right, max(float(loud.max()), 2.0 * float(marked)))
-    highest = float(samples.loop.highest()[0, 0])
+    highest = float(samples.loop.max_frequency()[0, 0])
     right = min(right, 1.1 * highest)
     axes[0].set_xlim(left, right)
     for panel in axes:

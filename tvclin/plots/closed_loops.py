@@ -8,7 +8,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.wind_response import WindAnswer
+from tvclin.control.autopilot.wind_response import WindResponse
 from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
@@ -151,13 +151,13 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
 
     Notes
     -----
-    The response is exact, but that a delay is its Pade approximation; see `Autopilot.answer`.
-    The horizon is the end of the wind and some time for the vehicle to come to rest.
+    The response is exact, with the Pade approximation of a delay; see `Autopilot.wind_response`.
+    The horizon is the end of the wind plus a settling time.
     """
     instance("wind", wind, History, "such as TriangularWind")
     require_one("wind_chart", autopilot, plant, wind=wind)
     margins = _margins(autopilot, plant)
-    answer, status = autopilot.answer(plant, wind), margins.status
+    answer, status = autopilot.wind_response(plant, wind), margins.status
     start, stop = _wind_horizon(autopilot, plant, wind, margins)
     count = _points(plant, stop - start)
     times, peak = _times(start, stop, wind, count), None
@@ -180,7 +180,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
 
 
 def _wind_curves(
-    answer: WindAnswer, plant: AnyPlant, wind: History, times: FloatArray, words: str
+    answer: WindResponse, plant: AnyPlant, wind: History, times: FloatArray, words: str
 ) -> Curves:
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
@@ -216,7 +216,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     start, end = float(c.wind.onset), float(c.wind.end)
     times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
     steady = replace(c.autopilot, sample_rate=None)  # as its peaks
-    answer = steady.answer(c.plant, c.wind)
+    answer = steady.wind_response(c.plant, c.wind)
     seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
     against = -float(np.sign(B * c.wind.peak))
@@ -236,7 +236,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     peak = float(np.degrees(c.wind.peak))
     words = (
         f"{c.plant.model}, wind of {peak:.4g} deg and {end - start:.4g} s; peak deflection"
-        f" {np.degrees(c.peak_deflection):.4g} deg, {c.relative:.3g} times trim"
+        f" {np.degrees(c.peak_deflection):.4g} deg, {c.ratio_to_trim:.3g} times trim"
     )
     name = c.plant.coefficients.name
     curves = Curves("comparison-with-trim", words, "time [s]", times, tuple(columns))

@@ -130,7 +130,7 @@ def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> L
     bands, rigid, order = None, plant, autopilot.pade_order
     if plant.structure is not None:
         bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
-    margins = loop_margins(loop) if bands is None else bands.whole
+    margins = loop_margins(loop) if bands is None else bands.margins
     return _samples(loop, margins, bands, np.asarray(rigid.poles), words, order)
 
 
@@ -219,9 +219,9 @@ def corner_frequencies(loop: Loop) -> FloatArray:
     Of a sampled loop those up to half its rate.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.abs(loop.from_plane(loop.form.open_poles().astype(complex))[0])
+        size = np.abs(loop.w_to_s(loop.form.open_poles().astype(complex))[0])
     size = size[np.isfinite(size)]
-    kept = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.highest()[0, 0])
+    kept = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.max_frequency()[0, 0])
     return np.sort(size[kept])
 
 
@@ -236,13 +236,15 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
     one = loop.form
     found = grid_frequencies(one, stability(one))[0]
     found = np.concatenate([found, _around_light_roots(loop)])
-    found = np.imag(loop.from_plane(1j * found[np.newaxis]))[0]
-    found = np.sort(found[np.isfinite(found) & (found > 0.0) & (found < loop.highest()[0, 0])])
+    found = np.imag(loop.w_to_s(1j * found[np.newaxis]))[0]
+    found = np.sort(
+        found[np.isfinite(found) & (found > 0.0) & (found < loop.max_frequency()[0, 0])]
+    )
     decades = np.log10(found[-1] / found[0])
     even = np.geomspace(found[0], found[-1], int(np.ceil(_PER_DECADE * decades)))
     marked = np.array([*decisive_frequencies(margins), *map(mode_frequency, modes)])
     every = np.concatenate([found, even, marked[marked > 0.0]])
-    return np.unique(np.minimum(every, loop.highest()[0, 0]))
+    return np.unique(np.minimum(every, loop.max_frequency()[0, 0]))
 
 
 def _around_light_roots(loop: Loop) -> FloatArray:

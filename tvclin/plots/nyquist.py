@@ -88,7 +88,7 @@ def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
     import control
 
     loop = samples.loop
-    axis = np.imag(loop.in_plane(1j * samples.omega[np.newaxis]))[0]
+    axis = np.imag(loop.s_to_w(1j * samples.omega[np.newaxis]))[0]
     poles = loop.form.open_poles()[0].astype(complex)
     slack = ON_AXIS * np.abs(poles).max()
     corners = np.unique(np.abs(poles[(np.abs(poles.real) <= slack) & (poles.imag >= 0.0)].imag))
@@ -99,7 +99,7 @@ def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
     apart = np.abs(nu[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
     contour = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) + 1j * nu
     values = loop.form.value(contour[np.newaxis])[0]
-    omega = np.imag(loop.from_plane(1j * nu[np.newaxis]))[0]
+    omega = np.imag(loop.w_to_s(1j * nu[np.newaxis]))[0]
     clockwise = -np.sum(np.diff(np.unwrap(np.angle(1.0 + values)))) / np.pi
     return control.NyquistResponseData(
         round(clockwise), contour.real + 1j * omega, values, 0, sysname="loop"

@@ -113,7 +113,7 @@ def _within(branches: AnyArray, loop: Loop) -> AnyArray:
     if not isinstance(loop, SampledLoop):
         return branches
     steps = np.abs(np.diff(branches.imag, axis=0, prepend=branches.imag[:1]))
-    return np.where(steps > float(loop.highest()[0, 0]), np.nan, branches)
+    return np.where(steps > float(loop.max_frequency()[0, 0]), np.nan, branches)
 
 
 def _given(gains: ArrayLike) -> FloatArray:
@@ -142,7 +142,7 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
     if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
-        sizes = sizes[sizes <= _LEFT * float(samples.loop.highest()[0, 0])]
+        sizes = sizes[sizes <= _LEFT * float(samples.loop.max_frequency()[0, 0])]
     highest = np.array([samples.margins.gain_increase_frequency])
     known = [*corner_frequencies(samples.loop), *sizes]
     whole = 1.2 * float(np.nanmax([*known, *highest]))

@@ -16,7 +16,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
-from tvclin.control.autopilot.detuning import with_modes
+from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.models import flexible_model
@@ -140,7 +140,7 @@ def _flexible(
             axis=-1,
         )
 
-    return with_modes(plant, factors("frequency"), factors("damping"))
+    return with_mode_factors(plant, factors("frequency"), factors("damping"))
 
 
 def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:

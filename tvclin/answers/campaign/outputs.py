@@ -164,7 +164,7 @@ def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     autopilot, peaks = replace(campaign.autopilot, **batch.gains), {}
     if batch.flexible is not None and _mode_names(campaign):
         bands = autopilot.band_margins(batch.flexible)
-        whole = bands.whole
+        whole = bands.margins
         pairs = zip(_mode_names(campaign), bands.modes, strict=True)
         peaks = {f"margin_{name}_peak_dB": mode.peak_dB for name, mode in pairs}
     else:

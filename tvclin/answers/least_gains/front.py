@@ -93,7 +93,7 @@ def least_gains_front(
     question, near = found.question, found.question.point(found.autopilot)
     each: list[LeastGains | None] = []
     for least in asked.tolist():
-        criteria = question.criteria.changed("the front", disk_margin=least)
+        criteria = question.criteria.with_limits("the front", disk_margin=least)
         if each and each[-1] is None:
             each.append(None)
             continue

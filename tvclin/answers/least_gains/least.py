@@ -27,7 +27,7 @@ from tvclin.control.autopilot.margin_bounds import margin_bounds
 from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import CRITERIA, Criteria
-from tvclin.control.margins.margins import MARGINS, Margins, factor_to, loop_margins
+from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, unit_factor
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
@@ -113,7 +113,7 @@ def least_deflection_gains(
     InputError
         For a plant that is aerodynamically stable, a batch, winds that do not end, neither nozzle
         nor delay nor crossover, stops without limits, gains of which none have the margins, and as
-        `Autopilot.answer` and `closed_loop_boundary`.
+        `Autopilot.wind_response` and `closed_loop_boundary`.
 
     Notes
     -----
@@ -208,7 +208,7 @@ def _peaked(question: Question, points: FloatArray, goal: float) -> FloatArray:
 
 def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
     """The exact peak in each wind [rad]."""
-    answer = replace(autopilot, sample_rate=None).in_winds(question.plant)
+    answer = replace(autopilot, sample_rate=None).wind_response_function(question.plant)
     return np.array([abs(answer(wind).peak("deflection")[0]) for wind in question.winds])
 
 
@@ -321,7 +321,7 @@ def _none(question: Question, point: FloatArray) -> str:
         said += " are unstable"
     elif lack > 0.0:
         label, unit, _ = MARGINS[one.margin]
-        value, limit = (factor_to(unit) * x for x in (getattr(margins, one.margin), one.limit))
+        value, limit = (unit_factor(unit) * x for x in (getattr(margins, one.margin), one.limit))
         said += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:
         said += " miss the required margins of modes or the crossover"

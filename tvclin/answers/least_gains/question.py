@@ -194,7 +194,7 @@ class Question:
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
-        found = margins_of(loop.findings(delays=self._of_delay), loop.batch)
+        found = margins_of(loop.analysis(delays=self._of_delay), loop.batch)
         every = [np.full(len(points), -np.inf)]
         every += [
             lacking(one, getattr(found, one.margin))
@@ -245,7 +245,7 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
 def lacking(asked: Requirement, value: Any) -> FloatArray:
     """Return by what part of its limit a margin misses what is asked; negative where it is met."""
     lack = (asked.limit - np.asarray(value)) / max(asked.limit, 1e-9)
-    return np.asarray(-lack if asked.at_most else lack)
+    return np.asarray(-lack if asked.is_upper_limit else lack)
 
 
 def highest_crossover(found: Margins) -> FloatArray:

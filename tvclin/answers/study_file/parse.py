@@ -84,9 +84,9 @@ def _criteria(table: dict[str, Any]) -> Criteria:
     limits = CRITERIA_TABLE.read(table)
     name = limits.pop("name", None)
     if name is None:
-        return Criteria.own("own", "the study file", **limits)
+        return Criteria.custom("own", "the study file", **limits)
     named = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
-    return named.changed("the study file", **limits)
+    return named.with_limits("the study file", **limits)
 
 
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:

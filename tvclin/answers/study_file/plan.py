@@ -109,7 +109,7 @@ class StudyPlan(Case):
         kinds = LawsAsked, Criteria, Dispersions, SizingAsked, AvailabilityAsked, LoadBound
         makers = (
             "of the standard laws",
-            "see Criteria.own",
+            "see Criteria.custom",
             "of Dispersion values",
             "see load_sizing",
             "see load_study",
@@ -118,7 +118,7 @@ class StudyPlan(Case):
         for name, kind, maker in zip(names, kinds, makers, strict=True):
             if getattr(self, name) is not None:
                 instance(name, getattr(self, name), kind, maker)
-        if self.criteria is not None and self.criteria.of_modes and not self._modes:
+        if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:
             raise InputError(
                 "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
                 " needs [[bending]] or [[slosh]] in its file"

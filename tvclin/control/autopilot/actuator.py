@@ -30,34 +30,35 @@ if TYPE_CHECKING:
     import control
 
 
-LARGEST = 1e9
-"""Of gains, frequencies, damping ratios and times in SI units, and one over the smallest."""
-LEAST_GAIN = 1e-30
-"""A smaller gain is zero or a mistake; rounding leaves larger ones."""
+MAX_MAGNITUDE = 1e9
+"""Largest gain, frequency, damping ratio or time in SI units; its reciprocal is the smallest. The
+polynomials of a loop multiply several of them: beyond, they overflow or vanish."""
+MIN_GAIN = 1e-30
+"""Smallest magnitude of a gain other than zero; smaller ones are mistakes."""
 
 
-def sized(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` unless it is positive and of a size to work with."""
-    return within(name, positive(name, value, unit), 1.0 / LARGEST, LARGEST, unit)
+def positive_in_range(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
+    """Return `value` as an array; `InputError` unless it is positive and within 1e-9 to 1e9."""
+    return within(name, positive(name, value, unit), 1.0 / MAX_MAGNITUDE, MAX_MAGNITUDE, unit)
 
 
-def zero_or_sized(name: str, value: ArrayLike, least: float, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` where its size is not zero, or `least` to 1e9."""
+def zero_or_in_range(name: str, value: ArrayLike, minimum: float, unit: str = "") -> FloatArray:
+    """Return `value` as an array; `InputError` unless its magnitude is 0 or `minimum` to 1e9."""
     array = finite(name, value, unit)
     size = np.abs(array)
-    bad = (size > LARGEST) | ((size > 0.0) & (size < least))
+    bad = (size > MAX_MAGNITUDE) | ((size > 0.0) & (size < minimum))
     if np.any(bad):
         raise InputError(
-            f"{name} must be zero or {least:.6g} to {LARGEST:.6g}{unit and ' ' + unit} in size;"
-            f" got {array[bad].flat[0]:.6g}"
+            f"{name} must be zero or {minimum:.6g} to {MAX_MAGNITUDE:.6g}{unit and ' ' + unit} in"
+            f" size; got {array[bad].flat[0]:.6g}"
         )
     return array
 
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
-THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
-"""No dynamics at all."""
+DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
+"""Matrices A, B, C, D of a direct connection, without states."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,10 +86,10 @@ class Actuator(Carded):
     as_dict = keyed("natural_frequency_rad_s damping")
 
     def __post_init__(self) -> None:
-        frequency = sized("natural_frequency", self.natural_frequency, "rad/s")
+        frequency = positive_in_range("natural_frequency", self.natural_frequency, "rad/s")
         object.__setattr__(self, "natural_frequency", plain(frequency))
         if self.damping is not None:
-            damping = sized("damping", self.damping)
+            damping = positive_in_range("damping", self.damping)
             together(natural_frequency=frequency, damping=damping)
             object.__setattr__(self, "damping", plain(damping))
 
@@ -99,9 +100,9 @@ class Actuator(Carded):
 
     @property
     def denominator(self) -> FloatArray:
-        """The characteristic polynomial ``(..., order + 1)``, highest power first.
+        """Characteristic polynomial ``(..., order + 1)``, highest power first.
 
-        Its last term is the numerator.
+        The last coefficient is the numerator of the transfer function.
         """
         w = np.asarray(self.natural_frequency)
         if self.damping is None:
@@ -142,9 +143,9 @@ class Actuator(Carded):
 
 
 def pade_delay(delay: float, order: int) -> Matrices:
-    """Return A, B, C, D of the delay, in time units in which its poles are of size one."""
+    """Return A, B, C, D of the Pade approximation of a delay [s], scaled to poles near 1/delay."""
     if delay == 0.0:
-        return THROUGH
+        return DIRECT
     powers = np.arange(order, -1, -1)
     denominator = np.array([float(comb(order, k) * perm(2 * order - k, order - k)) for k in powers])
     unit = denominator[-1] ** (1.0 / order)
@@ -162,36 +163,40 @@ _DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
 _AT_ONCE = gain("deflection", {"deflection_command": 1.0})
 
 
-def actuated(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
-    """Return a plant with its actuator, from the command to the outputs.
+def plant_with_actuator(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
+    """Return the state space of a plant behind its actuator.
 
-    The inputs are `INPUTS`. A disturbance turns the thrust and not the engine, so that it has no
-    inertia. The outputs are those of the plant, and the deflection with its disturbance.
+    Inputs: `INPUTS`. The disturbance turns the thrust without the mass of the engine: it has no
+    inertia. Outputs: the plant's, and the deflection, disturbance included.
 
     `plant`: one plant or a batch. `actuator`: one actuator or a batch, which broadcasts with the
-    plant; None: the deflection follows its command at once. `InputError` for an engine with inertia
-    and any but a second-order actuator.
+    plant; None: the deflection equals its command. `InputError` for an engine with inertia whose
+    actuator is not of second order.
     """
     check_engine(plant, actuator)
-    blocks = [plant.system, turning(actuator), _DISTURBED]
+    blocks = [plant.system, actuator_system(actuator), _DISTURBED]
     return connect(blocks, INPUTS, (*plant.outputs, "deflection"))
 
 
-def turning(actuator: Actuator | None) -> LinearSystem:
-    """Return an actuator from its command to deflection and, of second order, its acceleration."""
+def actuator_system(actuator: Actuator | None) -> LinearSystem:
+    """Return the actuator's state space, from command to deflection.
+
+    A second-order actuator has the acceleration of the deflection as a further output.
+    """
     if actuator is None:
         return _AT_ONCE
     A, B, C, D = actuator.matrices()
     order = A.shape[-1]
     C, D = (
-        np.concatenate([of, as_it_turns[..., 1:, :]], -2) for of, as_it_turns in ((C, A), (D, B))
+        np.concatenate([output, derivative[..., 1:, :]], -2)
+        for output, derivative in ((C, A), (D, B))
     )
     outputs = ("deflection", "deflection_acceleration")[:order]
     return LinearSystem(A, B, C, D, ("deflection_command",), outputs, _STATES[:order])
 
 
 def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:
-    """Raise `InputError` for an engine with inertia and any but a second-order actuator."""
+    """Raise `InputError` for an engine with inertia whose actuator is not of second order."""
     if "deflection_acceleration" in plant.inputs and (actuator is None or actuator.damping is None):
         raise InputError(
             "the inertia of an engine needs an actuator of second order, which says how fast the"

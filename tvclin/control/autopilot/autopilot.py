@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, times_row
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wind_response import WindAnswer, wind_answer
+from tvclin.control.autopilot.wind_response import WindResponse, wind_response_of
 from tvclin.control.autopilot.wiring import (
     COMMAND,
     RETURNED,
@@ -48,35 +48,35 @@ if TYPE_CHECKING:
 
 
 def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:
-    """Warn of zero gains, positive feedback, and an actuator slower than the plant.
+    """Warn of zero gains, positive feedback, and an actuator slower than the unstable pole.
 
-    The warning points at the caller of the method that asks, which is three levels up.
+    `stacklevel`: as in `warnings.warn`; 3 points at the caller of the calling method.
     """
     plant = plant.rigid
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
-    # A stable vehicle has a stiffness of its own, on the angle of attack. Feedback of that angle
-    # may give it back, but no feedback of the attitude alone is meant to.
-    own = np.maximum(-np.asarray(plant.coefficients.mu_alpha), 0.0)
-    own = np.where((stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0), 0.0, own)
+    # A stable vehicle has an aerodynamic stiffness. Feedback of the angle of attack may reduce it;
+    # feedback of the attitude alone is not meant to.
+    aerodynamic = np.maximum(-np.asarray(plant.coefficients.mu_alpha), 0.0)
+    attitude_only = (stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0)
     gains: list[tuple[str, Any, Any, str]] = [
-        (name, stiffness, own, "holds"),
+        (name, stiffness, np.where(attitude_only, 0.0, aerodynamic), "holds"),
         ("rate_gain", np.asarray(autopilot.rate_gain), plant.coefficients.damping, "damps"),
     ]
     if np.any(autopilot.integral_gain):
         gains.append(("integral_gain", np.asarray(autopilot.integral_gain), 0.0, ""))
-    for name, gains_of_all, own_of_all, does in gains:
-        gain, per, has = np.broadcast_arrays(gains_of_all, mu_delta, own_of_all)
-        worst = np.unravel_index(np.argmin(gain * per + has), gain.shape)
-        if gain[worst] * per[worst] + has[worst] < 0.0:
+    for name, values, vehicle, verb in gains:
+        gain, slope, bare = np.broadcast_arrays(values, mu_delta, vehicle)
+        worst = np.unravel_index(np.argmin(gain * slope + bare), gain.shape)
+        if gain[worst] * slope[worst] + bare[worst] < 0.0:
             warnings.warn(
                 f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
-                f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
+                f" mu_delta = {slope[worst]:.6g} 1/s^2; give it the sign of mu_delta",
                 stacklevel=stacklevel,
             )
-        elif gain[worst] == has[worst] == 0.0:
-            warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=stacklevel)
+        elif gain[worst] == bare[worst] == 0.0:
+            warnings.warn(f"{name} is zero: nothing {verb} the attitude", stacklevel=stacklevel)
     if autopilot.actuator is None:
         return
     poles = np.real(unstable_poles(plant))
@@ -92,7 +92,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
 
 def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
-    """Warn of a mode that is sampled less than twice in its period; points as the other."""
+    """Warn of a mode whose frequency is above half the sample rate, at the caller's caller."""
     if autopilot.sample_rate is None or plant.structure is None:
         return
     names, poles = named_modes(plant)
@@ -100,16 +100,16 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
     cycles = np.imag(poles) / (2.0 * np.pi)
     slow = np.any(np.atleast_2d(rate < 2.0 * cycles).reshape(-1, len(names)), axis=0)
     if np.any(slow):
-        which = ", ".join(name for name, is_slow in zip(names, slow, strict=True) if is_slow)
+        aliased = ", ".join(name for name, is_slow in zip(names, slow, strict=True) if is_slow)
         warnings.warn(
-            f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {which}, which"
+            f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {aliased}, which"
             " sampling aliases to another frequency (see band_margins)",
             stacklevel=3,
         )
 
 
 def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: FloatArray) -> bool:
-    """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
+    """Return whether the closed loop A with a Pade delay has a wrong number of unstable poles."""
     if not autopilot.delay:
         return False
     exact = stability(exact_loop(autopilot, plant).form)
@@ -117,7 +117,7 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: FloatArray) -> bool:
     return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])
 
 
-_MISLED = (
+_PADE_WARNING = (
     "pade_order = {} is too low for this delay: with the exact delay the loop has another number"
     " of unstable poles"
 )
@@ -128,7 +128,7 @@ class Autopilot(Feedback):
     """Feedback of attitude, attitude rate, angle of attack and integrated attitude.
 
     Gains, delay and actuator may be arrays, which broadcast with each other and with a batch of
-    plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` are for one.
+    plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` take one loop.
 
     Parameters
     ----------
@@ -137,32 +137,32 @@ class Autopilot(Feedback):
     rate_gain : array_like
         a1 [s].
     alpha_gain : array_like
-        b0 [rad/rad], on the angle of attack, of which the wind is a part.
+        b0 [rad/rad], on the angle of attack, which includes the wind.
     integral_gain : array_like
-        aI [1/s], on the integral of attitude less command; in a batch zero for all or for none.
+        aI [1/s], on the integral of attitude minus command; in a batch zero for all or for none.
     actuator : Actuator, optional
-        Without one the deflection follows its command at once.
+        Without it the deflection equals its command.
     delay : array_like
         Delay [s] between the sum of the feedbacks and the actuator.
     pade_order : int
-        Order of the Pade approximation that stands for the delay in `loop`, `close` and
-        `answer`, 1 to 10. `frequency_response` and `margins` have the exact delay.
+        Order of the Pade approximation of the delay in `loop`, `close` and `wind_response`, 1 to
+        10. `frequency_response` and `margins` have the exact delay.
     filters : tuple of Filter
-        Behind the sum of all feedbacks, one after the other.
+        Filters in series behind the sum of all feedbacks.
     attitude_filters, rate_filters : tuple of Filter
-        On the sensed attitude, ahead of its command, and on the sensed rate.
+        Filters of the sensed attitude, before its command is subtracted, and of the sensed rate.
     sample_rate : array_like, optional
-        Samples per second [Hz]. With one, gains and filters are steps of a computer, and `delay` is
-        the time from a sample until its command arrives at the actuator, up to 25 periods, whole
-        or not. `exact_loop`, `margins` and `frequency_response` have it exactly; `loop`, `close`
-        and answers to winds are of continuous autopilots, and refuse it.
+        Samples per second [Hz]. With it, gains and filters are difference equations, and `delay` is
+        the time from a sample until its command arrives at the actuator, up to 25 periods, a whole
+        number of them or not. `exact_loop`, `margins` and `frequency_response` are exact; `loop`,
+        `close` and wind responses take continuous autopilots only.
 
     Raises
     ------
     InputError
-        For gains that are all zero or beyond 1e-30 to 1e9 in size, a delay below zero or beyond
-        1e-9 to 1e9 s, filters that are none, a sample rate beyond 1e-9 to 1e9 Hz, and shapes that
-        do not broadcast.
+        For gains that are all zero or of magnitude beyond 1e-30 to 1e9, a delay below zero or
+        beyond 1e-9 to 1e9 s, filters of another type, a sample rate beyond 1e-9 to 1e9 Hz, and
+        shapes that do not broadcast.
 
     Examples
     --------
@@ -198,8 +198,8 @@ class Autopilot(Feedback):
         Warns
         -----
         UserWarning
-            Where a gain that should stiffen or damp is zero or positive feedback on this plant,
-            and where the actuator is slower than its fastest unstable pole.
+            If a gain that should stiffen or damp is zero or positive feedback on this plant, and
+            if the actuator is slower than the fastest unstable pole.
         """
         self._require_single("loop", plant)
         warn_of_feedback(self, plant)
@@ -214,14 +214,14 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant
-            As of `loop`.
+        plant : Plant or FlexiblePlant
+            One plant of any model.
 
         Returns
         -------
         control.StateSpace
-            Inputs wind, attitude_command and deflection_disturbance [rad]; outputs those of the
-            plant [rad, rad/s], and the deflection [rad] that acts on it, disturbance included.
+            Inputs wind, attitude_command and deflection_disturbance [rad]; outputs of the plant
+            [rad, rad/s], and the deflection [rad] that acts on it, disturbance included.
 
         Raises
         ------
@@ -231,14 +231,14 @@ class Autopilot(Feedback):
         Warns
         -----
         UserWarning
-            As `loop`. An unstable closed loop is returned like any other: ask for its poles.
+            In the same cases as `loop`, not for an unstable closed loop: see its poles.
         """
         return self._closed("close", plant).to_control(f"{plant.model} with autopilot")
 
     def closed_loop_poles(self, plant: AnyPlant) -> ComplexArray:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
-        What it takes, refuses and warns of is as of `close`.
+        Parameters, exceptions and warnings are those of `close`.
         """
         return self._closed("closed_loop_poles", plant).poles
 
@@ -296,19 +296,18 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant
-            As of `rational_loop`.
+        plant : Plant or FlexiblePlant
+            One plant or a batch of any model; it broadcasts with the gains.
 
         Returns
         -------
         Margins
-            See there for the names. The closed-loop poles come first: a loop that they show to
-            be unstable has no margins, and `reason` says so.
+            Margins by name. A loop with unstable closed-loop poles has none, and `reason` says so.
 
         Warns
         -----
         UserWarning
-            As `loop`; and where a mode is sampled less than twice in its period.
+            In the same cases as `loop`; and for a mode above half the sample rate.
 
         Examples
         --------
@@ -326,7 +325,7 @@ class Autopilot(Feedback):
         return loop_margins(loop)
 
     def band_margins(self, plant: FlexiblePlant) -> BandMargins:
-        """Return the margins by band: of the rigid body, and of each mode of structure and liquid.
+        """Return the margins by band: of the rigid body, and of each bending and slosh mode.
 
         Parameters
         ----------
@@ -336,12 +335,12 @@ class Autopilot(Feedback):
         Returns
         -------
         BandMargins
-            Beside the `Margins` of the whole loop, which stay the verdict.
+            Margins of each band, and the `Margins` of the whole loop, which decide.
 
         Warns
         -----
         UserWarning
-            As `margins`.
+            In the same cases as `margins`.
         """
         instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
         loop = self.exact_loop(plant)
@@ -357,8 +356,8 @@ class Autopilot(Feedback):
         plant : Plant or FlexiblePlant
             One plant or a batch of any model.
         omega : array_like
-            Frequencies [rad/s], of any shape, which follows that of the batch; where the loop
-            has a pole the answer is infinite.
+            Frequencies [rad/s] of any shape; the result has ``batch + omega.shape``, and is
+            infinite at a pole of the loop.
 
         Raises
         ------
@@ -367,8 +366,8 @@ class Autopilot(Feedback):
         """
         return self.exact_loop(plant).response(omega)
 
-    def answer(self, plant: AnyPlant, wind: History) -> WindAnswer:
-        """Return what the closed loop makes of a wind, without limits, at any time.
+    def wind_response(self, plant: AnyPlant, wind: History) -> WindResponse:
+        """Return the response of the closed loop to a wind, without limits, at any time.
 
         Parameters
         ----------
@@ -379,28 +378,28 @@ class Autopilot(Feedback):
 
         Returns
         -------
-        WindAnswer
-            The outputs of `close` and their peaks, exact: nothing is sampled. A delay enters as
-            its Pade approximation.
+        WindResponse
+            The outputs of `close` and their peaks, exact at any time. A delay enters as its Pade
+            approximation.
 
         Raises
         ------
         InputError
-            For a batch, and for a Pade approximation that shows another stability than the
-            exact delay.
+            For a batch, and for a Pade approximation whose loop has another number of unstable
+            poles than the loop with the exact delay.
         """
-        return self.in_winds(plant)(wind)
+        return self.wind_response_function(plant)(wind)
 
-    def in_winds(self, plant: AnyPlant) -> Callable[[History], WindAnswer]:
-        """Return the function that gives the `answer` to one wind after another.
+    def wind_response_function(self, plant: AnyPlant) -> Callable[[History], WindResponse]:
+        """Return the function from a wind to its `wind_response`, for many winds.
 
-        What it takes and refuses is as of `answer`.
+        Parameters and exceptions are those of `wind_response`.
         """
-        self._require_single("answer", plant)
+        self._require_single("wind_response", plant)
         A, B, C, D = (loop := closed_loop(self, plant)).matrices()
         if pade_misleads(self, plant, A):
-            raise InputError(_MISLED.format(self.pade_order))
-        return partial(wind_answer, A, B[:, 0], C, D[:, 0], loop.outputs)
+            raise InputError(_PADE_WARNING.format(self.pade_order))
+        return partial(wind_response_of, A, B[:, 0], C, D[:, 0], loop.outputs)
 
     def respond(
         self, plant: AnyPlant, wind: History, timepts: ArrayLike
@@ -409,8 +408,10 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant, wind
-            As of `answer`.
+        plant : Plant or FlexiblePlant
+            One plant of any model.
+        wind : History
+            One wind angle of attack [rad].
         timepts : array_like
             Times [s], ``(n,)``; breakpoints of the wind need not be among them.
 
@@ -426,32 +427,35 @@ class Autopilot(Feedback):
         """
         times = times_row("timepts", timepts)
         self._require_single("respond", plant)
-        answer = self.answer(plant, wind)
+        response = self.wind_response(plant, wind)
         name = f"{plant.model} with autopilot"
         title = f"Response to wind, {name}"
-        return time_response(times, answer(times), answer.labels, name=name, title=title, wind=wind)
+        outputs, labels = response(times), response.labels
+        return time_response(times, outputs, labels, name=name, title=title, wind=wind)
 
-    def _closed(self, what: str, plant: AnyPlant) -> LinearSystem:
-        """The closed loop, with warnings that point at the caller of the method that asks."""
-        self._require_single(what, plant)
+    def _closed(self, method: str, plant: AnyPlant) -> LinearSystem:
+        """Return the closed loop; warnings point at the caller of the public method."""
+        self._require_single(method, plant)
         warn_of_feedback(self, plant, stacklevel=4)
-        found = closed_loop(self, plant)
-        if pade_misleads(self, plant, found.A):
-            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=3)
-        return found
+        loop = closed_loop(self, plant)
+        if pade_misleads(self, plant, loop.A):
+            warnings.warn(f"{_PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
+        return loop
 
-    def _require_single(self, what: str, plant: AnyPlant) -> None:
+    def _require_single(self, method: str, plant: AnyPlant) -> None:
+        """Raise `InputError` for a batch and a sampled autopilot, in the name of a method."""
         check_plant(plant)
-        self._require_continuous(what)
+        self._require_continuous(method)
         if self.batch or plant.batch:
             raise InputError(
-                f"{what}() is for one autopilot and one plant; got batches of shape"
+                f"{method}() is for one autopilot and one plant; got batches of shape"
                 f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
             )
 
-    def _require_continuous(self, what: str) -> None:
+    def _require_continuous(self, method: str) -> None:
+        """Raise `InputError` for a sampled autopilot, in the name of a method."""
         if self.sample_rate is not None:
             raise InputError(
-                f"{what}() is for continuous autopilots; this one has a sample_rate (use margins()"
-                " or exact_loop(), or replace sample_rate by None)"
+                f"{method}() is for continuous autopilots; this one has a sample_rate (use"
+                " margins() or exact_loop(), or replace sample_rate by None)"
             )

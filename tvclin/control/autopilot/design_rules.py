@@ -38,8 +38,8 @@ from tvclin.control.autopilot.gains import (
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.filters import Filter
 
-PLACES = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
-"""What a filter may stand on, and the name of that chain in an `Autopilot`."""
+CHAIN_OF_POSITION = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
+"""Position of a filter in a file, and the name of its chain in an `Autopilot`."""
 _NEEDED = {
     "notch": ("frequency", "zero_damping", "pole_damping"),
     "low-pass": ("frequency",),
@@ -70,33 +70,34 @@ FILTER_TABLE = FileTable(
 
 
 def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, ...]]:
-    """Return the filters of tables, by the names of the chains of an `Autopilot`.
+    """Return the filters of [[autopilot.filter]] tables, by the chain names of an `Autopilot`.
 
-    `InputError` for rows that are no tables, an unknown kind or place, and a key that is missing or
-    that the kind does not take; it says of which filter.
+    `InputError`, with the number of the filter, for rows that are no tables, an unknown kind or
+    position, and a key that is missing or not of that kind.
     """
-    chains: dict[str, list[Filter]] = {chain: [] for chain in PLACES.values()}
+    chains: dict[str, list[Filter]] = {chain: [] for chain in CHAIN_OF_POSITION.values()}
     for k, row in enumerate(rows, start=1):
         if not isinstance(row, Mapping):
             raise InputError(f"filter must be given as {FILTER_TABLE.heading}; got {shown(row)}")
         with naming(f"filter {k} of the autopilot"):
-            place, made = _filter(row)
-        chains[PLACES[place]].append(made)
+            position, filter_ = _filter(row)
+        chains[CHAIN_OF_POSITION[position]].append(filter_)
     return {chain: tuple(filters) for chain, filters in chains.items()}
 
 
 def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
-    found = FILTER_TABLE.read(row)
-    place = one_of("on", found.pop("on", "sum"), PLACES)
-    kind = one_of("kind", found.pop("kind"), _MAKERS)
-    FILTER_TABLE.need(found, _NEEDED[kind])
-    for name in found:
+    """Return the position and the filter of one table."""
+    keys = FILTER_TABLE.read(row)
+    position = one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
+    kind = one_of("kind", keys.pop("kind"), _MAKERS)
+    FILTER_TABLE.need(keys, _NEEDED[kind])
+    for name in keys:
         if name not in _ALLOWED[kind]:
             raise InputError(f"a {kind} filter takes {', '.join(_ALLOWED[kind])}; got {name}")
     for name in ("numerator", "denominator"):
-        if name in found:
-            found[name] = [number(f"{name}[{k}]", one) for k, one in enumerate(found[name])]
-    return place, _MAKERS[kind](**found)
+        if name in keys:
+            keys[name] = [number(f"{name}[{k}]", c) for k, c in enumerate(keys[name])]
+    return position, _MAKERS[kind](**keys)
 
 
 LEAST_NOZZLE = "least-nozzle"
@@ -109,21 +110,23 @@ DESIGNS = (
     "lqr",
     LEAST_NOZZLE,
 )
-BY_POLES: dict[str, Callable[..., Autopilot]] = {
+POLE_PLACEMENT_RULES: dict[str, Callable[..., Autopilot]] = {
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
     "load-minimum": load_minimum_gains,
 }
-_DAMPING = 0.7
+"""Design rules that place poles, by name."""
+_DEFAULT_DAMPING = 0.7
+"""Damping ratio of rules that place poles, if none is specified."""
 _RULE = ("natural_frequency", "damping")
 RULE_KEYS = ("design", *_RULE, "crossover")
-OWN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
-"""Gains that stand in place of a rule."""
+GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
+"""Gains that replace a rule."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AutopilotDesign:
-    """An autopilot by its gains, or by a rule that designs them.
+    """Specification of an autopilot: its gains, or a rule that designs them.
 
     Attributes
     ----------
@@ -146,7 +149,7 @@ class AutopilotDesign:
     crossover : float, optional
         Highest gain crossover [rad/s] of gains for the least nozzle.
     filters, attitude_filters, rate_filters : tuple of Filter
-        As of `Autopilot`.
+        Filters of the command, of the attitude and of the rate, see `Autopilot`.
     sample_rate : float, optional
         Sample rate of the autopilot or law [Hz]. Without it margins are of a continuous one, and
         flights sample it at 100.
@@ -154,7 +157,7 @@ class AutopilotDesign:
 
     design: str | None = word(DESIGNS, None, shown="canonical")
     natural_frequency: float | None = quantity("natural frequency", None)
-    damping: float | None = quantity("number", None, shown=f"{_DAMPING:g}")
+    damping: float | None = quantity("number", None, shown=f"{_DEFAULT_DAMPING:g}")
     attitude_gain: float | None = quantity(GAINS["attitude_gain"], None)
     rate_gain: float | None = quantity(GAINS["rate_gain"], None)
     alpha_gain: float | None = quantity(GAINS["alpha_gain"], None)
@@ -174,31 +177,32 @@ class AutopilotDesign:
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Self:
-        """Return what the table [autopilot] of a file asks for, with its [[autopilot.filter]].
+        """Return the specification in a file's table [autopilot], with its [[autopilot.filter]].
 
         Raises
         ------
         InputError
-            For what the table may not hold, and as `AutopilotDesign` itself.
+            For unknown keys, and in the same cases as `AutopilotDesign`.
         """
-        found = AUTOPILOT_TABLE.read(table)
-        chains: dict[str, Any] = filter_chains(found.pop("filter", ()))
-        return cls(**found, **chains)
+        keys = AUTOPILOT_TABLE.read(table)
+        chains: dict[str, Any] = filter_chains(keys.pop("filter", ()))
+        return cls(**keys, **chains)
 
     @property
     def unspecified(self) -> bool:
-        """Whether neither gains nor a rule for them are specified: they are the canonical ones."""
+        """Whether neither gains nor a rule are specified, so that the gains are canonical."""
         rule = self.design, self.natural_frequency, self.damping
-        return all(one is None for one in (*rule, *(getattr(self, name) for name in OWN_GAINS)))
+        gains = (getattr(self, name) for name in GIVEN_GAINS)
+        return all(number is None for number in (*rule, *gains))
 
     @property
     def chains(self) -> dict[str, tuple[Filter, ...]]:
-        """The filters, by where they stand."""
+        """Filters by the name of their chain."""
         return {name: getattr(self, name) for name in CHAINS}
 
     @property
-    def bare(self) -> Self:
-        """The same without delay and filters."""
+    def without_filters_and_delay(self) -> Self:
+        """Specification with its delay and filters removed."""
         return replace(self, delay=0.0, filters=(), attitude_filters=(), rate_filters=())
 
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
@@ -207,8 +211,8 @@ class AutopilotDesign:
         Raises
         ------
         InputError
-            For a rule and gains together, one gain alone, a rule with too few numbers or too many,
-            and as the rule itself.
+            For a rule and gains together, a single gain, a rule with too few numbers or too many,
+            and in the same cases as the rule.
         """
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
@@ -222,9 +226,9 @@ class AutopilotDesign:
             **self.chains,
         }
         rule = self.design, self.natural_frequency, self.damping
-        if all(getattr(self, name) is None for name in OWN_GAINS):
+        if all(getattr(self, name) is None for name in GIVEN_GAINS):
             return _by_rule(plant, *rule, options)
-        if any(part is not None for part in rule):
+        if any(number is not None for number in rule):
             raise InputError("give gains or a rule for them (design, natural_frequency), not both")
         if self.attitude_gain is None or self.rate_gain is None:
             raise InputError("gains of your own need attitude_gain and rate_gain, both")
@@ -246,14 +250,15 @@ def _by_rule(
     damping: float | None,
     options: dict[str, Any],
 ) -> Autopilot:
-    asked = natural_frequency is not None or damping is not None
-    rule = one_of("design", design or ("poles" if asked else "canonical"), DESIGNS)
+    """Return the autopilot of a design rule; without a name the rule is "poles" or "canonical"."""
+    has_poles = natural_frequency is not None or damping is not None
+    rule = one_of("design", design or ("poles" if has_poles else "canonical"), DESIGNS)
     if rule == LEAST_NOZZLE:
         raise InputError(
             f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
             " Python see least_deflection_gains"
         )
-    if rule not in BY_POLES and asked:
+    if rule not in POLE_PLACEMENT_RULES and has_poles:
         raise InputError(f"design {rule} takes no natural_frequency and no damping")
     if rule == "lqr":
         return lqr_gains(plant, **options)
@@ -268,9 +273,9 @@ def _by_rule(
         return canonical_gains(plant.coefficients, **options)
     if natural_frequency is None:
         raise InputError(f"design {rule} needs natural_frequency, in rad/s")
-    return BY_POLES[rule](
+    return POLE_PLACEMENT_RULES[rule](
         plant.coefficients,
         natural_frequency=natural_frequency,
-        damping=_DAMPING if damping is None else damping,
+        damping=_DEFAULT_DAMPING if damping is None else damping,
         **options,
     )

@@ -1,4 +1,4 @@
-"""What an autopilot is made of: gains, filters, actuator, delay and sample rate, checked."""
+"""Parameters of an autopilot, checked: gains, filters, actuator, delay and sample rate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ from tvclin.base.cards import Carded
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, Table, significant
-from tvclin.control.autopilot.actuator import LARGEST, LEAST_GAIN, Actuator, sized, zero_or_sized
+from tvclin.control.autopilot.actuator import (
+    MAX_MAGNITUDE,
+    MIN_GAIN,
+    Actuator,
+    positive_in_range,
+    zero_or_in_range,
+)
 from tvclin.vehicle.filters import Filter, cells_of
 
 GAINS = {
@@ -21,16 +27,17 @@ GAINS = {
     "alpha_gain": "number",
     "integral_gain": "per time",
 }
-"""The gains, and of what kind of `UNITS` each is."""
+"""Names of the gains, each with its kind of unit in `base.units`."""
 CHAINS = ("attitude_filters", "rate_filters", "filters")
-_PLACES = dict(zip(CHAINS, ("on the attitude", "on the rate", "behind the sum"), strict=True))
-_HIGHEST_PADE = 10
-"""Beyond, the coefficients of the approximation span more decades than a number has digits."""
+_CHAIN_LABELS = dict(zip(CHAINS, ("on the attitude", "on the rate", "behind the sum"), strict=True))
+_MAX_PADE_ORDER = 10
+"""Highest order of the Pade approximation: beyond, its coefficients span more decades than a
+double has digits."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Feedback(Carded):
-    """The numbers of an `Autopilot`, which says what they are."""
+    """Parameters of an `Autopilot`, whose docstring describes them."""
 
     attitude_gain: float | FloatArray
     rate_gain: float | FloatArray
@@ -55,9 +62,9 @@ class Feedback(Carded):
         return picked(self, f"{gains} {' '.join(CHAINS)} sample_rate_Hz")
 
     def __post_init__(self) -> None:
-        gains = {name: zero_or_sized(name, getattr(self, name), LEAST_GAIN) for name in GAINS}
+        gains = {name: zero_or_in_range(name, getattr(self, name), MIN_GAIN) for name in GAINS}
         delay = nonnegative("delay", self.delay, "s")
-        delay = zero_or_sized("delay", delay, 1.0 / LARGEST, "s")
+        delay = zero_or_in_range("delay", delay, 1.0 / MAX_MAGNITUDE, "s")
         for name, array in {**gains, "delay": delay}.items():
             object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):
@@ -66,23 +73,23 @@ class Feedback(Carded):
             chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
             object.__setattr__(self, name, chain)
         if self.sample_rate is not None:
-            rate = sized("sample_rate", self.sample_rate, "Hz")
+            rate = positive_in_range("sample_rate", self.sample_rate, "Hz")
             object.__setattr__(self, "sample_rate", plain(rate))
-        _ = self.batch  # the shapes go together
+        _ = self.batch  # raises for shapes that do not broadcast
         if np.any(np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)):
             raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
         integral = gains["integral_gain"]
         if np.any(integral) and not np.all(integral):
             raise InputError("integral_gain must be zero for all of a batch or for none")
         order = self.pade_order
-        whole = isinstance(order, int | np.integer) and not isinstance(order, bool)
-        if not whole or not 1 <= order <= _HIGHEST_PADE:
+        is_integer = isinstance(order, int | np.integer) and not isinstance(order, bool)
+        if not is_integer or not 1 <= order <= _MAX_PADE_ORDER:
             raise InputError(
-                f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {shown(order)}"
+                f"pade_order must be an integer from 1 to {_MAX_PADE_ORDER}; got {shown(order)}"
             )
 
     def rows(self) -> list[Row]:
-        """Return the numbers of one autopilot as tables show them; gains of zero are left out."""
+        """Return the parameters of one autopilot as rows of a table; gains of zero are omitted."""
         rows = [
             ("attitude gain a0", significant("gains.attitude", self.attitude_gain, 5)),
             ("rate gain a1", significant("gains.rate", self.rate_gain, 5, "s")),
@@ -92,23 +99,23 @@ class Feedback(Carded):
         if self.integral_gain:
             integral = significant("gains.integral", self.integral_gain, 5, "1/s")
             rows.append(("integral gain aI", integral))
-        engine: Line = ("none",)
+        actuator: Line = ("none",)
         if self.actuator is not None:
             frequency, damping = self.actuator.natural_frequency, self.actuator.damping
-            engine = significant("gains.actuator_frequency", frequency, 4, "rad/s, damping ")
-            engine = (*engine, *significant("gains.actuator_damping", damping, 3))
+            actuator = significant("gains.actuator_frequency", frequency, 4, "rad/s, damping ")
+            actuator = (*actuator, *significant("gains.actuator_damping", damping, 3))
         delay = significant("gains.delay_ms", 1000.0 * np.asarray(self.delay), 4, "ms")
-        rows += [("actuator", engine), ("delay", delay)]
+        rows += [("actuator", actuator), ("delay", delay)]
         if self.sample_rate is not None:
             rows.append(("samples", significant("gains.sample_rate", self.sample_rate, 5, "Hz")))
         return rows
 
     def filter_tables(self) -> list[Table]:
-        """Return a table with the numbers of every filter of one autopilot; none without any."""
+        """Return a table of the filters of one autopilot; an empty list without filters."""
         rows: list[tuple[Line, ...]] = [
-            ((f"{place}, {k}",), *cells_of(one, f"gains.{name}.{k}"))
-            for name, place in _PLACES.items()
-            for k, one in enumerate(getattr(self, name), start=1)
+            ((f"{label}, {position}",), *cells_of(filter_, f"gains.{name}.{position}"))
+            for name, label in _CHAIN_LABELS.items()
+            for position, filter_ in enumerate(getattr(self, name), start=1)
         ]
         return [Table("Filters", ("where", "zeros", "poles", "gain"), tuple(rows))] if rows else []
 
@@ -119,7 +126,10 @@ class Feedback(Carded):
         if self.actuator is not None:
             shapes["actuator"] = self.actuator.batch
         for name in CHAINS:
-            shapes |= {f"{name} {k}": f.batch for k, f in enumerate(getattr(self, name), start=1)}
+            shapes |= {
+                f"{name} {position}": filter_.batch
+                for position, filter_ in enumerate(getattr(self, name), start=1)
+            }
         if self.sample_rate is not None:
             shapes["sample_rate"] = np.shape(self.sample_rate)
         return broadcast(**shapes)

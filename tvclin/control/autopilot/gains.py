@@ -31,7 +31,7 @@ from tvclin.base.errors import (
     plain,
     positive,
 )
-from tvclin.control.autopilot.actuator import sized
+from tvclin.control.autopilot.actuator import positive_in_range
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.margins import Margins, loop_margins
@@ -40,14 +40,16 @@ from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 
-Steered = AnyPlant | AnyVehicle | Coefficients
-"""What gains are made for; of a vehicle they are those of the pitch plane."""
+PlantOrVehicle = AnyPlant | AnyVehicle | Coefficients
+"""Types that gains are computed from; a vehicle stands for its pitch plane."""
 
-_FREQUENCY, _DAMPING = 2.4, 1.2
-"""Of the loop of half relief: natural frequency, over the unstable pole, and damping ratio."""
+_FREQUENCY_OVER_POLE = 2.4
+"""Natural frequency of the half-relief loop, over the unstable pole."""
+_HALF_RELIEF_DAMPING = 1.2
+"""Damping ratio of the half-relief loop."""
 
 
-def canonical_gains(plant: Steered, **options: Any) -> Autopilot:
+def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     """Return the autopilot with a0 = 2B and a1 = B/beta.
 
     On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
@@ -79,9 +81,9 @@ def canonical_gains(plant: Steered, **options: Any) -> Autopilot:
 
 
 def design_gains(
-    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: PlantOrVehicle, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
-    """Return the autopilot that gives eq (5) the poles asked for.
+    """Return the autopilot that gives eq (5) a specified natural frequency and damping ratio.
 
     Without actuator and delay, d being the vehicle's own damping, the closed loop is
     s^2 + (mu_delta a1 + d) s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
@@ -100,24 +102,24 @@ def design_gains(
     Raises
     ------
     InputError
-        For numbers that are not positive, and for less damping than the vehicle has by itself.
+        For numbers that are not positive, and for less damping than the vehicle's M_q alone gives.
     """
     stiffness, rate = _stiffness(_coefficients(plant), natural_frequency, damping)
     return Autopilot(attitude_gain=stiffness, rate_gain=rate, **options)
 
 
 def relief_gains(
-    plant: Steered,
+    plant: PlantOrVehicle,
     *,
     natural_frequency: ArrayLike,
     damping: ArrayLike,
     alpha_ratio: ArrayLike,
     **options: Any,
 ) -> Autopilot:
-    """Return the autopilot that leaves a given part of a steady wind as angle of attack.
+    """Return the autopilot with a specified ratio alpha/alpha_w in a steady wind.
 
-    The attitude answers as with `design_gains`, but part of the stiffness comes from the angle
-    of attack, so that the vehicle turns into the wind:
+    The attitude responds as with `design_gains`, but a fraction of the stiffness comes from the
+    angle of attack, so that the vehicle turns into the wind:
 
         a0 = ratio omega_n^2/mu_delta,    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta
 
@@ -128,8 +130,8 @@ def relief_gains(
     natural_frequency, damping : array_like
         Of the closed loop on a fixed path [rad/s] and [-], positive.
     alpha_ratio : array_like
-        Size of alpha/alpha_w when the attitude has settled in a steady wind and the flight path
-        has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
+        Magnitude of alpha/alpha_w when the attitude has settled in a steady wind and the flight
+        path has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
         a0/(a0 - B), above one.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
@@ -141,10 +143,10 @@ def relief_gains(
 
     Notes
     -----
-    With theta'' = theta' = 0 the autopilot asks for a0 theta + b0 alpha = B alpha, and before
-    the path has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w.
-    With drift the slow pole of the closed loop lies near w - ratio (b1 + w), where
-    w = C2/mu_alpha = g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
+    With theta'' = theta' = 0 the deflection a0 theta + b0 alpha equals B alpha, and before the path
+    has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w. With drift the slow
+    pole of the closed loop lies near w - ratio (b1 + w), where w = C2/mu_alpha =
+    g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
     """
     coefficients, ratio = _coefficients(plant), nonnegative("alpha_ratio", alpha_ratio)
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
@@ -156,13 +158,13 @@ def relief_gains(
     )
 
 
-def half_relief_gains(plant: Steered, **options: Any) -> Autopilot:
-    """Return the autopilot that turns the vehicle by half of the wind: gains for a small limit.
+def half_relief_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
+    """Return the autopilot that turns the vehicle by half of the wind, for a small limit.
 
-    They are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an alpha
-    ratio of one half, p being the unstable pole on a fixed path. Behind a stop (`SaturatedLaw`)
-    they need hardly more than one half of trim in winds that rise and fall, also where these stop
-    at any instant; in gusts that reverse they need more.
+    Its gains are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an
+    alpha ratio of one half, p being the unstable pole on a fixed path. Under a deflection limit
+    (`SaturatedLaw`) they require hardly more than one half of trim in winds that rise and fall,
+    also if these stop at any instant; in gusts that reverse they require more.
 
     Parameters
     ----------
@@ -174,16 +176,16 @@ def half_relief_gains(plant: Steered, **options: Any) -> Autopilot:
     Raises
     ------
     InputError
-        For a stable vehicle, which has no unstable pole, and for one whose own damping is above
-        5.76 p.
+        For a stable vehicle, which has no unstable pole, and a vehicle whose damping M_q/I is
+        above 5.76 p.
 
     Notes
     -----
     In a steady wind the nozzle stands at r of trim and the attitude at 1 - r of the wind, r being
-    the alpha ratio. To hold that takes a limit above r, and to come back from there when the wind
-    stops one above 1 - r. In slow winds the larger of the two is enough, and least for one half. A
-    smaller ratio, less damping or a higher frequency overshoot the lean, and a stop just behind the
-    peak may then cost a tenth of trim at once.
+    the alpha ratio. Holding it takes a limit above r of trim, and the return from there when the
+    wind stops a limit above 1 - r. In slow winds the larger of the two is sufficient; r = 1/2 makes
+    it smallest. With a smaller ratio, less damping or a higher frequency the attitude overshoots,
+    and a wind that stops just after its peak may then cost a tenth of trim more.
 
     Examples
     --------
@@ -205,15 +207,15 @@ def half_relief_gains(plant: Steered, **options: Any) -> Autopilot:
         )
     return relief_gains(
         coefficients,
-        natural_frequency=plain(np.asarray(_FREQUENCY * coefficients.pole)),
-        damping=_DAMPING,
+        natural_frequency=plain(np.asarray(_FREQUENCY_OVER_POLE * coefficients.pole)),
+        damping=_HALF_RELIEF_DAMPING,
         alpha_ratio=0.5,
         **options,
     )
 
 
 def drift_minimum_gains(
-    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: PlantOrVehicle, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
     """Return the autopilot whose flight path does not turn in a steady wind.
 
@@ -226,8 +228,8 @@ def drift_minimum_gains(
     plant : Plant, FlexiblePlant, vehicle or Coefficients
         Of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
     natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
-        of an aerodynamically stable vehicle itself.
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the frequency not below that
+        of an aerodynamically stable vehicle without autopilot.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
 
@@ -257,7 +259,7 @@ def drift_minimum_gains(
             f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
             " C2/mu_alpha) would have to be positive; use design_gains instead"
         )
-    _stiffen(c, natural_frequency)
+    _check_stiffness(c, natural_frequency)
     return relief_gains(
         c,
         natural_frequency=natural_frequency,
@@ -268,20 +270,20 @@ def drift_minimum_gains(
 
 
 def load_minimum_gains(
-    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: PlantOrVehicle, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
-    """Return the autopilot that turns the nose wholly into a steady wind: a0 = 0.
+    """Return the autopilot whose angle of attack vanishes in a steady wind: a0 = 0.
 
-    The angle of attack, and with it the bending moment, goes to zero. Nothing holds the attitude
-    any more: with drift and gravity the flight path runs away slowly, near e^(C2/mu_alpha t), and
-    margins on the exact models say so.
+    The bending moment vanishes with it. The attitude has no reference any more: with drift and
+    gravity the flight path diverges slowly, near e^(C2/mu_alpha t), and the margins on the exact
+    models are those of an unstable loop.
 
     Parameters
     ----------
     plant : Plant, FlexiblePlant, vehicle or Coefficients
         Of one vehicle or of a batch.
     natural_frequency, damping, **options
-        As of `drift_minimum_gains`.
+        Same as in `drift_minimum_gains`.
 
     Raises
     ------
@@ -289,7 +291,7 @@ def load_minimum_gains(
         For numbers out of range.
     """
     coefficients = _coefficients(plant)
-    _stiffen(coefficients, natural_frequency)
+    _check_stiffness(coefficients, natural_frequency)
     return relief_gains(
         coefficients,
         natural_frequency=natural_frequency,
@@ -299,8 +301,8 @@ def load_minimum_gains(
     )
 
 
-def _coefficients(plant: Steered) -> Coefficients:
-    """Return the coefficients of a plant or a vehicle; `InputError` for what has none."""
+def _coefficients(plant: PlantOrVehicle) -> Coefficients:
+    """Return the coefficients of a plant or a vehicle; `InputError` for another type."""
     if isinstance(plant, AnyPlant):
         return plant.coefficients
     if isinstance(plant, AnyVehicle):
@@ -309,47 +311,47 @@ def _coefficients(plant: Steered) -> Coefficients:
     return plant
 
 
-def _stiffen(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
-    """Raise `InputError` for a closed loop that is softer than the vehicle alone."""
-    frequency = sized("natural_frequency", natural_frequency, "rad/s")
+def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
+    """Raise `InputError` for a closed-loop frequency below that of the vehicle alone."""
+    frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
-    asked, own = np.broadcast_arrays(
+    specified, bare = np.broadcast_arrays(
         frequency, np.sqrt(np.maximum(-np.asarray(coefficients.mu_alpha), 0.0))
     )
-    if np.any(asked < own):
-        softest = np.unravel_index(np.argmin(asked - own), asked.shape)
+    if np.any(specified < bare):
+        worst = np.unravel_index(np.argmin(specified - bare), bare.shape)
         raise InputError(
             "natural_frequency must not be below that of the vehicle alone, sqrt(-mu_alpha) ="
-            f" {own[softest]:.6g} rad/s: the feedback would be positive; got {asked[softest]:.6g}"
+            f" {bare[worst]:.6g} rad/s: the feedback would be positive; got {specified[worst]:.6g}"
         )
 
 
 def _stiffness(
     coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
 ) -> tuple[Any, Any]:
-    """The gain on attitude and angle of attack together, and that on the rate."""
-    frequency = sized("natural_frequency", natural_frequency, "rad/s")
-    ratio, c = sized("damping", damping), coefficients
+    """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a frequency and a damping."""
+    frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
+    ratio, c = positive_in_range("damping", damping), coefficients
     broadcast(
         coefficients=coefficients.batch, natural_frequency=frequency.shape, damping=ratio.shape
     )
     with np.errstate(over="ignore"):
         stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
-        wanted, own = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)
-        if np.any(wanted < own):
-            short = np.unravel_index(np.argmin(wanted - own), wanted.shape)
+        damping_rate, bare = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)
+        if np.any(damping_rate < bare):
+            worst = np.unravel_index(np.argmin(damping_rate - bare), bare.shape)
             raise InputError(
                 "2 damping natural_frequency must not be below the vehicle's own damping M_q/I ="
-                f" {own[short]:.6g} 1/s: the rate feedback would be positive; got"
-                f" {wanted[short]:.6g} 1/s"
+                f" {bare[worst]:.6g} 1/s: the rate feedback would be positive; got"
+                f" {damping_rate[worst]:.6g} 1/s"
             )
-        return plain(stiffness), plain(np.asarray((wanted - own) / c.mu_delta))
+        return plain(stiffness), plain(np.asarray((damping_rate - bare) / c.mu_delta))
 
 
-_HEAVIEST = 1e12
-"""Of a weight, and of one over another."""
-_NEGLIGIBLE = 1e-8
-"""A pole nearer to the axis than this part of the largest is left without a cost."""
+_MAX_WEIGHT = 1e12
+"""Largest weight of a quadratic cost, and largest ratio of two weights."""
+_MIN_DECAY_OVER_POLE = 1e-8
+"""Smallest decay rate of a closed-loop pole, over the largest pole; below it a mode has no cost."""
 
 
 def lqr_gains(
@@ -399,9 +401,9 @@ def lqr_gains(
     costs = [number(name, value, nonnegative) for name, value in weights.items()]
     cost = number("deflection_weight", deflection_weight, positive)
     for name, weight in zip((*weights, "deflection_weight"), (*costs, cost), strict=True):
-        number(name, weight, between(0.0, _HEAVIEST))
-    if cost * _HEAVIEST < max(costs):
-        raise InputError(f"deflection_weight must be at least 1/{_HEAVIEST:g} of the others")
+        number(name, weight, between(0.0, _MAX_WEIGHT))
+    if cost * _MAX_WEIGHT < max(costs):
+        raise InputError(f"deflection_weight must be at least 1/{_MAX_WEIGHT:g} of the others")
     on_attitude, on_rate, *on_path = (-_optimal_feedback(plant, costs, cost)).tolist()
     path = sum(on_path)
     return Autopilot(
@@ -413,17 +415,17 @@ def lqr_gains(
 
 
 def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArray:
-    """The gains on the states with which delta = -gains . x costs least."""
+    """Return the gains k ``(n,)`` on the states for which delta = -k x minimises the cost."""
     import control
 
     A, B, C, _ = plant.matrices()
-    seen = C[[0, 1, -1]]
-    Q, R = seen.T @ np.diag(costs) @ seen, np.array([[cost]])
+    outputs = C[[0, 1, -1]]
+    Q, R = outputs.T @ np.diag(costs) @ outputs, np.array([[cost]])
     try:
         gains, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
     except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
         poles, gains = np.ones(1), np.zeros((1, len(A)))
-    if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
+    if np.real(poles).max() >= -_MIN_DECAY_OVER_POLE * np.abs(poles).max():
         raise InputError(
             "the weights leave a mode of the plant without a cost; raise attitude_weight or"
             " alpha_weight"
@@ -433,14 +435,14 @@ def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArr
 
 @dataclass(frozen=True, eq=False)
 class GainSchedule:
-    """Gains at several flight times, straight lines between them.
+    """Gains at several flight times, linearly interpolated.
 
     Attributes
     ----------
     time : ndarray
         Flight times [s], rising, ``(n,)``.
     autopilot : Autopilot
-        Its gains at those times, ``(n,)`` or the same for all; actuator and delay as they are.
+        Autopilot with gains at those times, ``(n,)`` or ``()``; its actuator does not change.
 
     Raises
     ------
@@ -471,18 +473,18 @@ class GainSchedule:
         rule: Callable[..., Autopilot],
         **arguments: Any,
     ) -> Self:
-        """Return the schedule that a rule gives, such as `design_gains` or `canonical_gains`.
+        """Return the schedule of gains that a design rule gives at each time.
 
         Parameters
         ----------
         time : array_like
             Flight times [s], rising, ``(n,)``.
         coefficients : Coefficients
-            Those of the vehicle at each time, ``(n,)``.
+            Coefficients of the vehicle at each time, ``(n,)``.
         rule : callable
-            Any of the functions that return an autopilot from coefficients.
+            Function from coefficients to an autopilot, such as `design_gains`.
         **arguments
-            What the rule asks for.
+            Arguments of the rule.
 
         Examples
         --------
@@ -500,24 +502,24 @@ class GainSchedule:
         return cls(finite("time", time, "s"), rule(coefficients, **arguments))
 
     def at(self, time: ArrayLike) -> Autopilot:
-        """Return the autopilot at a flight time, or at several.
+        """Return the autopilot at a flight time [s], or a batch of it at several times.
 
         Raises
         ------
         InputError
             For a time outside the schedule: gains are not extrapolated.
         """
-        when = finite("time", time, "s")
-        outside = (when < self.time[0]) | (when > self.time[-1])
+        times = finite("time", time, "s")
+        outside = (times < self.time[0]) | (times > self.time[-1])
         if np.any(outside):
             raise InputError(
                 f"time must lie in the schedule, {self.time[0]:.6g} to {self.time[-1]:.6g} s;"
-                f" got {when[outside].ravel()[0]:.6g}"
+                f" got {times[outside].ravel()[0]:.6g}"
             )
-        held = {name: getattr(self.autopilot, name) for name in (*GAINS, "delay")}
+        values_of = {name: getattr(self.autopilot, name) for name in (*GAINS, "delay")}
         changes: dict[str, Any] = {
-            name: np.interp(when, self.time, np.broadcast_to(values, self.time.shape))
-            for name, values in held.items()
+            name: np.interp(times, self.time, np.broadcast_to(values, self.time.shape))
+            for name, values in values_of.items()
         }
         if self.autopilot.actuator is not None and self.autopilot.actuator.batch:
             raise InputError("an actuator that changes over the flight is not interpolated")
@@ -534,7 +536,7 @@ class GainSchedule:
         Warns
         -----
         UserWarning
-            As `Autopilot.loop`.
+            In the same cases as `Autopilot.loop`.
         """
         loop = self.autopilot.exact_loop(plants)
         warn_of_feedback(self.autopilot, plants)

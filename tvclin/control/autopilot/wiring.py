@@ -21,7 +21,7 @@ import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.actuator import Matrices, actuated, pade_delay
+from tvclin.control.autopilot.actuator import Matrices, pade_delay, plant_with_actuator
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.linear.flexible import AnyPlant
@@ -51,7 +51,7 @@ attitude_command                          deflection_disturbance               w
 
 
 def with_diagram(documented: _Documented) -> _Documented:
-    """Put the loop diagram where the docstring says LOOP_DIAGRAM."""
+    """Return the function with LOOP_DIAGRAM in its docstring replaced by the diagram."""
     text = cleandoc(documented.__doc__ or "")
     documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
     return documented
@@ -59,155 +59,167 @@ def with_diagram(documented: _Documented) -> _Documented:
 
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
-_LATE = "late_command"
-SEEN = ("attitude_error", "seen_rate", "flight_path_angle", "angle_of_attack", "deflection")
-"""What a law sees behind its filters."""
-ASKED, INTEGRAL = "asked", "attitude_error_integral"
+_DELAYED = "delayed_command"
+LAW_INPUTS = (
+    "attitude_error",
+    "filtered_rate",
+    "flight_path_angle",
+    "angle_of_attack",
+    "deflection",
+)
+"""Inputs of a law, behind the filters of its sensors."""
+LAW_OUTPUT, INTEGRAL = "law_output", "attitude_error_integral"
+"""Names of the command before its filters, and of the integrator's state."""
 
 
 def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> LinearSystem:
-    """Return the broken loop of one or of a batch, from the command to what returns.
+    """Return the state space of the loop, broken at the command, for one autopilot or a batch.
 
-    Its inputs are `DISTURBANCES` and the command, its outputs those of the plant, the deflection
-    and the returned command. The states are those of the plant, of the actuator, of the delay as
-    its Pade approximation if that is asked for, of the integrator and of the filters.
+    Inputs: `DISTURBANCES` and the command. Outputs: the plant's, the deflection and the returned
+    command. States, in this order: plant, actuator, with `pade` the Pade approximation of the delay
+    (else it is left out), integrator, filters.
     """
-    vehicle = actuated(plant, autopilot.actuator)
-    late = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
-    waiting = tuple(f"delay_{k}" for k in range(1, len(late[0]) + 1))
+    vehicle = plant_with_actuator(plant, autopilot.actuator)
+    delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
+    delay_states = tuple(f"delay_{k}" for k in range(1, len(delay[0]) + 1))
     blocks = [
-        vehicle.renamed({COMMAND: _LATE}),
-        LinearSystem(*late, (COMMAND,), (_LATE,), waiting),
-        *law_of(autopilot, plant),
+        vehicle.renamed({COMMAND: _DELAYED}),
+        LinearSystem(*delay, (COMMAND,), (_DELAYED,), delay_states),
+        *autopilot_blocks(autopilot, plant),
     ]
     return connect(blocks, (*DISTURBANCES, COMMAND), (*vehicle.outputs, RETURNED))
 
 
 def closed_loop(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
-    """Return the closed loop from the disturbances to the outputs of the plant and the deflection.
+    """Return the closed loop from `DISTURBANCES` to the plant's outputs and the deflection.
 
-    Its delay is a Pade approximation.
+    The delay is its Pade approximation.
     """
     loop = open_loop(autopilot, plant, pade=True).feedback(RETURNED, COMMAND)
     return loop.select(DISTURBANCES, (*plant.outputs, "deflection"))
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
-    """Return the loop with its exact delay: of a `Plant` as polynomials, else in state space."""
+    """Return the loop with its exact delay: polynomials around a `Plant`, else state space."""
     if isinstance(plant, Plant):
         return rational_loop(autopilot, plant)
     loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
     return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, delay=autopilot.delay)
 
 
-def law_of(
+def autopilot_blocks(
     autopilot: Feedback, plant: AnyPlant, period: FloatArray | None = None
 ) -> list[LinearSystem]:
-    """Return the blocks from what sensors give, less the attitude command, to the command.
+    """Return the blocks of an autopilot, from the sensors and the attitude command to the command.
 
-    With a period [s] they are in steps.
+    `period` [s]: with it the blocks are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
     integral = bool(np.any(np.asarray(autopilot.integral_gain)))
     gains = {
-        SEEN[0]: autopilot.attitude_gain,
-        SEEN[1]: autopilot.rate_gain,
-        SEEN[3]: autopilot.alpha_gain,
+        LAW_INPUTS[0]: autopilot.attitude_gain,
+        LAW_INPUTS[1]: autopilot.rate_gain,
+        LAW_INPUTS[3]: autopilot.alpha_gain,
     }
     if integral:
         gains[INTEGRAL] = autopilot.integral_gain
-    own = integral_of_attitude(integral)
-    asked = [gain(SEEN[0], {"attitude_command": -1.0}), gain(ASKED, gains)]
-    return [*law_blocks(chains, own, plant.sensed, period), *asked]
+    integrator = attitude_integral(integral)
+    sums = [gain(LAW_INPUTS[0], {"attitude_command": -1.0}), gain(LAW_OUTPUT, gains)]
+    return [*law_blocks(chains, integrator, plant.sensed, period), *sums]
 
 
-def integral_of_attitude(there: bool) -> LinearSystem:
-    """Return the integral of the attitude error from `SEEN`, or nothing."""
-    n, name = int(there), (INTEGRAL,) if there else ()
+def attitude_integral(present: bool) -> LinearSystem:
+    """Return the integrator of the attitude error among `LAW_INPUTS`; no states if not present."""
+    n, name = int(present), (INTEGRAL,) if present else ()
     return LinearSystem(
-        np.zeros((n, n)), np.eye(n, 5), np.eye(n), np.zeros((n, 5)), SEEN, name, name
+        np.zeros((n, n)), np.eye(n, 5), np.eye(n), np.zeros((n, 5)), LAW_INPUTS, name, name
     )
 
 
 def law_blocks(
     chains: Mapping[str, Sequence[Filter]],
-    own: LinearSystem,
+    states: LinearSystem,
     sensed: tuple[str, str],
     period: FloatArray | None = None,
 ) -> list[LinearSystem]:
-    """Return the states of a law and its filters: from what is sensed to `SEEN`, and from `ASKED`.
+    """Return the blocks of a law's states and filters: sensors to `LAW_INPUTS`, output to command.
 
-    `chains`: the filters of each of `CHAINS`. `own`: of the law's own states, from `SEEN`.
-    `sensed`: names of attitude and attitude rate ahead of the filters. `period`: with one [s] all
-    are in steps: the filters by the bilinear rule, each exact at its own frequency, the states with
-    what is seen held from sample to sample.
+    `chains`: the filters of each of `CHAINS`. `states`: the law's states, driven by `LAW_INPUTS`.
+    `sensed`: names of attitude and attitude rate before the filters. `period` [s]: with it all
+    blocks are difference equations: filters by the bilinear rule, each exact at its own frequency,
+    the law's states with a zero-order hold on their inputs.
     """
-    ends = ((sensed[0], SEEN[0]), (sensed[1], SEEN[1]), (ASKED, RETURNED))
-    blocks = [own if period is None else own.to_steps(period)] if own.states else []
+    ends = ((sensed[0], LAW_INPUTS[0]), (sensed[1], LAW_INPUTS[1]), (LAW_OUTPUT, RETURNED))
+    blocks = [states if period is None else states.to_steps(period)] if states.states else []
     for name, (source, target) in zip(CHAINS, ends, strict=True):
         chain = chains[name]
         if not chain and source != target:
             blocks.append(gain(target, {source: 1.0}))
-        passed = [source, *(f"{name} {k}" for k in range(1, len(chain))), target]
-        for k, one in enumerate(chain, start=1):
-            states = (f"{name.removesuffix('s')}_{k}_{j}" for j in range(1, one.order + 1))
-            found = one.matrices() if period is None else in_steps(one, period, f"{name} {k}")
+        signals = [source, *(f"{name} {k}" for k in range(1, len(chain))), target]
+        for k, filter_ in enumerate(chain, start=1):
+            names = (f"{name.removesuffix('s')}_{k}_{j}" for j in range(1, filter_.order + 1))
+            matrices = (
+                filter_.matrices()
+                if period is None
+                else filter_in_steps(filter_, period, f"{name} {k}")
+            )
             blocks.append(
-                LinearSystem(*found, (passed[k - 1],), (passed[k],), tuple(states), period)
+                LinearSystem(*matrices, (signals[k - 1],), (signals[k],), tuple(names), period)
             )
     return blocks
 
 
-def in_steps(one: Filter, period: FloatArray, name: str) -> Matrices:
-    """Return a filter in steps by s = c (z - 1)/(z + 1), c = w/tan(w h/2): exact at its own w.
+def filter_in_steps(filter_: Filter, period: FloatArray, name: str) -> Matrices:
+    """Return A, B, C, D of a filter's difference equation, by the prewarped bilinear rule.
 
-    That is the geometric mean of its poles; c = 2/h where it has none. `name` is for messages.
+    s = c (z - 1)/(z + 1) with c = w/tan(w h/2) is exact at the filter's own frequency w, the
+    geometric mean of its poles; c = 2/h where w = 0. `name` is for messages.
 
     `InputError` for a filter whose own frequency is not below half the sample rate.
     """
-    if not one.order:
-        return one.matrices()
+    if not filter_.order:
+        return filter_.matrices()
     half = 0.5 * period
-    own = np.abs(one.denominator[..., -1]) ** (1.0 / one.order)
-    turned = own * half  # half the phase of a step
-    if np.any(turned >= 0.5 * np.pi):
+    frequency = np.abs(filter_.denominator[..., -1]) ** (1.0 / filter_.order)
+    half_phase = frequency * half
+    if np.any(half_phase >= 0.5 * np.pi):
         raise InputError(
-            f"{name} has its own frequency at {np.max(own):.6g} rad/s, which must lie below half"
-            f" the sample rate, {np.pi / np.max(period):.6g} rad/s; raise sample_rate"
+            f"{name} has its own frequency at {np.max(frequency):.6g} rad/s, which must lie below"
+            f" half the sample rate, {np.pi / np.max(period):.6g} rad/s; raise sample_rate"
         )
-    own, turned = np.broadcast_arrays(own, turned)
-    c = np.where(own > 0.0, own / np.tan(np.where(own > 0.0, turned, 1.0)), 1.0 / half)
-    return state_space.to_steps(one.matrices(), c)
+    frequency, half_phase = np.broadcast_arrays(frequency, half_phase)
+    moves = frequency > 0.0
+    c = np.where(moves, frequency / np.tan(np.where(moves, half_phase, 1.0)), 1.0 / half)
+    return state_space.to_steps(filter_.matrices(), c)
 
 
 def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
-    """Return the loop as polynomials and an exact delay."""
-    asked, integrators = _feedback(autopilot, plant, "deflection")
-    above, below = _engine(autopilot)
+    """Return the loop L(s) as polynomials with an exact delay."""
+    numerator, integrators = _feedback(autopilot, plant, "deflection")
+    actuator_numerator, actuator_denominator = _actuator(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
     for name in CHAINS:
         if getattr(autopilot, name):
             denominator = polynomials.multiply(denominator, _chain(autopilot, name)[1])
     return Loop(
-        polynomials.multiply(-asked, above),
-        polynomials.multiply(denominator, below),
+        polynomials.multiply(-numerator, actuator_numerator),
+        polynomials.multiply(denominator, actuator_denominator),
         autopilot.delay,
     )
 
 
 def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
-    """Return the numerator ``(..., n)`` from wind to deflection with the loop left open.
+    """Return the numerator ``(..., n)`` from wind to deflection of the open loop.
 
-    It stands over the denominator of `rational_loop`, and has the same delay.
+    Denominator and delay are those of `rational_loop`.
     """
-    return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _engine(autopilot)[0])
+    return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _actuator(autopilot)[0])
 
 
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
-    """The numerator from a source to the command, and how many integrators there are.
+    """Return the numerator ``(..., n)`` from a plant input to the command, and the integrators.
 
-    It stands over the denominator of the plant times s, if there is an integrator, and times those
-    of all filters.
+    The denominator is the plant's, times s with an integrator, times those of all filters.
     """
     integrators = int(np.any(np.asarray(autopilot.integral_gain)))
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
@@ -223,78 +235,81 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
         on_attitude = polynomials.add(rate, rest)
         angle = polynomials.multiply(angle, polynomials.multiply(below_a, below_r))
     attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
-    asked = polynomials.add(attitude, angle)
+    numerator = polynomials.add(attitude, angle)
     if autopilot.filters:
-        asked = polynomials.multiply(asked, _chain(autopilot, "filters")[0])
-    return asked, integrators
+        numerator = polynomials.multiply(numerator, _chain(autopilot, "filters")[0])
+    return numerator, integrators
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
-    """Numerator and denominator of a chain of filters."""
+    """Return numerator and denominator of a chain of filters."""
     above, below = np.ones(1), np.ones(1)
-    for one in getattr(autopilot, name):
-        above = polynomials.multiply(above, one.numerator)
-        below = polynomials.multiply(below, one.denominator)
+    for filter_ in getattr(autopilot, name):
+        above = polynomials.multiply(above, filter_.numerator)
+        below = polynomials.multiply(below, filter_.denominator)
     return above, below
 
 
-def _engine(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
+def _actuator(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of the actuator; ones without an actuator."""
     if autopilot.actuator is None:
         return np.ones(1), np.ones(1)
     below = autopilot.actuator.denominator
     return below[..., -1:], below
 
 
-_MOST_PERIODS, _MOST_GROWTH = 25, 50.0
-"""The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
+_MAX_DELAY_PERIODS = 25
+"""Longest delay, in sample periods."""
+_MAX_POLE_TIMES_PERIOD = 50.0
+"""Largest unstable pole times the sample period: the motion grows by at most e^50 in a sample."""
 
 
 def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
-    """Return the loop of an autopilot that has a sample rate.
+    """Return the exact loop of an autopilot with a sample rate, for one plant or a batch.
 
-    `autopilot`: with a sample_rate [Hz]. Its delay is that from the sample to the command at the
-    actuator, up to 25 periods, whole or not. `plant`: one or a batch. `InputError` for a filter
-    whose own frequency is not below half the sample rate, a delay above 25 periods, and a vehicle
-    that grows beyond all bounds in one.
+    `autopilot`: with a sample_rate [Hz]; its delay [s] runs from the sample to the command at the
+    actuator, up to 25 periods, a whole number of them or not. `InputError` for a filter whose own
+    frequency is not below half the sample rate, a delay above 25 periods, and an unstable pole
+    above 50 sample rates.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = (*plant.sensed, "angle_of_attack")
-    vehicle = actuated(plant, autopilot.actuator).select((COMMAND,), sensed)
+    vehicle = plant_with_actuator(plant, autopilot.actuator).select((COMMAND,), sensed)
     growth = vehicle.poles.real.max(axis=-1) * period
-    if np.any(growth > _MOST_GROWTH):
+    if np.any(growth > _MAX_POLE_TIMES_PERIOD):
         raise InputError(
             f"sample_rate = {np.min(1.0 / period):.6g} Hz is too low for a vehicle whose motion"
             f" grows by e^{np.max(growth):.3g} from one sample to the next"
         )
-    if np.any(delay / period > _MOST_PERIODS):
+    if np.any(delay / period > _MAX_DELAY_PERIODS):
         raise InputError(
-            f"delay must be at most {_MOST_PERIODS} sample periods; got"
+            f"delay must be at most {_MAX_DELAY_PERIODS} sample periods; got"
             f" {np.max(delay / period):.6g} (lower sample_rate, or leave it out: so fast a law is"
             " continuous)"
         )
-    law = connect(law_of(autopilot, plant, period), sensed, (RETURNED,))
+    law = connect(autopilot_blocks(autopilot, plant, period), sensed, (RETURNED,))
     batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
-    h, late = (np.broadcast_to(one, batch) for one in (period, delay))
+    h, T = (np.broadcast_to(array, batch) for array in (period, delay))
 
-    def steps_later(delays: FloatArray, cases: IndexArray) -> LinearSystem:
-        own, seen = (one.some(cases, batch) for one in (vehicle, law))
-        return own.to_steps(h.ravel()[cases], delays).series(seen)
+    def open_steps(delays: FloatArray, cases: IndexArray) -> LinearSystem:
+        vehicles, laws = (system.some(cases, batch) for system in (vehicle, law))
+        return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
-    def later(delays: FloatArray, cases: IndexArray) -> StateLoop:
-        return _in_plane(steps_later(delays, cases), h.ravel()[cases])
+    def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
+        return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
-    def closed_later(delays: FloatArray, cases: IndexArray) -> ComplexArray:
-        return steps_later(delays, cases).feedback(RETURNED, COMMAND).poles
+    def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:
+        return open_steps(delays, cases).feedback(RETURNED, COMMAND).poles
 
-    open_loop = _in_plane(vehicle.to_steps(h, late).series(law), h)
-    return SampledLoop(open_loop, batch, h, late, later, closed_later)
+    open_loop = _w_plane_loops(vehicle.to_steps(h, T).series(law), h)
+    return SampledLoop(open_loop, batch, h, T, delayed_form, delayed_closed_poles)
 
 
-def _in_plane(steps: LinearSystem, period: FloatArray) -> StateLoop:
-    """The loops in w of what goes round in steps of periods ``(...)``."""
-    found = state_space.from_steps(steps.matrices(), 0.5 * period)
+def _w_plane_loops(steps: LinearSystem, period: FloatArray) -> StateLoop:
+    """Return the loops in w = (2/h)(z - 1)/(z + 1) of open loops in steps of h [s] ``(...)``."""
+    matrices = state_space.from_steps(steps.matrices(), 0.5 * period)
     A, B, C, D = (
         np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])
-        for m in found
+        for m in matrices
     )
     return StateLoop.balanced(A, B[..., 0], 0.0 - C[:, 0], 0.0 - D[:, 0, 0], np.zeros(len(A)))

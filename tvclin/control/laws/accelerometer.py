@@ -1,12 +1,12 @@
-"""Load relief by an accelerometer on the body, in the place of a vane.
+"""Load relief by a body-mounted accelerometer instead of a vane.
 
-At a station x ahead of the centre of gravity the body feels, without gravity,
+At a station x ahead of the centre of gravity the accelerometer measures, without gravity,
 
     n = (N alpha + T delta)/m + x theta'' = n_alpha alpha + n_delta delta - x d theta',
 
-with n_alpha = N/m + x mu_alpha, n_delta = T/m - x mu_delta and the vehicle's own damping d. At the
-centre of percussion of the nozzle, x = T/(m mu_delta), it feels the angle of attack alone. Ahead of
-it or behind, the deflection that it felt goes round in a loop of its own.
+with n_alpha = N/m + x mu_alpha, n_delta = T/m - x mu_delta and the damping d of the vehicle. At the
+centre of percussion of the nozzle, x = T/(m mu_delta), n_delta vanishes and the measurement depends
+on the angle of attack alone. At other stations the measured deflection closes a second loop.
 """
 
 from __future__ import annotations
@@ -28,29 +28,30 @@ from tvclin.vehicle.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class AccelerometerLaw(Law):
-    """The feedback of an autopilot that feels an acceleration in place of the angle of attack.
+    """Feedback of attitude, rate and a measured acceleration instead of the angle of attack.
 
-    Its gains make of an ideal nozzle and an ideal sensor what those of the autopilot make with a
-    vane: with g on the acceleration, a0, a1 and b0 are those over 1 - g n_delta.
+    With an ideal nozzle and an ideal sensor the loop equals that of the autopilot with a vane: with
+    the gain g on the acceleration, a0, a1 and b0 are the law's gains over 1 - g n_delta.
 
     Parameters
     ----------
     autopilot : Autopilot
-        One, with a gain b0 on the angle of attack and none on the integral, as `half_relief_gains`.
+        One autopilot with a gain b0 on the angle of attack and none on the integral, such as
+        `half_relief_gains`.
     vehicle : Vehicle
-        One, by whose numbers the gains are made.
+        One vehicle, for which the gains are computed.
     station : float
-        Where the accelerometer is, ahead of the centre of gravity [m]; negative behind it.
+        Position of the accelerometer ahead of the centre of gravity [m]; negative behind it.
     bandwidth : float
-        Of the accelerometer, a lag of first order [rad/s].
+        Bandwidth of the accelerometer, a first-order lag [rad/s].
     plane : {"pitch", "yaw"}
-        The plane that it feels.
+        Plane of the measured acceleration.
 
     Raises
     ------
     InputError
-        As `SaturatedLaw`, for an autopilot without b0 or with an integral, and for a station at
-        which the law would feel more of its own deflection than of the wind.
+        In the same cases as `SaturatedLaw`, for an autopilot without b0 or with an integral, and
+        for a station whose measurement is dominated by the law's deflection, not the wind.
 
     Examples
     --------
@@ -83,7 +84,7 @@ class AccelerometerLaw(Law):
                 "autopilot must have a gain on the angle of attack, which an accelerometer stands"
                 " for, and none on the integral; see half_relief_gains"
             )
-        alpha, deflection, _ = self.felt
+        alpha, deflection, _ = self.sensitivities
         if alpha <= 0.0 or alpha + float(self.autopilot.alpha_gain) * deflection <= 0.0:
             raise InputError(
                 f"station {self.station:g} m is no place for the accelerometer: it would feel less"
@@ -91,8 +92,8 @@ class AccelerometerLaw(Law):
             )
 
     @property
-    def felt(self) -> tuple[float, float, float]:
-        """What it feels: n_alpha and n_delta [m/s2/rad], and of the attitude rate [m/s]."""
+    def sensitivities(self) -> tuple[float, float, float]:
+        """Sensitivities of the acceleration: n_alpha, n_delta [m/s2/rad], and -x d [m/s]."""
         v, x = self.vehicle, self.station
         c = Coefficients.from_vehicle(v, self.plane)
         alpha = v.normal_force_slope / v.mass + x * c.mu_alpha
@@ -101,37 +102,37 @@ class AccelerometerLaw(Law):
 
     @property
     def gain(self) -> float:
-        """Gain on the acceleration [rad s2/m]."""
-        alpha, deflection, _ = self.felt
+        """Gain g on the acceleration [rad s2/m]."""
+        alpha, deflection, _ = self.sensitivities
         b0 = float(self.autopilot.alpha_gain)
         return b0 / (alpha + b0 * deflection)
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """The acceleration that is measured [m/s2]."""
-        alpha, deflection, rate = self.felt
-        seen = np.array([[0.0, rate, 0.0, alpha, deflection]])
-        return np.array([[-self.bandwidth]]), self.bandwidth * seen
+        """F and G of the measured acceleration [m/s2], the state of the sensor's lag."""
+        alpha, deflection, rate = self.sensitivities
+        inputs = np.array([[0.0, rate, 0.0, alpha, deflection]])
+        return np.array([[-self.bandwidth]]), self.bandwidth * inputs
 
     @property
     def chains(self) -> Chains:
-        """The filters of the autopilot."""
+        """Filter chains of the autopilot."""
         return SaturatedLaw(self.autopilot).chains
 
     @property
     def numbers(self) -> LawNumbers:
-        """The gains, of which that on the acceleration is on its own state."""
-        _, deflection, rate = self.felt
-        whole = 1.0 - self.gain * deflection
+        """Gains as numbers for compiled flights; the acceleration is the law's first state."""
+        _, deflection, rate = self.sensitivities
+        factor = 1.0 - self.gain * deflection
         return LawNumbers(
-            attitude=float(self.autopilot.attitude_gain) * whole,
-            attitude_rate=float(self.autopilot.rate_gain) * whole - self.gain * rate,
+            attitude=float(self.autopilot.attitude_gain) * factor,
+            attitude_rate=float(self.autopilot.rate_gain) * factor - self.gain * rate,
             first_state=self.gain,
         )
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return a0 theta + a1 theta' + g times the acceleration [rad]."""
         del limit
-        own = self.numbers
-        asked = own.attitude * measured.attitude + own.attitude_rate * measured.attitude_rate
-        return asked + own.first_state * states[0]
+        k = self.numbers
+        feedback = k.attitude * measured.attitude + k.attitude_rate * measured.attitude_rate
+        return feedback + k.first_state * states[0]

@@ -16,12 +16,12 @@ from tvclin.kernels.control_laws import LawNumbers
 
 @dataclass(frozen=True)
 class SaturatedLaw(Law):
-    """The feedback of an autopilot, limited.
+    """Autopilot feedback under a deflection limit.
 
     Parameters
     ----------
     autopilot : Autopilot
-        One, for its gains and filters; actuator, delay and sample rate are given to the flight.
+        One autopilot with gains and filters; actuator, delay and sample rate belong to the flight.
 
     Raises
     ------
@@ -34,8 +34,8 @@ class SaturatedLaw(Law):
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
-        one = self.autopilot
-        if one.actuator is not None or one.delay or one.sample_rate is not None:
+        a = self.autopilot
+        if a.actuator is not None or a.delay or a.sample_rate is not None:
             raise InputError(
                 "a SaturatedLaw takes gains and filters only: give actuator, delay and sample_rate"
                 " to fly()"
@@ -51,20 +51,20 @@ class SaturatedLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """The integral of the attitude, where it is fed back."""
+        """F and G of the integral of the attitude; no states without integral gain."""
         if not self.autopilot.integral_gain:
             return super().states
         return np.zeros((1, 1)), np.eye(1, 5)
 
     @property
     def chains(self) -> Chains:
-        """The filters of the autopilot."""
-        one = self.autopilot
-        return Chains(one.attitude_filters, one.rate_filters, one.filters)
+        """Filter chains of the autopilot."""
+        a = self.autopilot
+        return Chains(a.attitude_filters, a.rate_filters, a.filters)
 
     @property
     def numbers(self) -> LawNumbers:
-        """The gains."""
+        """Gains of the autopilot as numbers for compiled flights."""
         gains = self.autopilot
         return LawNumbers(
             attitude=float(gains.attitude_gain),
@@ -77,6 +77,6 @@ class SaturatedLaw(Law):
         """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""
         del limit
         gains = self.autopilot
-        asked = gains.attitude_gain * measured.attitude + gains.rate_gain * measured.attitude_rate
-        asked = asked + gains.alpha_gain * measured.angle_of_attack
-        return asked + gains.integral_gain * states[0] if gains.integral_gain else asked
+        demand = gains.attitude_gain * measured.attitude + gains.rate_gain * measured.attitude_rate
+        demand = demand + gains.alpha_gain * measured.angle_of_attack
+        return demand + gains.integral_gain * states[0] if gains.integral_gain else demand

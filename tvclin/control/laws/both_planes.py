@@ -1,7 +1,7 @@
-"""A law in both planes: the scalar law along the felt wind and across it, within one stop.
+"""A law in both planes: the scalar law along the measured wind and across it, within one limit.
 
-Vectors are complex, pitch + j yaw. Turned into the direction of the wind a law leans with the wind,
-and one that is linear in what it sees is the same in every direction.
+Vectors are complex, pitch + j yaw. They are rotated into the direction of the wind, so that a
+nonlinear law leans with the wind; a linear law is the same in every direction.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ SATURATE = ("radial", "each plane")
 
 @dataclass(frozen=True)
 class LawInPlanes:
-    """A law for both planes, and how its demand is brought back into the stop.
+    """Law for both planes, and the saturation of its demand.
 
-    `law`: one law. `stop`: what the nozzle can do; where each plane is limited by itself, the
-    square inside. `saturate`: whether the vector that is asked for keeps its direction when it is
-    limited. `InputError` for what is no law, a law that switches, has filters or noise, and unknown
-    words.
+    `law`: one law. `stop`: limit shape of the nozzle. `saturate`: "radial" if the limited demand
+    keeps its direction, "each plane" if each component is limited by the largest rectangle within
+    the shape. `InputError` for another type than a law, a law that switches, has filters or noise,
+    and unknown words.
     """
 
     law: Law
@@ -44,56 +44,62 @@ class LawInPlanes:
 
     @property
     def radial(self) -> bool:
-        """Whether the demand keeps its direction."""
+        """Whether the limited demand keeps its direction."""
         return self.saturate == "radial"
 
     @cached_property
     def shape(self) -> Stop:
-        """What can be reached."""
+        """Limit shape, of unit limit."""
         stop = stop_of(self.stop).inside
         return stop if self.radial else stop.each_plane()
 
     @cached_property
-    def sides(self) -> FloatArray:
-        """How far the shape reaches in pitch and in yaw, ``(2,)``."""
+    def plane_limits(self) -> FloatArray:
+        """Largest pitch and yaw deflection of the limit shape, ``(2,)``."""
         shape = self.shape
         if isinstance(shape, PolygonStop):
             return np.array([np.abs(shape.corners.real).max(), np.abs(shape.corners.imag).max()])
         return shape.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
 
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
-        """Return the deflections asked for [rad], without limit, ``(m,)``.
+        """Return the demanded deflections [rad], before the limit, ``(m,)``.
 
-        `measured`: what is measured in both planes, as of `Measurement`, ``(m, 5)``. `states`: the
-        law's own states, ``(m, k)``. `limit`: the limit [rad] of the stop, ``(m,)``.
+        `measured`: measurements of both planes in the order of `Measurement`, ``(m, 5)``. `states`:
+        states of the law, ``(m, k)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
         """
         if not self.radial:
-            return self._by_parts(measured, states, [limit * side for side in self.sides])
+            limits = [limit * plane_limit for plane_limit in self.plane_limits]
+            return self._by_components(measured, states, limits)
         estimates = getattr(self.law, "estimator", None) is not None
-        felt = states[:, 1] if estimates else measured[:, 0] - measured[:, 3]
-        felt = felt - measured[:, 2]
-        size = np.abs(felt)
-        turn = np.where(size > 0.0, felt / np.where(size > 0.0, size, 1.0), 1.0)
-        shape, back = self.shape, np.conj(turn)[:, np.newaxis]
+        wind = states[:, 1] if estimates else measured[:, 0] - measured[:, 3]
+        wind = wind - measured[:, 2]
+        size = np.abs(wind)
+        direction = np.where(size > 0.0, wind / np.where(size > 0.0, size, 1.0), 1.0)
+        shape, rotation = self.shape, np.conj(direction)[:, np.newaxis]
         limits = [
-            limit / np.maximum(shape.gauge(way), shape.gauge(-way)) for way in (turn, 1j * turn)
+            limit / np.maximum(shape.gauge(axis), shape.gauge(-axis))
+            for axis in (direction, 1j * direction)
         ]
-        return np.asarray(turn * self._by_parts(measured * back, states * back, limits))
+        along = self._by_components(measured * rotation, states * rotation, limits)
+        return np.asarray(direction * along)
 
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
-        """Return the demand within the limits [rad], and which of them meet the stop."""
+        """Return the limited demand [rad] and whether it is on the limit, both ``(m,)``."""
         if self.radial:
-            with np.errstate(over="ignore"):  # of the least limit that a number can be
-                over = self.shape.gauge(demand) / limit
-            return demand / np.maximum(over, 1.0), over >= 1.0
-        most = self.sides[:, np.newaxis] * limit
-        parts = np.stack([demand.real, demand.imag])
-        bounded = np.clip(parts, -most, most)
-        return bounded[0] + 1j * bounded[1], np.any(np.abs(parts) >= most, axis=0)
+            with np.errstate(over="ignore"):  # the limit may be the smallest positive number
+                ratio = self.shape.gauge(demand) / limit
+            return demand / np.maximum(ratio, 1.0), ratio >= 1.0
+        bounds = self.plane_limits[:, np.newaxis] * limit
+        components = np.stack([demand.real, demand.imag])
+        limited = np.clip(components, -bounds, bounds)
+        return limited[0] + 1j * limited[1], np.any(np.abs(components) >= bounds, axis=0)
 
-    def _by_parts(self, measured: Vectors, states: Vectors, limits: list[FloatArray]) -> Vectors:
-        parts = [
-            self.law.demand(Measurement(*part(measured).T), part(states).T, limit)
-            for part, limit in zip((np.real, np.imag), limits, strict=True)
-        ]
-        return np.asarray(parts[0] + 1j * np.asarray(parts[1]))
+    def _by_components(
+        self, measured: Vectors, states: Vectors, limits: list[FloatArray]
+    ) -> Vectors:
+        """Return the demand of the scalar law on real and imaginary components [rad], ``(m,)``."""
+        real, imaginary = (
+            np.asarray(self.law.demand(Measurement(*take(measured).T), take(states).T, limit))
+            for take, limit in zip((np.real, np.imag), limits, strict=True)
+        )
+        return np.asarray(real + 1j * imaginary)

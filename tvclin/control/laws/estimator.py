@@ -27,17 +27,18 @@ from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 
-_DAMPING = 0.7
+_OBSERVER_DAMPING = 0.7
+"""Damping ratio of the observer's error."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WindEstimator(Carded):
-    """An observer of the attitude rate and of d = gamma + alpha_w, without a vane.
+    """Observer of the attitude rate q and of d = gamma + alpha_w, without a vane.
 
         q^' = mu_alpha (theta - d^) - mu_delta delta - damping q + 2 zeta w (q - q^)
         d^' = -(w^2/mu_alpha) (q - q^),        zeta = 0.7
 
-    The error of d^ follows d' like a second-order system of natural frequency w. The angle of
+    The error of d^ responds to d' as a second-order system of natural frequency w. The angle of
     attack is theta - d^, and the wind d^ - gamma, gamma being known from inertial data.
 
     Parameters
@@ -45,7 +46,7 @@ class WindEstimator(Carded):
     bandwidth : float
         w [rad/s], positive.
     rate_noise : float
-        Noise of the measured attitude rate [rad/s], rms for each sample of the law.
+        Noise of the measured attitude rate [rad/s], rms of each sample.
     seed : int
         Seed of the noise.
 
@@ -70,12 +71,12 @@ class WindEstimator(Carded):
         object.__setattr__(self, "seed", whole_number("seed", self.seed))
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
-        """Return F and G of the observer's states q^ and d^, for the plant it believes in."""
+        """Return F ``(2, 2)`` and G ``(2, 5)`` of the states q^ and d^, for the design plant."""
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
         mu_alpha = float(nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
-        gains = np.array([2.0 * _DAMPING * w, -(w**2) / mu_alpha])
+        gains = np.array([2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha])
         F = np.array([[-gains[0], -mu_alpha], [-gains[1], 0.0]])
         G = np.zeros((2, 5))
         G[0, 0], G[0, 4] = mu_alpha, -float(c.mu_delta)
@@ -86,24 +87,24 @@ class WindEstimator(Carded):
 
 @dataclass(frozen=True)
 class EstimatedLaw(Law):
-    """Any law, with a wind estimator in place of a vane.
+    """Law with a wind estimator instead of a vane.
 
-    The law sees the rate q^ and the angle of attack theta - d^ of the estimator; attitude, flight
-    path angle and deflection are measured.
+    The law takes the rate q^ and the angle of attack theta - d^ from the estimator; attitude,
+    flight path angle and deflection are measured.
 
     Parameters
     ----------
     law : Law
-        The law, without an estimator of its own.
+        The law, without an estimator.
     estimator : WindEstimator
         The estimator, and the noise of its gyro.
     plant : Plant
-        The plant that the estimator believes in.
+        Model of the estimator.
 
     Raises
     ------
     InputError
-        For a batch, a plant without aerodynamic moment, and a law that estimates already.
+        For a batch, a plant without aerodynamic moment, and a law that has an estimator.
 
     Examples
     --------
@@ -120,8 +121,8 @@ class EstimatedLaw(Law):
     def __post_init__(self) -> None:
         instance("law", self.law, Law, "such as SaturatedLaw")
         instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
-        own = self.law.numbers
-        if isinstance(self.law, EstimatedLaw) or (own is not None and own.estimates):
+        numbers = self.law.numbers
+        if isinstance(self.law, EstimatedLaw) or (numbers is not None and numbers.estimates):
             raise InputError("law has an estimator already; give it the angle of attack of one")
         self.estimator.states(self.plant)
         for name in ("engage", "release"):
@@ -129,32 +130,33 @@ class EstimatedLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """Those of the estimator, then those of the law, which see what it estimates."""
-        (F, G), (own, seen) = self.estimator.states(self.plant), self.law.states
-        told = seen.copy()
-        told[:, 0] += seen[:, 3]  # theta - d^ in place of alpha, and q^ in place of theta'
-        told[:, [1, 3]] = 0.0
-        coupled = np.column_stack([seen[:, 1], -seen[:, 3]])
-        return np.block([[F, np.zeros((2, len(own)))], [coupled, own]]), np.vstack([G, told])
+        """F and G of the estimator's states and then the law's, which follow the estimates."""
+        (F, G), (F_law, G_law) = self.estimator.states(self.plant), self.law.states
+        direct = G_law.copy()
+        direct[:, 0] += G_law[:, 3]  # theta - d^ replaces alpha, and q^ replaces theta'
+        direct[:, [1, 3]] = 0.0
+        coupling = np.column_stack([G_law[:, 1], -G_law[:, 3]])
+        zeros = np.zeros((2, len(F_law)))
+        return np.block([[F, zeros], [coupling, F_law]]), np.vstack([G, direct])
 
     @property
     def chains(self) -> Chains:
-        """Those of the law; sensors are filtered ahead of the estimator."""
+        """Filter chains of the law; sensors are filtered before the estimator."""
         return self.law.chains
 
     @property
     def rate_noise(self) -> tuple[float, int]:
-        """That of the estimator's gyro."""
+        """Noise of the estimator's gyro [rad/s rms of each sample], and its seed."""
         return self.estimator.rate_noise, self.estimator.seed
 
     @property
     def numbers(self) -> LawNumbers | None:
-        """Those of the law, which estimates."""
-        own = self.law.numbers
-        return None if own is None else own._replace(estimates=True)
+        """Parameters of the law for compiled flights, with an estimator."""
+        numbers = self.law.numbers
+        return None if numbers is None else numbers._replace(estimates=True)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return what the law asks for [rad]."""
+        """Return the demanded deflection [rad], before the limit."""
         alpha = measured.attitude - states[1]
-        told = measured._replace(attitude_rate=states[0], angle_of_attack=alpha)
-        return self.law.demand(told, states[2:], limit)
+        estimated = measured._replace(attitude_rate=states[0], angle_of_attack=alpha)
+        return self.law.demand(estimated, states[2:], limit)

@@ -16,20 +16,20 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, each, instance
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
-from tvclin.control.autopilot.wiring import SEEN
+from tvclin.control.autopilot.wiring import LAW_INPUTS
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
 
-RATES = between(1e-15, 1e9)
-"""Check of rate limits [rad/s] that a law knows: from as good as none to as good as any."""
-_SHOWN = 3
-"""States of the plant that a law is shown."""
+RATE_LIMIT_RANGE = between(1e-15, 1e9)
+"""Check of the rate limit [rad/s] of a law: 1e-15 is practically zero, 1e9 practically none."""
+_MEASURED_STATES = 3
+"""Number of plant states that a law measures: attitude, its rate, flight path angle."""
 
 
 class Measurement(NamedTuple):
-    """What a law measures, each a number or an array of flights [rad, rad/s]."""
+    """Measurements of a law [rad, rad/s], each a number or an array over flights."""
 
     attitude: Any
     attitude_rate: Any
@@ -39,13 +39,12 @@ class Measurement(NamedTuple):
 
 
 class Chains(NamedTuple):
-    """Filters about a law, each chain in the order in which it is passed.
+    """Filter chains of a law, each filter in the order of the signal.
 
     They run at the sample rate of the flight, by the bilinear rule, each exact at its own
     frequency.
 
-    `attitude`, `attitude_rate`: between a sensor and the law. `demand`: between what the law asks
-    for and the limit.
+    `attitude`, `attitude_rate`: between sensor and law. `demand`: between law and limit.
     """
 
     attitude: tuple[Filter, ...] = ()
@@ -59,9 +58,9 @@ class Law(Carded, ABC):
     Attributes
     ----------
     engage, release : float
-        When the deflection asked for reaches `engage` times the limit, the whole limit is
-        commanded until what is asked for, on the same side, falls to `release` times the limit.
-        With one and one it is a plain limiter.
+        When the demanded deflection reaches `engage` times the limit, the full limit is commanded
+        until the demand, of the same sign, falls to `release` times the limit. With one and one
+        it is a plain limiter.
     """
 
     engage: float = 1.0
@@ -71,86 +70,85 @@ class Law(Carded, ABC):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G m. None by default."""
+        """F ``(k, k)`` and G ``(k, 5)`` of the law's states, s' = F s + G m; k = 0 by default."""
         return np.zeros((0, 0)), np.zeros((0, 5))
 
     @property
-    def memory(self) -> LinearSystem:
-        """Its own states, which follow what it is shown (`SEEN`)."""
+    def state_space(self) -> LinearSystem:
+        """State space from `LAW_INPUTS` to the law's states."""
         F, G = self.states
         names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
-        return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
+        return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), LAW_INPUTS, names, names)
 
     @property
     def chains(self) -> Chains:
-        """Filters before and behind it. None by default."""
+        """Filter chains of the law; empty by default."""
         return Chains()
 
     @property
     def rate_noise(self) -> tuple[float, int]:
-        """Noise of the measured attitude rate [rad/s rms for each sample], and its seed."""
+        """Noise of the measured attitude rate [rad/s rms of each sample], and its seed."""
         return 0.0, 0
 
     @property
     def numbers(self) -> LawNumbers | None:
-        """The law as numbers, for compiled flights; None for a law that only Python can ask."""
+        """Parameters of the law for compiled flights; None for a law that only Python evaluates."""
         return None
 
     @abstractmethod
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the deflection asked for [rad], without limit.
+        """Return the demanded deflection [rad], before the limit.
 
         Parameters
         ----------
         measured : Measurement
-            What is measured.
+            Measurements [rad, rad/s].
         states : ndarray
-            The law's own states, ``(k, ...)``.
+            States of the law, ``(k, ...)``.
         limit : float or ndarray
-            The deflection limit [rad], which a law may know, ``(...)``.
+            Deflection limit [rad], which a law may use, ``(...)``.
         """
 
 
-def seen_coordinates(plant: Plant) -> UnstableCoordinates:
-    """Return the coordinates of the unstable modes in what a law is shown.
+def measured_coordinates(plant: Plant) -> UnstableCoordinates:
+    """Return the coordinates of the unstable modes as combinations of measurements.
 
-    `Measurement` has the attitude, its rate and the flight path angle, which are the first states
-    of every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
-
-    `InputError` as `unstable_coordinates`, and for a plant whose unstable modes move its speed.
+    Attitude, its rate and the flight path angle are the first states of every plant; ``rows`` is
+    ``(N, 2)`` or ``(N, 3)``. `InputError` in the same cases as `unstable_coordinates`, and for a
+    plant whose unstable modes include its speed.
     """
     modes = unstable_coordinates(plant)
-    if np.any(modes.rows[:, _SHOWN:]):
+    if np.any(modes.rows[:, _MEASURED_STATES:]):
         raise InputError(
             f'a law does not measure the speed, which model "{plant.model}" needs; design the law'
             ' on "drift-exact"'
         )
-    return replace(modes, rows=modes.rows[:, :_SHOWN])
+    return replace(modes, rows=modes.rows[:, :_MEASURED_STATES])
 
 
-def rate_over_pole(plant: Plant, rate_limit: float) -> float:
-    """Return r/(p |B|) [rad]: a rate limit r as an angle, with the fastest unstable pole p."""
-    pole = float(seen_coordinates(plant).poles[0])
+def rate_limit_angle(plant: Plant, rate_limit: float) -> float:
+    """Return the wind angle r/(p |B|) [rad] of a rate limit r [rad/s], p being the fastest pole."""
+    pole = float(measured_coordinates(plant).poles[0])
     return rate_limit / (pole * abs(float(plant.coefficients.B)))
 
 
 @dataclass(frozen=True)
 class FilteredLaw(Law):
-    """Any law, with filters; for flights by samples.
+    """Law with filters, for sampled flights.
 
     Parameters
     ----------
     law : Law
-        The law, without filters of its own.
+        The law, without filters.
     filters : tuple of Filter
-        Between what the law asks for and the limit, as of an `Autopilot`.
+        Filters between the law's demand and the limit, as in `Autopilot`.
     attitude_filters, rate_filters : tuple of Filter
-        Between the sensors and the law.
+        Filters between the sensors and the law.
 
     Raises
     ------
     InputError
-        For what is no law or no filter, batches of filters, and a law that has filters already.
+        For another type than law or filter, batches of filters, and a law with filters.
 
     Examples
     --------
@@ -171,7 +169,7 @@ class FilteredLaw(Law):
             raise InputError("law has filters already; give all of them to one FilteredLaw")
         for name in ("filters", "attitude_filters", "rate_filters"):
             chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
-            if any(one.batch for one in chain):
+            if any(filter_.batch for filter_ in chain):
                 raise InputError(f"{name} must be single filters; a law flies with one of each")
             object.__setattr__(self, name, chain)
         for name in ("engage", "release"):
@@ -181,37 +179,37 @@ class FilteredLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """Those of the law; the flight keeps those of the filters."""
+        """F and G of the law's states; states of the filters belong to the flight."""
         return self.law.states
 
     @property
     def chains(self) -> Chains:
-        """The filters."""
+        """Filter chains of attitude, rate and demand."""
         return Chains(self.attitude_filters, self.rate_filters, self.filters)
 
     @property
     def rate_noise(self) -> tuple[float, int]:
-        """That of the law, which its filters pass."""
+        """Noise of the attitude rate [rad/s] and its seed, from the law without filters."""
         return self.law.rate_noise
 
     @property
     def numbers(self) -> LawNumbers | None:
-        """Those of the law."""
+        """Parameters of the law for compiled flights, without filters."""
         return self.law.numbers
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return what the law asks for [rad], before the filters behind it."""
+        """Return the demanded deflection [rad], before the filters and the limit."""
         return self.law.demand(measured, states, limit)
 
 
 @dataclass(frozen=True)
 class NoisyLaw(FilteredLaw):
-    """A law with filters and a gyro that is noisy: its noise [rad/s], rms for each sample."""
+    """Law with filters and a noisy gyro; `noise` [rad/s] is the rms of each sample."""
 
     noise: float = 0.0
     seed: int = 0
 
     @property
     def rate_noise(self) -> tuple[float, int]:
-        """Its own noise."""
+        """Noise of the attitude rate [rad/s rms of each sample], and its seed."""
         return self.noise, self.seed

@@ -1,4 +1,4 @@
-"""The recoverable-attitude law: lean into the wind, but only as far as can be recovered."""
+"""The recoverable-attitude law: lean into the wind, within the null-controllable region."""
 
 from __future__ import annotations
 
@@ -20,53 +20,59 @@ from tvclin.base.errors import (
     unlimited,
 )
 from tvclin.control.laws.estimator import WindEstimator
-from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
+from tvclin.control.laws.law import (
+    RATE_LIMIT_RANGE,
+    Law,
+    Measurement,
+    measured_coordinates,
+    rate_limit_angle,
+)
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.linear.plant import Plant
 
 
 @dataclass(frozen=True)
 class RecoverableAttitudeLaw(Law):
-    """The law that needs no forecast where the report's needs one.
+    """Law without a forecast: the attitude leans into the wind within the recoverable set.
 
-    With the coordinate z of the unstable mode (see `recoverable`), the felt wind w and D =
-    limit/B it follows a lean Z: as far as the wind, never further than the recoverable set with
-    its `reach`, nor than the design wind asks of the part `trust` of the limit::
+    With the coordinate z of the unstable mode (see `recoverable`), the measured wind w and D =
+    limit/B the law follows a lean Z: as far as the wind, not beyond the fraction `reach` of the
+    recoverable set, and not beyond what the design wind requires with the fraction `trust` of the
+    limit::
 
         u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - trust D)
 
-    A being the design peak. Full deflection into the wind, holding, following it down, and
-    attitude feedback at rest are one formula. With drift an outer loop on the slow coordinate
-    moves Z.
+    A being the design peak. One formula covers full deflection into the wind, holding, the return,
+    and attitude feedback near equilibrium. With drift an outer loop on the slow coordinate moves Z.
 
     Parameters
     ----------
     plant : Plant
-        The plant it is designed on, with one or two real unstable poles.
+        Plant of the design, with one or two real unstable poles.
     reach : float
-        Part of the recoverable set that is used, in (0, 1]; what is left is the reserve for
+        Fraction of the recoverable set that is used, in (0, 1]; the rest is the reserve for
         reversals, slow actuators and noise.
     gain : float
         Gain of the feedback on z.
     design_peak : float, optional
-        A, the largest wind angle [rad] to be met; without one it leans as far as `reach` allows.
-        Better too high than too low.
+        A, the largest expected wind angle [rad]; without it the lean is limited by `reach` alone.
+        Too high is safer than too low.
     trust : float
-        Part of the limit that the design wind is set against, in (0, 1]. One leans no further
-        than is needed if limit, B and design peak are exactly as believed; less is a reserve for
-        what is believed wrongly, and costs where the wind turns round.
+        Fraction of the limit in the design, in (0, 1]. With one the lean is just sufficient if
+        limit, B and design peak are exact; less is a reserve for errors of these, and raises the
+        deflection in winds that reverse.
     dead_band : float
-        A felt wind below this angle [rad] counts as none; it spares the nozzle from noise.
+        Measured winds below this angle [rad] count as zero, which keeps noise from the nozzle.
     rate_limit : float
-        What the nozzle turns at most [rad/s], as the law knows it. The nozzle then turns into the
-        wind no further than it can turn back from at that rate, were the wind to stop.
+        Rate limit of the nozzle [rad/s], as the law knows it. The nozzle then turns into the wind
+        no further than it can return from at that rate if the wind stops.
     estimator : WindEstimator, optional
-        Without one the angle of attack is measured exactly.
+        Estimator of the wind; without it the angle of attack is measured exactly.
 
     Raises
     ------
     InputError
-        For a plant without a real unstable pole, one whose unstable modes move its speed, a
+        For a plant without a real unstable pole, a plant whose unstable modes include its speed, a
         batch, and numbers out of range.
 
     Warns
@@ -90,18 +96,18 @@ class RecoverableAttitudeLaw(Law):
     )
 
     def __post_init__(self) -> None:
-        modes = seen_coordinates(self.plant)
+        modes = measured_coordinates(self.plant)
         for name in ("reach", "trust"):
-            part = number(name, getattr(self, name), between(1e-3, 1.0))
-            object.__setattr__(self, name, part)
+            fraction = number(name, getattr(self, name), between(1e-3, 1.0))
+            object.__setattr__(self, name, fraction)
         object.__setattr__(self, "gain", number("gain", self.gain, positive))
         object.__setattr__(
             self,
             "dead_band",
             number("dead_band", self.dead_band, small_angle("a wind angle", nonnegative), "rad"),
         )
-        most = unlimited("rate_limit", self.rate_limit, RATES, "rad/s")
-        object.__setattr__(self, "rate_limit", most)
+        rate = unlimited("rate_limit", self.rate_limit, RATE_LIMIT_RANGE, "rad/s")
+        object.__setattr__(self, "rate_limit", rate)
         if self.design_peak is not None:
             peak = abs(number("design_peak", self.design_peak, small_angle("a wind angle"), "rad"))
             object.__setattr__(self, "design_peak", peak)
@@ -117,19 +123,19 @@ class RecoverableAttitudeLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """Those of the estimator."""
+        """F and G of the estimator's states; no states without an estimator."""
         return super().states if self.estimator is None else self.estimator.states(self.plant)
 
     @property
     def rate_noise(self) -> tuple[float, int]:
-        """That of the estimator's gyro."""
+        """Noise of the estimator's gyro [rad/s rms of each sample], and its seed."""
         gyro = self.estimator
         return super().rate_noise if gyro is None else (gyro.rate_noise, gyro.seed)
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """The lean, as numbers."""
-        modes = seen_coordinates(self.plant)
+        """Parameters of the law for compiled flights."""
+        modes = measured_coordinates(self.plant)
         fast, slow = ([*row.tolist(), 0.0][:3] for row in (modes.rows[0], modes.rows[-1]))
         slow = slow if modes.ratio else [0.0, 0.0, 0.0]
         return LawNumbers(
@@ -148,17 +154,19 @@ class RecoverableAttitudeLaw(Law):
             peak=np.inf if self.design_peak is None else self.design_peak,
             trust=self.trust,
             dead_band=self.dead_band,
-            swing=self.reach * rate_over_pole(self.plant, self.rate_limit),
+            swing=self.reach * rate_limit_angle(self.plant, self.rate_limit),
             estimates=self.estimator is not None,
         )
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the deflection asked for [rad]."""
-        shape = np.broadcast_shapes(*(np.shape(one) for one in (*measured[:4], limit)))
+        """Return the demanded deflection [rad], before the limit."""
+        shape = np.broadcast_shapes(*(np.shape(value) for value in (*measured[:4], limit)))
         if not shape and states.ndim == 1:
             return asked(self.numbers, measured, states.tolist(), limit)
-        rows = (
-            np.broadcast_to(one, shape).ravel().tolist() for one in (*measured[:4], *states, limit)
+        columns = (
+            np.broadcast_to(value, shape).ravel().tolist()
+            for value in (*measured[:4], *states, limit)
         )
-        each = [asked(self.numbers, one[:4], one[4:-1], one[-1]) for one in zip(*rows, strict=True)]
-        return np.array(each).reshape(shape)
+        flights = zip(*columns, strict=True)
+        demands = [asked(self.numbers, row[:4], row[4:-1], row[-1]) for row in flights]
+        return np.array(demands).reshape(shape)

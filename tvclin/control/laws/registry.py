@@ -1,8 +1,8 @@
-"""The laws by name: how each is designed on a plant, and what of its own it takes.
+"""Laws by name: the design of each on a plant, and its options.
 
-Trim and dead band hold the attitude, as the report means it, whatever the plant: designed with
-drift they would let its slow mode grow. Of a rate limit trim takes the gain that suits it, and the
-recoverable-attitude law how far it may turn.
+Trim and dead band are designed on a fixed path whatever the plant, so that they hold the attitude
+as the report defines it; designed with drift they would let the slow mode diverge. A rate limit
+sets the gain of trim and the lean of the recoverable-attitude law.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.law import RATES, FilteredLaw, Law
+from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 from tvclin.linear.plant import RIGID, Plant
@@ -58,16 +58,17 @@ LAWS: Mapping[str, Callable[..., Law]] = MappingProxyType(
         "recoverable-attitude": _recoverable,
     }
 )
-"""The design of each: of a plant, the peak of a wind [rad], a rate limit [rad/s], and its own."""
+"""Design functions of a plant, a wind peak [rad], a rate limit [rad/s], and options of the law."""
 _TRIM_NOTE = (
     "trim has a gain of {:.3g}, which suits the rate limit; its usual gain of {:g} asks for a"
     " nozzle five times as quick as the wind, or for more angle"
 )
-_OWN = {AUTOPILOT: AUTOPILOT, DEAD_BAND: "dead_band"}
+_OPTIONS = {AUTOPILOT: AUTOPILOT, DEAD_BAND: "dead_band"}
+"""Name of the option of each law that has one."""
 
 
 def design_law(
-    name: str, plant: Plant, peak: float, *, rate_limit: float = np.inf, **own: Any
+    name: str, plant: Plant, peak: float, *, rate_limit: float = np.inf, **options: Any
 ) -> Law:
     """Return a law by its name, designed on a plant and for the peak of a wind.
 
@@ -80,15 +81,15 @@ def design_law(
     peak : float
         Peak of the wind [rad], which the law "recoverable-attitude" is designed for.
     rate_limit : float
-        What the nozzle turns at most [rad/s]: "trim" and "recoverable-attitude" suit it.
-    **own
-        What the law takes of its own: `autopilot`, whose gains the law "autopilot" has in place of
-        the canonical ones, and `dead_band`, K of the law "dead-band" in place of 0.5.
+        Rate limit of the nozzle [rad/s], which "trim" and "recoverable-attitude" respect.
+    **options
+        Options of the law: `autopilot`, with the gains of the law "autopilot" instead of canonical
+        gains, and `dead_band`, K of the law "dead-band" instead of 0.5.
 
     Raises
     ------
     InputError
-        For another name, what the law does not take, and as the law.
+        For an unknown name, an option of another law, and in the same cases as the law.
 
     Examples
     --------
@@ -99,15 +100,15 @@ def design_law(
     """
     design = LAWS[one_of("law", name, LAWS)]
     instance("plant", plant, Plant, RIGID)
-    for key in own:
-        if key != _OWN.get(name):
+    for key in options:
+        if key != _OPTIONS.get(name):
             raise InputError(f"{key} is not of the law {name}; leave it out")
-    most = unlimited("rate_limit", rate_limit, RATES, "rad/s")
-    return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), most, **own)
+    rate = unlimited("rate_limit", rate_limit, RATE_LIMIT_RANGE, "rad/s")
+    return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), rate, **options)
 
 
 def design_notes(law: Law) -> Iterator[str]:
-    """Return what the reader of a flight should know of the design of its law."""
+    """Return notes on the design of a law for the reader of its flight."""
     law = law.law if isinstance(law, FilteredLaw) else law
     if type(law) is TrimLaw and law.gain < TrimLaw.gain:
         yield _TRIM_NOTE.format(law.gain, TrimLaw.gain)

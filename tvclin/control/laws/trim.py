@@ -13,7 +13,13 @@ from typing import Any, Self
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import between, nonnegative, number, small_angle, unlimited
-from tvclin.control.laws.law import RATES, Law, Measurement, rate_over_pole, seen_coordinates
+from tvclin.control.laws.law import (
+    RATE_LIMIT_RANGE,
+    Law,
+    Measurement,
+    measured_coordinates,
+    rate_limit_angle,
+)
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 
@@ -22,18 +28,18 @@ from tvclin.linear.plant import Plant
 class TrimLaw(Law):
     """Ideal trim and attitude feedback, limited: delta = B (alpha + gain z).
 
-    z is the coordinate of the fastest unstable mode of the plant it is designed on; on a fixed
-    path it is theta + theta'/(p + d), with the pole p and the damping d. Until the limit is reached
-    the mode stays at rest, so without drift the boundary of this law is the report's with K = 1,
+    z is the coordinate of the fastest unstable mode of the design plant; on a fixed path it is
+    theta + theta'/(p + d), with the pole p and the damping d. Until the limit is reached the mode
+    stays in equilibrium, so without drift the boundary of this law is the report's with K = 1,
     eq (12).
 
     Parameters
     ----------
     plant : Plant
-        The plant it is designed on, which need not be the one it flies. Designed on a fixed path
-        it holds the attitude, also in a drifting flight: ideal trim as the report means it.
-        Designed with drift it holds the nose to the path, which gives away what drift relieves
-        and lets the path creep away with the slow mode.
+        Plant of the design, which need not be the one in flight. Designed on a fixed path the law
+        holds the attitude, also in a drifting flight: ideal trim as the report defines it.
+        Designed with drift it holds the nose to the path, which loses the load relief of the drift
+        and lets the path diverge with the slow mode.
     gain : float
         Gain of the feedback on z, over that of trim.
 
@@ -49,35 +55,37 @@ class TrimLaw(Law):
     _keys = "model=plant.model gain"
 
     def __post_init__(self) -> None:
-        seen_coordinates(self.plant)
+        measured_coordinates(self.plant)
         object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
 
     @classmethod
     def suited(cls, plant: Plant, peak: float, rate_limit: float) -> Self:
-        """Return trim with the gain that a rate limit r can follow, at most the usual one.
+        """Return trim with a gain that a nozzle with rate limit r can follow, at most the default.
 
         Parameters
         ----------
         plant : Plant
-            The plant it is designed on.
+            Plant of the design.
         peak : float
             Peak A of the wind [rad].
         rate_limit : float
-            What the nozzle turns at most, r [rad/s].
+            Rate limit r of the nozzle [rad/s].
 
         Notes
         -----
-        An error z fades as e^(-gain p t): with gain = r/(p B A) the feedback of one as large as the
-        wind turns the nozzle with r. With the usual gain a nozzle that is five times as quick as
-        the wind is just quick enough; with this one trim needs no more than the wind's own rate.
+        An error z decays as e^(-gain p t): with gain = r/(p B A) the feedback of an error as large
+        as the wind turns the nozzle at the rate r. The default gain requires a nozzle about five
+        times as fast as the wind; with this gain trim requires no more than the wind's rate.
         """
         size = abs(number("peak", peak, small_angle("a wind angle"), "rad"))
-        most = rate_over_pole(plant, unlimited("rate_limit", rate_limit, RATES, "rad/s"))
-        return cls(plant, gain=min(cls.gain, most / size) if size else cls.gain)
+        available = rate_limit_angle(
+            plant, unlimited("rate_limit", rate_limit, RATE_LIMIT_RANGE, "rad/s")
+        )
+        return cls(plant, gain=min(cls.gain, available / size) if size else cls.gain)
 
     @property
     def numbers(self) -> LawNumbers:
-        """B (alpha + gain z), and when the whole limit is commanded."""
+        """Coefficients of B (alpha + gain z) and the switching levels, for compiled flights."""
         B, (attitude, rate, path) = self._numbers
         return LawNumbers(
             attitude=B * self.gain * attitude,
@@ -98,39 +106,39 @@ class TrimLaw(Law):
 
     @cached_property
     def _numbers(self) -> tuple[float, list[float]]:
-        """B, and z as parts of attitude, rate and flight path: plain, for the innermost loop."""
-        row = seen_coordinates(self.plant).rows[0]
+        """B, and the coefficients of z on attitude, rate and flight path angle, as plain floats."""
+        row = measured_coordinates(self.plant).rows[0]
         return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
 
 
-_LETTING_GO = 0.9
-"""Of the dead band, at which the whole limit is let go."""
+_RELEASE_OVER_DEAD_BAND = 0.9
+"""Demand at which the full limit is released, over that at which it is engaged."""
 
 
 @dataclass(frozen=True)
 class DeadBandLaw(TrimLaw):
-    """The report's control as a feedback: trim inside the dead band, then the whole limit.
+    """The report's control as a feedback: trim inside the dead band, then the full limit.
 
-    When the deflection asked for reaches K times the limit, the whole limit is used until it has
-    fallen to 0.9 K of the limit: the work is done, and trim and attitude feedback have the nozzle
-    again. It switches on the deflection asked for, so with drift it meets the
-    literal dead band, not that of (18).
+    When the demanded deflection reaches K times the limit, the full limit is commanded until the
+    demand has fallen to 0.9 K of the limit; then trim and attitude feedback command the nozzle
+    again. The switch acts on the demanded deflection, so with drift it is the literal dead band,
+    not that of (18).
 
     Parameters
     ----------
     plant : Plant
-        The plant it is designed on.
+        Plant of the design.
     gain : float
-        Gain of the feedback on z, over that of trim. One places the poles about where
-        the canonical gains do; with more, the attitude feedback undoes the lean that the dead band
-        is for.
+        Gain of the feedback on z, over that of trim. One places the poles about where the
+        canonical gains do; a larger gain undoes the lean into the wind that the dead band causes.
     dead_band : float
         K, from 0.01 to one.
 
     Raises
     ------
     InputError
-        As `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on any rounding.
+        In the same cases as `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on
+        rounding.
     """
 
     gain: float = 1.0
@@ -145,10 +153,10 @@ class DeadBandLaw(TrimLaw):
 
     @property
     def engage(self) -> float:  # type: ignore[override]
-        """K."""
+        """Dead band K, the demand over the limit at which the full limit is commanded."""
         return self.dead_band
 
     @property
     def release(self) -> float:  # type: ignore[override]
-        """A little less than K, so that the nozzle does not chatter on the edge."""
-        return _LETTING_GO * self.dead_band
+        """Demand over the limit at which the full limit is released: 0.9 K, against chatter."""
+        return _RELEASE_OVER_DEAD_BAND * self.dead_band

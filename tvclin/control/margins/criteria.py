@@ -12,10 +12,13 @@ from tvclin.base.errors import InputError, each, instance, nonnegative, number, 
 from tvclin.base.lines import Line, Table, labelled, significant
 from tvclin.base.tables import FileTable
 from tvclin.control.margins.bands import GAIN, PHASE, RIGID, BandMargins, ModeBand
-from tvclin.control.margins.margins import MARGINS, Margins, factor_to, margin
+from tvclin.control.margins.margins import MARGINS, Margins, margin, unit_factor
 
-_OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "phase_margin_deg"}
-"""What is asked of each mode, and its name in a `ModeBand`."""
+_MODE_MARGINS = {
+    "mode_gain_margin_dB": "gain_margin_dB",
+    "mode_phase_margin_deg": "phase_margin_deg",
+}
+"""Margins that criteria limit for each mode, and their attributes of `ModeBand`."""
 _UNITS = {name: "s" if unit == "ms" else unit for name, (_, unit, _) in MARGINS.items()}
 _UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}
 CRITERIA_TABLE = FileTable(
@@ -23,7 +26,8 @@ CRITERIA_TABLE = FileTable(
     {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
     words=("name",),
 )
-_AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
+_UPPER_LIMITS = ("peak_sensitivity", "peak_complementary_sensitivity")
+"""Numbers with an upper limit; all others have a lower limit."""
 _LAUNCH_VEHICLE = (
     "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
     " when the vehicle is unstable; from course texts, no primary source checked"
@@ -36,17 +40,17 @@ _AIRCRAFT = (
 
 @dataclass(frozen=True)
 class Requirement:
-    """One number that is asked for.
+    """Limit of one margin.
 
     Attributes
     ----------
     margin : str
-        Name of the attribute of `Margins`, with its unit; "mode_gain_margin_dB" is asked of each
-        gain-stabilised mode, "mode_phase_margin_deg" of each phase-stabilised one.
+        Name of the attribute of `Margins`, with its unit; "mode_gain_margin_dB" applies to each
+        gain-stabilised mode, "mode_phase_margin_deg" to each phase-stabilised mode.
     limit : float
-        The least that is asked for; of a peak the most.
+        Lower limit of the margin; upper limit of a peak.
     source : str
-        Where the number comes from.
+        Source of the number.
     """
 
     margin: str
@@ -62,66 +66,66 @@ class Requirement:
 
     @property
     def unit(self) -> str:
-        """Unit of the number."""
+        """Unit of the limit."""
         return _UNITS[self.margin]
 
     @property
     def shown(self) -> tuple[float, str]:
-        """The limit in the unit that tables show, and that unit."""
+        """Limit in the unit of tables, and that unit."""
         unit = "ms" if self.unit == "s" else self.unit
-        return factor_to(unit) * self.limit, unit
+        return unit_factor(unit) * self.limit, unit
 
     @property
     def name(self) -> str:
-        """What is asked for, in words."""
+        """Name of the margin without its unit, such as "phase margin"."""
         return self.margin.removesuffix("_dB").removesuffix("_deg").replace("_", " ")
 
     @property
-    def at_most(self) -> bool:
-        """Whether the number is an upper limit."""
-        return self.margin in _AT_MOST
+    def is_upper_limit(self) -> bool:
+        """Whether the limit is an upper one."""
+        return self.margin in _UPPER_LIMITS
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """One margin beside what is asked for; numbers have the shape ``(...)`` of the batch.
+    """Margin compared with its requirement; numbers have the shape ``(...)`` of the batch.
 
     Attributes
     ----------
     requirement : Requirement
-        What is asked for.
+        Limit of the margin.
     value : float or ndarray
-        What the loop has; NaN for an unstable one.
+        Margin of the loop; NaN for an unstable loop.
     surplus : float or ndarray
-        By how much it is met, in its unit; negative where it is not met.
-    met : bool or ndarray
-        Whether it is met; never for an unstable loop.
+        Distance of the value from the limit, in its unit; negative for an unsatisfied requirement.
+    satisfied : bool or ndarray
+        Whether the requirement is satisfied; False for an unstable loop.
     band : str
-        Name of the mode of which it is asked; empty for the whole loop.
+        Name of the mode; empty for the whole loop.
     """
 
     requirement: Requirement
     value: Any
     surplus: Any
-    met: Any
+    satisfied: Any
     band: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON; the whole loop is no band."""
-        asked = "margin=requirement.margin band limit=requirement.limit value surplus met"
-        return picked(self, f"{asked} source=requirement.source") | {"band": self.band or None}
+        keys = "margin=requirement.margin band limit=requirement.limit value surplus met=satisfied"
+        return picked(self, f"{keys} source=requirement.source") | {"band": self.band or None}
 
 
 @dataclass(frozen=True)
 class Criteria:
-    """A named set of requirements, such as ``CRITERIA["classic"]``, or one's own.
+    """Named set of requirements, such as ``CRITERIA["classic"]``, or a custom set.
 
     Attributes
     ----------
     name : str
         Name of the set.
     requirements : tuple of Requirement
-        What it asks for.
+        Limits of the set.
     """
 
     name: str
@@ -129,25 +133,25 @@ class Criteria:
 
     def __post_init__(self) -> None:
         text("name", self.name)
-        asked = each("requirements", self.requirements, Requirement, "see Criteria.own")
-        object.__setattr__(self, "requirements", asked)
-        if not asked:
+        requirements = each("requirements", self.requirements, Requirement, "see Criteria.custom")
+        object.__setattr__(self, "requirements", requirements)
+        if not requirements:
             raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
 
     @classmethod
-    def own(cls, name: str = "own", source: str = "the user", **limits: float) -> Self:
-        """Return criteria of one's own.
+    def custom(cls, name: str = "own", source: str = "the user", **limits: float) -> Self:
+        """Return criteria with limits of the user.
 
         Parameters
         ----------
         name : str
             Name of the set.
         source : str
-            Where the numbers come from.
+            Source of the numbers.
         **limits
             aero_margin_dB, gain_increase_dB, phase_margin_deg, delay_margin [s] and disk_margin
-            are lower limits, peak_sensitivity and peak_complementary_sensitivity upper ones;
-            mode_gain_margin_dB and mode_phase_margin_deg are asked of modes, see `judge`.
+            are lower limits, peak_sensitivity and peak_complementary_sensitivity upper limits;
+            mode_gain_margin_dB and mode_phase_margin_deg apply to modes, see `judge`.
 
         Raises
         ------
@@ -157,60 +161,61 @@ class Criteria:
         Examples
         --------
         >>> import tvclin as tv
-        >>> dispersed = tv.control.Criteria.own("dispersed", aero_margin_dB=3, phase_margin_deg=20)
+        >>> limits = {"aero_margin_dB": 3, "phase_margin_deg": 20}
+        >>> dispersed = tv.control.Criteria.custom("dispersed", **limits)
         >>> [r.limit for r in dispersed.requirements]
         [3.0, 20.0]
         """
         return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
 
-    def changed(self, source: str, **limits: float) -> "Criteria":
-        """Return the criteria with other limits, or further ones, that come from a source.
+    def with_limits(self, source: str, **limits: float) -> "Criteria":
+        """Return the criteria with limits of a source replaced or added.
 
         Parameters
         ----------
         source : str
-            Where the numbers come from.
+            Source of the numbers.
         **limits
-            As of `own`; without any these criteria are as they were.
+            Same as in `custom`; without any the criteria are unchanged.
 
         Raises
         ------
         InputError
-            As `own`.
+            In the same cases as `custom`.
         """
         if not limits:
             return self
         name = f"{self.name}, changed by {text('source', source)}"
-        each = (*self.requirements, *Criteria.own(name, source, **limits).requirements)
-        return Criteria(name, tuple({one.margin: one for one in each}.values()))
+        limits_of_source = Criteria.custom(name, source, **limits).requirements
+        by_margin = {r.margin: r for r in (*self.requirements, *limits_of_source)}
+        return Criteria(name, tuple(by_margin.values()))
 
     @property
-    def words(self) -> str:
-        """Every requirement with its number, in one line."""
-        each = [(one.name, *one.shown) for one in self.requirements]
-        return ", ".join(f"{name} {limit:g} {unit}".rstrip() for name, limit, unit in each)
+    def description(self) -> str:
+        """Names and limits of all requirements, in one line."""
+        limits = [(r.name, *r.shown) for r in self.requirements]
+        return ", ".join(f"{name} {limit:g} {unit}".rstrip() for name, limit, unit in limits)
 
     @property
-    def of_modes(self) -> bool:
-        """Whether something is asked of modes."""
-        return any(one.margin in _OF_MODES for one in self.requirements)
+    def has_mode_limits(self) -> bool:
+        """Whether a requirement applies to modes."""
+        return any(r.margin in _MODE_MARGINS for r in self.requirements)
 
     @property
-    def without_modes(self) -> "Criteria | None":
-        """What is asked of the whole loop; None where all is asked of modes."""
-        kept = tuple(one for one in self.requirements if one.margin not in _OF_MODES)
-        return Criteria(self.name, kept) if kept else None
+    def without_mode_limits(self) -> "Criteria | None":
+        """Criteria with the requirements on the whole loop alone; None if there are none."""
+        loop = tuple(r for r in self.requirements if r.margin not in _MODE_MARGINS)
+        return Criteria(self.name, loop) if loop else None
 
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
-        """Return each margin beside what is asked for.
+        """Return the judgement of each margin, in the order of the requirements.
 
         Parameters
         ----------
         margins : Margins or BandMargins
-            Of one loop or of a batch. By band, the whole loop is judged, and each mode where one
-            is asked: that it stays so far below one if it is gain-stabilised, that it has so much
-            phase if it is phase-stabilised. Of other modes the value is NaN and the surplus
-            infinite, unless the loop is unstable.
+            Margins of one loop or a batch. With bands, a limit of modes applies to each mode: the
+            gain margin to gain-stabilised modes, the phase margin to phase-stabilised modes. For
+            other modes the value is NaN and the surplus infinite, unless the loop is unstable.
 
         Raises
         ------
@@ -218,55 +223,58 @@ class Criteria:
             For limits of modes on margins without bands.
         """
         if isinstance(margins, BandMargins):
-            whole, modes = margins.whole, margins.modes
+            loop, modes = margins.margins, margins.modes
         else:
             instance("margins", margins, Margins, "see Autopilot.margins")
-            whole, modes = margins, ()
-        found = []
+            loop, modes = margins, ()
+        judgements = []
         for requirement in self.requirements:
-            if requirement.margin not in _OF_MODES:
-                found.append(_judged(requirement, whole))
+            if requirement.margin not in _MODE_MARGINS:
+                judgements.append(_judge(requirement, loop))
             elif isinstance(margins, Margins):
                 raise InputError(
                     f"{requirement.margin} is asked of modes; give Autopilot.band_margins in place"
                     " of margins"
                 )
-            found += [
-                _judged_mode(requirement, whole, mode)
+            judgements += [
+                _judge_mode(requirement, loop, mode)
                 for mode in modes
-                if requirement.margin in _OF_MODES
+                if requirement.margin in _MODE_MARGINS
             ]
-        return tuple(found)
+        return tuple(judgements)
 
-    def are_met(self, margins: Margins | BandMargins) -> Any:
-        """Return whether every requirement is met, ``(...)``."""
-        every = [np.asarray(one.met) for one in self.judge(margins)]
-        return plain_bool(np.logical_and.reduce(every))
+    def are_satisfied(self, margins: Margins | BandMargins) -> Any:
+        """Return whether every requirement is satisfied, ``(...)``."""
+        verdicts = [np.asarray(judgement.satisfied) for judgement in self.judge(margins)]
+        return plain_bool(np.logical_and.reduce(verdicts))
 
 
-def _judged(requirement: Requirement, margins: Margins) -> Judgement:
+def _judge(requirement: Requirement, margins: Margins) -> Judgement:
+    """Return the judgement of a margin of the whole loop."""
     value = np.asarray(getattr(margins, requirement.margin), dtype=float)
     surplus = value - requirement.limit
-    surplus = -surplus if requirement.at_most else surplus
+    surplus = -surplus if requirement.is_upper_limit else surplus
     return Judgement(requirement, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
 
 
-def _judged_mode(requirement: Requirement, whole: Margins, mode: ModeBand) -> Judgement:
-    value = np.asarray(getattr(mode, _OF_MODES[requirement.margin]), dtype=float)
-    value = np.where(whole.stable, value, np.nan)
-    asked = np.asarray(whole.stable) & ~np.isnan(value)
-    surplus = np.where(asked, value - requirement.limit, np.where(whole.stable, np.inf, np.nan))
-    met = plain_bool((surplus >= 0.0)[()])
-    return Judgement(requirement, plain(value), plain(surplus), met, mode.name)
+def _judge_mode(requirement: Requirement, loop: Margins, mode: ModeBand) -> Judgement:
+    """Return the judgement of a margin of one mode."""
+    value = np.asarray(getattr(mode, _MODE_MARGINS[requirement.margin]), dtype=float)
+    value = np.where(loop.stable, value, np.nan)
+    applies = np.asarray(loop.stable) & ~np.isnan(value)
+    surplus = np.where(applies, value - requirement.limit, np.where(loop.stable, np.inf, np.nan))
+    satisfied = plain_bool((surplus >= 0.0)[()])
+    return Judgement(requirement, plain(value), plain(surplus), satisfied, mode.name)
 
 
 def plain_bool(array: Any) -> Any:
-    """Return a Python bool for one answer, and an array for several."""
+    """Return a Python bool for an array of shape ``()``, and other arrays unchanged."""
     return bool(array) if np.ndim(array) == 0 else array
 
 
-def _both_sides(gain_dB: float, phase_deg: float, name: str, source: str) -> Criteria:
-    return Criteria.own(
+def _gain_and_phase(gain_dB: float, phase_deg: float, name: str, source: str) -> Criteria:
+    """Return criteria with one limit for both gain margins [dB], and one for the phase [deg]."""
+    return Criteria.custom(
         name,
         source,
         aero_margin_dB=gain_dB,
@@ -276,54 +284,58 @@ def _both_sides(gain_dB: float, phase_deg: float, name: str, source: str) -> Cri
 
 
 CRITERIA = {
-    "classic": _both_sides(6.0, 30.0, "classic", _LAUNCH_VEHICLE),
-    "aircraft": _both_sides(6.0, 45.0, "aircraft", _AIRCRAFT),
+    "classic": _gain_and_phase(6.0, 30.0, "classic", _LAUNCH_VEHICLE),
+    "aircraft": _gain_and_phase(6.0, 45.0, "aircraft", _AIRCRAFT),
 }
-"""The criteria that have a name: 6 dB and 30 deg, 6 dB and 45 deg."""
+"""Criteria by name: 6 dB and 30 deg, 6 dB and 45 deg."""
 
 
 _WORDS = {RIGID: "rigid"}
 _FACTORS = {"aero_margin_dB": "aero_margin", "gain_increase_dB": "gain_increase"}
-"""The factors on the gain that stand beside their size in dB."""
+"""Margins in dB whose factor on the gain is shown in parentheses."""
 
 
-def margin_table(found: Margins, judged: Sequence[Judgement] = ()) -> Table:
-    """Return the margins of one stable loop, where they are, and by how much criteria are met."""
-    asked = {one.requirement.margin: one for one in judged if not one.band}
+def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
+    """Return the table of margins of one stable loop, their frequencies, limits and surplus."""
+    by_margin = {j.requirement.margin: j for j in judged if not j.band}
     rows: list[tuple[Line, ...]] = []
-    for name, label, value, unit, frequency in found.rows():
+    for name, label, value, unit, frequency in margins.rows():
         key = f"margin.{name}"
         at, shown = significant(f"{key}.rad_per_s", frequency), margin(key, value, unit)
         if name in _FACTORS and np.isfinite(value):
-            factor = significant(f"{key}.factor", getattr(found, _FACTORS[name]), 3)
+            factor = significant(f"{key}.factor", getattr(margins, _FACTORS[name]), 3)
             shown = (*shown, " (", *factor, "x)")
-        rows.append((labelled(label), shown, at, *_asked(asked.get(name))))
+        rows.append((labelled(label), shown, at, *_limit_cells(by_margin.get(name))))
         if name == "disk_margin":
-            gain = margin(f"{key}.gain", found.disk_margin_dB, "dB")
-            phase = margin(f"{key}.phase", found.disk_phase_deg, "deg")
+            gain = margin(f"{key}.gain", margins.disk_margin_dB, "dB")
+            phase = margin(f"{key}.phase", margins.disk_phase_deg, "deg")
             rows.append((("  gain and phase",), (*gain, ", ", *phase), ("",), ("",), ("",)))
     return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "by"), tuple(rows))
 
 
-def band_table(found: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
-    """Return what the rigid body has, if the loop is stable, and what each mode has."""
+def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
+    """Return the table of margins by band; without the rigid body for an unstable loop."""
     rows: list[tuple[Line, ...]] = []
     for name, label in zip(MARGINS, ("down", "up", "phase"), strict=False):
         _, unit, where = MARGINS[name]
-        at = significant(f"rigid.{name}.rad_per_s", getattr(found.rigid, where))
-        spare = margin(f"rigid.{name}", getattr(found.rigid, name), unit)
-        rows.append(((f"rigid, {label}",), ("",), at, spare, ("",), ("",)))
-    rows = rows if found.whole.stable else []
-    asked = {one.band: one for one in judged if one.band and not np.isnan(one.value)}
-    rows += [(*_mode(k, one), *_asked(asked.get(one.name))) for k, one in enumerate(found.modes)]
+        at = significant(f"rigid.{name}.rad_per_s", getattr(bands.rigid, where))
+        value = margin(f"rigid.{name}", getattr(bands.rigid, name), unit)
+        rows.append(((f"rigid, {label}",), ("",), at, value, ("",), ("",)))
+    rows = rows if bands.margins.stable else []
+    by_mode = {j.band: j for j in judged if j.band and not np.isnan(j.value)}
+    rows += [
+        (*_mode_cells(k, mode), *_limit_cells(by_mode.get(mode.name)))
+        for k, mode in enumerate(bands.modes)
+    ]
     head = ("band", "held by", "at [rad/s]", "margin", "asked", "by")
-    width = len(head) if asked else len(head) - 2
+    width = len(head) if by_mode else len(head) - 2
     return Table("Margins by band", head[:width], tuple(row[:width] for row in rows))
 
 
-def _mode(k: int, mode: ModeBand) -> tuple[Line, ...]:
+def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
+    """Return name, kind of stabilisation, frequency and margin of the k-th mode."""
     key = f"band.{k}"
-    spare = {
+    margins = {
         GAIN: margin(f"{key}.gain", mode.gain_margin_dB, "dB"),
         PHASE: margin(f"{key}.phase", mode.phase_margin_deg, "deg"),
         RIGID: (*lines.number(f"{key}.distance", mode.distance, 2), " from -1"),
@@ -332,20 +344,21 @@ def _mode(k: int, mode: ModeBand) -> tuple[Line, ...]:
         (mode.name,),
         (_WORDS.get(mode.stabilised, str(mode.stabilised)),),
         significant(f"{key}.rad_per_s", mode.frequency),
-        spare.get(mode.stabilised, ("none",)),
+        margins.get(mode.stabilised, ("none",)),
     )
 
 
-def _asked(one: Judgement | None) -> tuple[Line, Line]:
-    """What is asked of a margin, and by how much it is met."""
-    if one is None:
+def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
+    """Return the limit of a margin and its surplus with the verdict; empty without judgement."""
+    if judgement is None:
         return ("",), ("",)
-    limit, unit = one.requirement.shown
-    key = f"criteria.{one.band}{'.' * bool(one.band)}{one.requirement.margin}"
-    most = ("at most ",) if one.requirement.at_most else ()
-    surplus = factor_to(unit) * one.surplus
+    requirement = judgement.requirement
+    limit, unit = requirement.shown
+    key = f"criteria.{judgement.band}{'.' * bool(judgement.band)}{requirement.margin}"
+    prefix = ("at most ",) if requirement.is_upper_limit else ()
+    surplus = unit_factor(unit) * judgement.surplus
     by = ("+" if 0.0 <= surplus < np.inf else "", *significant(f"{key}.surplus", surplus, 3))
     return (
-        (*most, *significant(key, limit, unit=unit)),
-        (*by, " met" if one.met else " NOT MET"),
+        (*prefix, *significant(key, limit, unit=unit)),
+        (*by, " met" if judgement.satisfied else " NOT MET"),
     )

@@ -24,18 +24,18 @@ if TYPE_CHECKING:
     import control
 
 
-_FASTEST = 1e15
-"""Frequencies beyond this [rad/s] would overflow in polynomials."""
-_LARGEST = 1e60
-"""Of what a loop takes in and gives out; its squares must not overflow."""
+_MAX_FREQUENCY = 1e15
+"""Largest frequency [rad/s] and entry of A [1/s]: beyond, polynomials overflow."""
+_MAX_INPUT_OUTPUT = 1e60
+"""Largest entry of B and C; their squares must not overflow."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loop:
     """One loop L(s) = numerator(s)/denominator(s) e^(-s delay), or a batch of them.
 
-    The closed loop is 1 + L = 0. The delay is exact wherever a loop is looked at. Of high order, or
-    with modes that lie close together, take matrices: `from_system` or `from_matrices`.
+    The closed loop is 1 + L = 0. The delay is exact in all results. For high order, or modes that
+    lie close together, use matrices: `from_system` or `from_matrices`.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Loop:
     Attributes
     ----------
     form : Rational or StateLoop
-        The loops on one axis, which answer what margins ask.
+        The flattened batch of loops, for the arithmetic of margins.
     batch : tuple of int
         Shape of the batch; ``()`` for one loop.
 
@@ -65,27 +65,25 @@ class Loop:
     def __init__(
         self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
     ) -> None:
-        above = np.atleast_1d(finite("numerator", numerator))
-        below = np.atleast_1d(finite("denominator", denominator))
-        late = nonnegative("delay", delay, "s")
-        if not below.shape[-1]:
+        N = np.atleast_1d(finite("numerator", numerator))
+        D = np.atleast_1d(finite("denominator", denominator))
+        T = nonnegative("delay", delay, "s")
+        if not D.shape[-1]:
             raise InputError("denominator must have a coefficient")
-        if np.any(below[..., 0] == 0.0):
+        if np.any(D[..., 0] == 0.0):
             raise InputError("denominator must not begin with a zero")
-        while above.shape[-1] > 1 and not np.any(above[..., 0]):
-            above = above[..., 1:]
-        if above.shape[-1] >= below.shape[-1]:
+        while N.shape[-1] > 1 and not np.any(N[..., 0]):
+            N = N[..., 1:]
+        if N.shape[-1] >= D.shape[-1]:
             raise InputError(
                 "this is an algebraic loop: its command feeds back without lag (numerator of degree"
-                f" {above.shape[-1] - 1} over {below.shape[-1] - 1}); put an actuator into it"
+                f" {N.shape[-1] - 1} over {D.shape[-1] - 1}); put an actuator into it"
             )
-        shape = broadcast(
-            numerator=above.shape[:-1], denominator=below.shape[:-1], delay=late.shape
-        )
-        missing = below.shape[-1] - above.shape[-1]
-        above = np.pad(above, [(0, 0)] * (above.ndim - 1) + [(missing, 0)])
-        above, below = (_flat(array, shape, 1) for array in (above, below))
-        self._hold(Rational(above, below, _flat(late, shape, 0)), shape)
+        shape = broadcast(numerator=N.shape[:-1], denominator=D.shape[:-1], delay=T.shape)
+        missing = D.shape[-1] - N.shape[-1]
+        N = np.pad(N, [(0, 0)] * (N.ndim - 1) + [(missing, 0)])
+        N, D = (_flat(array, shape, 1) for array in (N, D))
+        self._set(Rational(N, D, _flat(T, shape, 0)), shape)
 
     @classmethod
     def from_system(
@@ -93,7 +91,7 @@ class Loop:
     ) -> Self:
         """Return the loop of a python-control system with one input and one output.
 
-        A transfer function is held as polynomials, a state space as its matrices.
+        A transfer function becomes polynomials, a state space keeps its matrices.
 
         Parameters
         ----------
@@ -105,7 +103,7 @@ class Loop:
         Raises
         ------
         InputError
-            For anything else: margins rest on the poles, which frequency data do not have.
+            For another type: margins need the poles, which frequency data do not have.
         """
         import control
 
@@ -124,7 +122,7 @@ class Loop:
     def from_matrices(
         cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike = 0.0, delay: ArrayLike = 0.0
     ) -> Self:
-        """Return the loops x' = A x + B u, L: u to C x, with a delay, or a batch of them.
+        """Return the loop L(s) = C (s I - A)^-1 B e^(-s delay), or a batch of loops.
 
         Parameters
         ----------
@@ -138,15 +136,18 @@ class Loop:
         Raises
         ------
         InputError
-            For shapes that are not those of one input and one output, numbers that are not
-            finite or beyond 1e15 (A) and 1e60 (B, C), a delay below zero, and an algebraic
-            loop, D other than zero.
+            For shapes of more than one input or output, numbers that are not finite or beyond 1e15
+            (A) and 1e60 (B, C), a delay below zero, and an algebraic loop, D other than zero.
         """
         arrays = [
             within(name, array, -largest, largest)
-            for name, array, largest in (("A", A, _FASTEST), ("B", B, _LARGEST), ("C", C, _LARGEST))
+            for name, array, largest in (
+                ("A", A, _MAX_FREQUENCY),
+                ("B", B, _MAX_INPUT_OUTPUT),
+                ("C", C, _MAX_INPUT_OUTPUT),
+            )
         ]
-        through, late = finite("D", D), nonnegative("delay", delay, "s")
+        direct, T = finite("D", D), nonnegative("delay", delay, "s")
         n = arrays[0].shape[-1] if arrays[0].ndim else 0
         for name, array, size in zip("ABC", arrays, ((n, n), (n, 1), (1, n)), strict=True):
             if not n or array.shape[-2:] != size:
@@ -154,24 +155,25 @@ class Loop:
                     "a loop needs A (..., n, n), B (..., n, 1) and C (..., 1, n), with n of 1 or"
                     f" more; got {name} of shape {array.shape}"
                 )
-        if np.any(through):
+        if np.any(direct):
             raise InputError(
                 "this is an algebraic loop: its command feeds back without lag (D ="
-                f" {through[through != 0.0].flat[0]:.6g}); put an actuator into it"
+                f" {direct[direct != 0.0].flat[0]:.6g}); put an actuator into it"
             )
         shape = broadcast(
-            **{name: a.shape[:-2] for name, a in zip("ABC", arrays, strict=True)}, delay=late.shape
+            **{name: a.shape[:-2] for name, a in zip("ABC", arrays, strict=True)},
+            delay=T.shape,
         )
         spread = [_flat(array, shape, 2) for array in arrays]
-        held = StateLoop.balanced(
+        form = StateLoop.balanced(
             spread[0],
             spread[1][:, :, 0],
             spread[2][:, 0],
             np.zeros(len(spread[0])),
-            _flat(late, shape, 0),
+            _flat(T, shape, 0),
         )
         loop = cls.__new__(cls)
-        loop._hold(held, shape)
+        loop._set(form, shape)
         return loop
 
     @property
@@ -196,23 +198,24 @@ class Loop:
 
     @property
     def closed_loop_poles(self) -> ComplexArray:
-        """Poles of 1 + L = 0 [1/s] with the exact delay, falling, ``(..., n)``.
+        """Poles of 1 + L = 0 [1/s] with the exact delay, by falling real part, ``(..., n)``.
 
-        With a delay there are infinitely many: those furthest right, as far as all of them are
-        known, some 20 and more. NaN fills the rows of a batch.
+        With a delay there are infinitely many; these are the rightmost, 20 or more, without a gap.
+        NaN fills the rows of a batch.
         """
         rows = [self._rightmost(k) for k in range(self.form.delay.size)]
-        found = np.full((len(rows), max((one.size for one in rows), default=0)), np.nan, complex)
-        for row, one in zip(found, rows, strict=True):
-            row[: one.size] = one
-        return found.reshape((*self.batch, -1))
+        padded = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan, complex)
+        for target, row in zip(padded, rows, strict=True):
+            target[: row.size] = row
+        return padded.reshape((*self.batch, -1))
 
     def _rightmost(self, k: int) -> ComplexArray:
-        one = self.form.take(np.array([k]))
-        late = float(one.delay[0])
-        if late:
-            return rightmost_poles(*_matrices(one), late, lambda s: one.value(s[np.newaxis])[0])
-        poles = one.closed_poles()[0].astype(complex)
+        """Return the rightmost closed-loop poles [1/s] of the k-th loop of the flattened batch."""
+        form = self.form.take(np.array([k]))
+        delay = float(form.delay[0])
+        if delay:
+            return rightmost_poles(*_matrices(form), delay, lambda s: form.value(s[np.newaxis])[0])
+        poles = form.closed_poles()[0].astype(complex)
         return poles[np.argsort(-poles.real, kind="stable")]
 
     def response(self, omega: ArrayLike) -> ComplexArray:
@@ -228,58 +231,60 @@ class Loop:
         InputError
             For frequencies that are not finite, or beyond 1e15 rad/s.
         """
-        frequencies = within("omega", omega, -_FASTEST, _FASTEST, "rad/s")
-        found = self._values(frequencies.reshape(1, -1))
-        return found.reshape((*self.batch, *frequencies.shape))
+        frequencies = within("omega", omega, -_MAX_FREQUENCY, _MAX_FREQUENCY, "rad/s")
+        values = self._values(frequencies.reshape(1, -1))
+        return values.reshape((*self.batch, *frequencies.shape))
 
-    def findings(self, *, delays: bool = True) -> LoopAnalysis:
-        """Return verdict, crossings and peaks of the loops on one axis.
+    def analysis(self, *, delays: bool = True) -> LoopAnalysis:
+        """Return verdict, crossings and peaks of the flattened batch of loops.
 
         Parameters
         ----------
         delays : bool
-            Whether the delay margins of a sampled loop are computed, most of its work; they are NaN
-            if not. Those of a continuous loop always are.
+            Whether the delay margins of a sampled loop are computed, which is most of its work;
+            else they are NaN. Delay margins of a continuous loop are always computed.
         """
         flag("delays", delays)
         return analyse_loops(self.form)
 
-    def in_plane(self, s: AnyArray) -> AnyArray:
-        """Return the variable of `form` for s ``(k, m)`` [1/s]: s itself, unless it is sampled."""
+    def s_to_w(self, s: AnyArray) -> AnyArray:
+        """Return the variable w of `form` at s ``(k, m)`` [1/s]: s itself, unless sampled."""
         return s
 
-    def from_plane(self, w: AnyArray) -> AnyArray:
-        """Return the s ``(k, m)`` [1/s] of the variable of `form`."""
+    def w_to_s(self, w: AnyArray) -> AnyArray:
+        """Return s ``(k, m)`` [1/s] at the variable w of `form`: w itself, unless sampled."""
         return w
 
-    def highest(self) -> FloatArray:
-        """Return the highest frequency ``(k, 1)`` [rad/s]: of a sampled loop half its rate."""
+    def max_frequency(self) -> FloatArray:
+        """Return the highest frequency [rad/s], ``(k, 1)``: infinite, half the rate if sampled."""
         return np.full((self.form.delay.size, 1), np.inf)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return where frequencies ``(k, m)`` [rad/s] appear when sampled; NaN: where they are."""
+        """Return the alias [rad/s] of frequencies ``(k, m)`` above half the rate, else NaN."""
         return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
         """Return the loops at the positions `index` of the flattened batch."""
-        held = self.form.take(np.atleast_1d(index))
+        form = self.form.take(np.atleast_1d(index))
         loop = type(self).__new__(type(self))
-        loop._hold(held, np.shape(index))
+        loop._set(form, np.shape(index))
         return loop
 
     def _values(self, omega: FloatArray) -> ComplexArray:
-        """The values ``(k, m)`` at frequencies of `form`; infinite at a pole."""
+        """Return L ``(k, m)`` at frequencies in the variable of `form`; infinite at a pole."""
         above, below = self.form.parts(omega)
         pole = (below == 0.0) & (above != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.where(pole, np.inf, above / below))
 
-    def _hold(self, form: AnyLoop, batch: tuple[int, ...]) -> None:
+    def _set(self, form: AnyLoop, batch: tuple[int, ...]) -> None:
+        """Set the fields of the frozen record."""
         object.__setattr__(self, "form", form)
         object.__setattr__(self, "batch", batch)
 
     @property
     def _polynomials(self) -> Rational:
+        """Polynomial form of the loop; `InputError` for matrices."""
         if isinstance(self.form, Rational):
             return self.form
         raise InputError(
@@ -288,13 +293,16 @@ class Loop:
 
 
 def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
-    """The array spread over the batch, and the batch on one axis."""
-    own = array.shape[array.ndim - axes :]
-    return np.broadcast_to(array, (*batch, *own)).reshape((-1, *own))
+    """Return the array broadcast over the batch, with the batch flattened to the first axis.
+
+    `axes`: number of trailing axes that are not of the batch.
+    """
+    inner = array.shape[array.ndim - axes :]
+    return np.broadcast_to(array, (*batch, *inner)).reshape((-1, *inner))
 
 
 def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """A, B and C of the first of some loops; of polynomials as their companion."""
+    """Return A, B and C of the first loop; of polynomials the companion form."""
     if isinstance(form, StateLoop):
         k = form.case[0]
         return form.A[k], form.B[k], form.C[k]
@@ -304,54 +312,67 @@ def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
     return A, np.eye(len(A))[0], above[1:] / below[0]
 
 
-_STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
-"""Newton's steps to a delay, how long over the frequency, and how near is there."""
-_PER_SAMPLE, _LOOKS, _ROUNDS = 48.0, (8, 192), 14
-"""Delays in a sample with which a loop is looked at, how few and how many they may be in all, and
-how often it is looked again where it begins to grow: to 8^-13 of their distance."""
-_BEYOND = 1.0 + 1e-6
-"""So far beyond a delay that is an edge a loop grows."""
+_MAX_NEWTON_STEPS = 30
+"""Largest number of Newton steps to a delay margin."""
+_MAX_STEP_OVER_FREQUENCY = 0.05
+"""Largest Newton step of a frequency, relative."""
+_DELAY_TOLERANCE = 1e-11
+"""Tolerance of the Newton iteration, relative to the frequency and in phase [rad], and of the
+modulus of a pole z that counts as outside the unit circle."""
+_DELAYS_PER_PERIOD = 48.0
+"""Number of trial delays in a sample period in the search for the first instability."""
+_TRIAL_DELAYS = (8, 192)
+"""Smallest and largest number of trial delays in a round of that search."""
+_ROUNDS = 14
+"""Number of rounds of that search: its resolution is 8^-13 of the first spacing."""
+_BEYOND_MARGIN = 1.0 + 1e-6
+"""Factor on a delay margin at which the loop is tested for instability."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class SampledLoop(Loop):
-    """The loop of a sampled autopilot, from the command to minus what the law returns.
+    """Loop of a sampled autopilot, from the command to minus the returned command.
 
     Made by `Autopilot.exact_loop`. Frequencies are those of the s plane, from zero to half the
     sample rate; `form` is in the variable w, z = (1 + w h/2)/(1 - w h/2).
 
-    `period`, `late`: h, and the delay [s], ``(...)``. `later`: takes delays below h [s] ``(k,)``
-    and the positions ``(k,)`` of loops in the flattened batch, and gives these loops with those
-    delays. `closed_later`: takes any delays and positions, and gives the closed-loop poles z.
+    `period`: h [s], ``(...)``. `loop_delay`: delay [s], ``(...)``. `delayed_form`: function of
+    delays below h [s] ``(k,)`` and indices ``(k,)`` in the flattened batch; it returns these loops
+    with those delays. `delayed_closed_poles`: function of any delays and indices; it returns the
+    closed-loop poles z.
     """
 
     period: FloatArray
-    late: FloatArray
-    later: Callable[[FloatArray, IndexArray], StateLoop]
-    closed_later: Callable[[FloatArray, IndexArray], AnyArray]
+    loop_delay: FloatArray
+    delayed_form: Callable[[FloatArray, IndexArray], StateLoop]
+    delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray]
 
     def __init__(
         self,
         form: StateLoop,
         batch: tuple[int, ...],
         period: FloatArray,
-        late: FloatArray,
-        later: Callable[[FloatArray, IndexArray], StateLoop],
-        closed_later: Callable[[FloatArray, IndexArray], AnyArray],
+        loop_delay: FloatArray,
+        delayed_form: Callable[[FloatArray, IndexArray], StateLoop],
+        delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray],
     ) -> None:
-        self._hold(form, batch)
-        own = {"period": period, "late": late, "later": later, "closed_later": closed_later}
-        for name, value in own.items():
-            object.__setattr__(self, name, value)
+        self._set(form, batch)
+        object.__setattr__(self, "period", period)
+        object.__setattr__(self, "loop_delay", loop_delay)
+        object.__setattr__(self, "delayed_form", delayed_form)
+        object.__setattr__(self, "delayed_closed_poles", delayed_closed_poles)
 
     def response(self, omega: ArrayLike) -> AnyArray:
-        """Return L(e^(j omega h)) below half the sample rate [rad/s], as of `Loop`."""
+        """Return L(e^(j omega h)) at frequencies below half the sample rate [rad/s].
+
+        Parameters and exceptions are those of `Loop.response`.
+        """
         highest = float(np.pi / np.max(self.period))
         frequencies = within("omega", omega, -highest, highest, "rad/s")
         half = 0.5 * self.period.reshape(-1, 1)
         with np.errstate(over="ignore"):
-            found = self._values(np.tan(frequencies.reshape(1, -1) * half) / half)
-        return found.reshape((*self.batch, *frequencies.shape))
+            values = self._values(np.tan(frequencies.reshape(1, -1) * half) / half)
+        return values.reshape((*self.batch, *frequencies.shape))
 
     @property
     def poles(self) -> AnyArray:
@@ -363,110 +384,121 @@ class SampledLoop(Loop):
         """Poles z of the closed loop, ``(..., n)``; inside the unit circle it is stable."""
         return self._z(self.form.closed_poles()).reshape((*self.batch, -1))
 
-    def findings(self, *, delays: bool = True) -> LoopAnalysis:
-        """Return verdict, crossings and peaks at frequencies of the s plane, as of `Loop`."""
-        found = super().findings(delays=delays)
+    def analysis(self, *, delays: bool = True) -> LoopAnalysis:
+        """Return verdict, crossings and peaks at frequencies of the s plane.
+
+        Parameters are those of `Loop.analysis`.
+        """
+        w_plane = super().analysis(delays=delays)
         half = 0.5 * self.period.reshape(-1)
 
-        def turned(nu: FloatArray) -> FloatArray:
+        def frequency(nu: FloatArray) -> FloatArray:
             rows = half.reshape(-1, *(1,) * (nu.ndim - 1))
             return np.arctan(nu * rows) / rows
 
-        peaks = found.peaks.copy()
-        peaks[..., 1] = turned(peaks[..., 1])
-        omega = turned(found.gain_frequencies)
+        peaks = w_plane.peaks.copy()
+        peaks[..., 1] = frequency(peaks[..., 1])
+        omega = frequency(w_plane.gain_frequencies)
         return replace(
-            found,
+            w_plane,
             gain_frequencies=omega,
-            delays=self._delays(omega, found.phases, found.stable)
+            delays=self._delay_margins(omega, w_plane.phases, w_plane.stable)
             if delays
             else np.full_like(omega, np.nan),
-            phase_frequencies=turned(found.phase_frequencies),
+            phase_frequencies=frequency(w_plane.phase_frequencies),
             peaks=peaks,
         )
 
-    def _delays(self, omega: FloatArray, phases: FloatArray, stable: BoolArray) -> FloatArray:
-        """How much later L may be until it is -1 [s], ``(k, n)``, the least exactly.
+    def _delay_margins(
+        self, omega: FloatArray, phases: FloatArray, stable: BoolArray
+    ) -> FloatArray:
+        """Return the further delays [s] with which L = -1, ``(k, n)``; the smallest is exact.
 
-        A delay that is no whole number of samples changes |L| as well. By Newton's steps on
-        ln L(omega, T) = ln(-1), a whole sample being a factor of 1/z.
+        A delay other than a whole number of samples changes |L| as well. Newton's iteration solves
+        ln L(omega, T) = ln(-1) for frequency and delay; a whole sample is a factor of 1/z.
         """
-        found = phases % (2.0 * np.pi) / omega
-        if not found.shape[1]:
-            return found
-        case, place = np.nonzero(stable[:, np.newaxis] & np.isfinite(found))
-        h, late = self.period.ravel()[case], self.late.ravel()[case]
-        w, more = omega[case, place], found[case, place]
-        arrived = np.zeros(case.size, dtype=bool)
-        for _ in range(_STEPS if case.size else 0):
-            whole, rest = delay_parts(late + more, h)
+        margins = phases % (2.0 * np.pi) / omega
+        if not margins.shape[1]:
+            return margins
+        case, column = np.nonzero(stable[:, np.newaxis] & np.isfinite(margins))
+        h, delay = self.period.ravel()[case], self.loop_delay.ravel()[case]
+        w, margin = omega[case, column], margins[case, column]
+        converged = np.zeros(case.size, dtype=bool)
+        for _ in range(_MAX_NEWTON_STEPS if case.size else 0):
+            samples, rest = delay_parts(delay + margin, h)
             nu = np.tan(0.5 * w * h) / (0.5 * h)
-            form = self.later(rest, case)
-            L, slope = (of(1j * nu[:, np.newaxis])[:, 0] for of in (form.value, form.slope))
+            form, s = self.delayed_form(rest, case), 1j * nu[:, np.newaxis]
+            L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]
             rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
-            step = np.clip(-np.log(np.abs(L)) / rate.real, -_LONGEST * w, _LONGEST * w)
+            step = np.clip(
+                -np.log(np.abs(L)) / rate.real,
+                -_MAX_STEP_OVER_FREQUENCY * w,
+                _MAX_STEP_OVER_FREQUENCY * w,
+            )
             w = np.minimum(w + step, np.pi / h)
-            ahead = np.angle(-L) + rate.imag * step - whole * h * w
-            ahead -= 2.0 * np.pi * np.round(ahead / (2.0 * np.pi))
-            more = np.maximum(more + ahead / w, 0.0)
-            arrived = (np.abs(step) < _NEAR * w) & (np.abs(ahead) < _NEAR)
-            if np.all(arrived):
+            phase = np.angle(-L) + rate.imag * step - samples * h * w
+            phase -= 2.0 * np.pi * np.round(phase / (2.0 * np.pi))
+            margin = np.maximum(margin + phase / w, 0.0)
+            converged = (np.abs(step) < _DELAY_TOLERANCE * w) & (np.abs(phase) < _DELAY_TOLERANCE)
+            if np.all(converged):
                 break
-        found[case[arrived], place[arrived]] = more[arrived]
-        for k in np.flatnonzero(stable & np.any(np.isfinite(found), axis=1)):
-            edges = np.sort(found[k, np.isfinite(found[k])])
-            grows = self._grows(int(k), _BEYOND * edges)
-            edge = edges[np.argmax(grows)]  # what is none is left out, if another is one
-            least = self._grows_within(int(k), float(edge))
-            first = int(np.nanargmin(found[k]))
-            found[k] = np.maximum(found[k], least)
-            found[k, first] = least
-        return found
+        margins[case[converged], column[converged]] = margin[converged]
+        for k in np.flatnonzero(stable & np.any(np.isfinite(margins), axis=1)):
+            candidates = np.sort(margins[k, np.isfinite(margins[k])])
+            unstable = self._is_unstable(int(k), _BEYOND_MARGIN * candidates)
+            smallest = self._first_unstable_delay(int(k), float(candidates[np.argmax(unstable)]))
+            first = int(np.nanargmin(margins[k]))
+            margins[k] = np.maximum(margins[k], smallest)
+            margins[k, first] = smallest
+        return margins
 
-    def _grows(self, case: int, more: FloatArray) -> BoolArray:
-        """Whether a loop grows with so much more delay [s], ``(m,)``."""
-        late = self.late.ravel()[case]
-        z = self.closed_later(late + more, np.full(more.size, case))
-        return np.asarray(np.any(np.abs(z) > 1.0 + _NEAR, axis=-1))
+    def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
+        """Return whether a loop is unstable with further delays [s], ``(m,)``."""
+        loop_delay = self.loop_delay.ravel()[case]
+        z = self.delayed_closed_poles(loop_delay + delays, np.full(delays.size, case))
+        return np.asarray(np.any(np.abs(z) > 1.0 + _DELAY_TOLERANCE, axis=-1))
 
-    def _grows_within(self, case: int, most: float) -> float:
-        """The delay [s] below `most` with which a loop begins to grow; `most` where it does not.
+    def _first_unstable_delay(self, case: int, maximum: float) -> float:
+        """Return the smallest further delay [s] that makes a loop unstable, at most `maximum`.
 
-        Beside half the sample rate |L| changes with the part of a sample that a delay ends with,
-        and may be one where now it is not.
+        Near half the sample rate |L| depends on the delay's fraction of a sample, so that it may
+        reach one at a frequency at which the present |L| is smaller.
         """
-        count = int(np.clip(np.ceil(_PER_SAMPLE * most / self.period.ravel()[case]), *_LOOKS))
-        low, high = 0.0, most
+        trials = np.ceil(_DELAYS_PER_PERIOD * maximum / self.period.ravel()[case])
+        count = int(np.clip(trials, *_TRIAL_DELAYS))
+        low, high = 0.0, maximum
         for _ in range(_ROUNDS):
-            looks = low + (high - low) * np.append(np.arange(1, count) / count, 2.0 - _BEYOND)
-            grows = self._grows(case, looks)
-            if high == most and not np.any(grows):
-                return most
-            first = int(np.argmax(grows)) if np.any(grows) else looks.size
-            ends = np.concatenate([[low], looks, [high]])
-            low, high, count = float(ends[first]), float(ends[first + 1]), _LOOKS[0]
+            fractions = np.append(np.arange(1, count) / count, 2.0 - _BEYOND_MARGIN)
+            delays = low + (high - low) * fractions
+            unstable = self._is_unstable(case, delays)
+            if high == maximum and not np.any(unstable):
+                return maximum
+            first = int(np.argmax(unstable)) if np.any(unstable) else delays.size
+            bounds = np.concatenate([[low], delays, [high]])
+            low, high, count = float(bounds[first]), float(bounds[first + 1]), _TRIAL_DELAYS[0]
         return high
 
-    def in_plane(self, s: AnyArray) -> AnyArray:
+    def s_to_w(self, s: AnyArray) -> AnyArray:
         """Return w = (2/h) tanh(s h/2) of s ``(k, m)`` [1/s]."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.tanh(s * half) / half
 
-    def from_plane(self, w: AnyArray) -> AnyArray:
-        """Return the s ``(k, m)`` [1/s] of w, of all that have it the nearest to zero."""
+    def w_to_s(self, w: AnyArray) -> AnyArray:
+        """Return s = (2/h) artanh(w h/2) ``(k, m)`` [1/s], on the branch nearest to zero."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.arctanh(np.asarray(w, complex) * half) / half
 
-    def highest(self) -> FloatArray:
+    def max_frequency(self) -> FloatArray:
         """Return half the sample rate [rad/s], ``(k, 1)``."""
         return np.pi / self.period.reshape(-1, 1)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return where frequencies ``(k, m)`` [rad/s] above half the rate appear, else NaN."""
-        whole = 2.0 * np.pi / self.period.reshape(-1, 1)
-        folded = np.abs(omega - whole * np.round(omega / whole))
-        return np.where(omega > 0.5 * whole, folded, np.nan)
+        """Return the alias [rad/s] of frequencies ``(k, m)`` above half the rate, else NaN."""
+        rate = 2.0 * np.pi / self.period.reshape(-1, 1)
+        folded = np.abs(omega - rate * np.round(omega / rate))
+        return np.where(omega > 0.5 * rate, folded, np.nan)
 
     def _z(self, w: AnyArray) -> AnyArray:
+        """Return z = (1 + w h/2)/(1 - w h/2) ``(k, m)``."""
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)

@@ -37,11 +37,11 @@ MARGINS = {
         "peak_complementary_sensitivity_frequency",
     ),
 }
-"""Of what criteria are asked: a label, the unit that is shown, and where the frequency stands."""
+"""Margins that criteria may limit: label, unit of tables, and the attribute of its frequency."""
 
 
 class MarginRow(NamedTuple):
-    """A margin as tables show it: its name in `Margins`, and at what frequency [rad/s] it is."""
+    """Row of a margin table: name in `Margins`, label, value, its unit, and frequency [rad/s]."""
 
     name: str
     label: str
@@ -51,38 +51,38 @@ class MarginRow(NamedTuple):
 
 
 DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
-"""Behind the point of margins, by unit."""
+"""Number of decimals of a margin, by unit."""
 
 
 def margin(name: str, value: Any, unit: str) -> Line:
-    """Return a margin with the digits of its unit."""
+    """Return a margin as text, with the decimals of its unit."""
     return number(name, value, DIGITS[unit], unit)
 
 
-def factor_to(unit: str) -> float:
-    """Return what a margin is multiplied with to be shown in a unit."""
+def unit_factor(unit: str) -> float:
+    """Return the factor from a margin in SI units to a unit of tables."""
     return 1000.0 if unit == "ms" else 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """Every crossing, sorted by kind; frequencies rise along the last axis, NaN fills the rest.
+    """All gain and phase crossovers; frequencies rise along the last axis, padded with NaN.
 
-    With a delay there are phase crossovers without end; they are listed up to where the loop gain
-    stays below 1/100 and at least one turn of the delay's phase further.
+    With a delay there are infinitely many phase crossovers; the list ends where the loop gain stays
+    below 1/100, at least one turn of the delay's phase later.
 
     Attributes
     ----------
     gain_frequencies : ndarray
         Gain crossovers, ``|L| = 1`` [rad/s], ``(..., k)``.
     phase_margins : ndarray
-        The phase [rad] by which L may lag more there (positive) or lead more (negative) before
-        it is -1, ``(..., k)``.
+        Phase [rad] by which L may lag more (positive) or lead more (negative) until L = -1,
+        ``(..., k)``.
     phase_frequencies : ndarray
         Phase crossovers, L real and negative [rad/s], ``(..., m)``.
     gain_factors : ndarray
-        The factor on the loop gain with which L is -1 there, ``(..., m)``: above one an increase,
-        below one a reduction (the aerodynamic side).
+        Factor on the loop gain with which L = -1, ``(..., m)``: above one an increase, below one a
+        reduction (the aerodynamic margin).
     """
 
     gain_frequencies: FloatArray
@@ -116,10 +116,10 @@ class InDecibels:
 
 @dataclass(frozen=True, eq=False)
 class Margins(Shown, InDecibels):
-    """How far a loop is from instability; every number has the shape ``(...)`` of the batch.
+    """Stability margins of a loop; every number has the shape ``(...)`` of the batch.
 
-    For a loop whose closed loop is not stable every margin is NaN: it has none. A margin that
-    does not exist is infinite, and so is its frequency NaN; `notes` says why.
+    Every margin of an unstable closed loop is NaN. A margin without a crossing is infinite, with
+    the frequency NaN; `notes` says why.
 
     Attributes
     ----------
@@ -128,13 +128,13 @@ class Margins(Shown, InDecibels):
     unstable_poles : int or ndarray of int
         Number of closed-loop poles in the right half plane, with the exact delay.
     aero_margin : float or ndarray
-        The factor by which the loop gain may be divided; an unstable vehicle falls over below.
+        Factor by which the loop gain may be divided; below, an unstable vehicle tumbles.
     gain_increase : float or ndarray
-        The factor by which the loop gain may be multiplied.
+        Factor by which the loop gain may be multiplied.
     phase_margin : float or ndarray
-        The least phase [rad], lag or lead, that makes L = -1 at a gain crossover.
+        Smallest phase [rad], lag or lead, that makes L = -1 at a gain crossover.
     delay_margin : float or ndarray
-        The further delay [s] that the loop bears.
+        Smallest further delay [s] that makes the loop unstable.
     disk_margin : float or ndarray
         alpha = ``1/max |(S - T)/2|``: gain and phase may change together by any factor in the disk
         with the real axis cuts (2 - alpha)/(2 + alpha) and (2 + alpha)/(2 - alpha).
@@ -143,9 +143,9 @@ class Margins(Shown, InDecibels):
     aero_frequency, gain_increase_frequency, crossover_frequency, delay_margin_frequency, \
 disk_frequency, peak_sensitivity_frequency, peak_complementary_sensitivity_frequency : \
 float or ndarray
-        Where each of them is found [rad/s]; `crossover_frequency` belongs to `phase_margin`.
+        Frequency of each [rad/s]; `crossover_frequency` belongs to `phase_margin`.
     crossings : Crossings
-        All crossings, also those that do not decide.
+        All crossings, also those that do not limit a margin.
     """
 
     status: Any
@@ -169,9 +169,9 @@ float or ndarray
     _keys = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin_s disk_margin"
 
     def rows(self) -> list[MarginRow]:
-        """Return the margins that criteria are asked of, as tables show them."""
+        """Return a table row for each margin that criteria may limit."""
         return [
-            MarginRow(name, label, factor_to(unit) * getattr(self, name), unit, getattr(self, at))
+            MarginRow(name, label, unit_factor(unit) * getattr(self, name), unit, getattr(self, at))
             for name, (label, unit, at) in MARGINS.items()
         ]
 
@@ -197,19 +197,19 @@ float or ndarray
 
     @property
     def disk_margin_dB(self) -> Any:
-        """The gain in dB, up or down, that the disk allows whatever the phase within it."""
+        """Gain change in dB, up or down, within the disk."""
         alpha = np.asarray(self.disk_margin)
         with np.errstate(divide="ignore"):
             return decibels((2.0 + alpha) / np.maximum(2.0 - alpha, 0.0))
 
     @property
     def disk_phase_deg(self) -> Any:
-        """The phase in degrees, lag or lead, that the disk allows: 2 arctan(alpha/2)."""
+        """Phase change in degrees, lag or lead, within the disk: 2 arctan(alpha/2)."""
         return plain(np.degrees(2.0 * np.arctan(self.disk_margin / 2.0)))
 
     @property
     def reason(self) -> str:
-        """Why there are no margins, in one sentence; empty for a stable loop. One loop only."""
+        """Reason for the absence of margins; empty for a stable loop. One loop only."""
         if not isinstance(self.status, str):
             raise InputError(
                 "reason and notes are of one loop; these are margins of a batch of shape"
@@ -228,42 +228,42 @@ float or ndarray
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be known about margins that do not exist. One loop only."""
+        """Notes on margins that do not exist. One loop only."""
         if self.reason:
             return (self.reason,)
-        found = []
+        notes = []
         if np.isinf(self.aero_margin):
-            found.append("aero margin inf: the loop stays stable however far its gain falls")
+            notes.append("aero margin inf: the loop stays stable however far its gain falls")
         if np.isinf(self.gain_increase):
-            found.append(
+            notes.append(
                 "gain-increase margin inf: the loop stays stable however far its gain rises, which"
                 " no loop with an actuator and a delay does"
             )
         if np.isinf(self.phase_margin):
-            found.append("phase and delay margin inf: the loop gain is one at no frequency")
-        return tuple(found)
+            notes.append("phase and delay margin inf: the loop gain is one at no frequency")
+        return tuple(notes)
 
 
 def loop_margins(loop: Loop) -> Margins:
-    """Return the margins of one loop or of thousands; the closed-loop poles come first.
+    """Return the stability margins of one loop or a batch of loops.
 
     Parameters
     ----------
     loop : Loop
-        One or a batch, of shape ``(...)``.
+        One loop or a batch, of shape ``(...)``.
 
     Returns
     -------
     Margins
-        Each with its status: an unstable loop in a batch does not touch the others.
+        Status and margins of each loop; an unstable loop in a batch does not affect the others.
 
     Notes
     -----
-    Stability is decided by the closed-loop poles without the delay and, with one, by counting what
-    crosses the imaginary axis as it grows: exactly, not by an approximation of the delay. Gain
+    Stability follows from the closed-loop poles without delay and from the poles that cross the
+    imaginary axis as the delay grows: exactly, without an approximation of the delay. Gain
     crossovers are roots of ``|N|^2 - |D|^2``, or eigenvalues of a Hamiltonian matrix. Phase
-    crossovers and peaks are bracketed between frequencies laid around all poles and zeros, and
-    refined to rounding.
+    crossovers and peaks are bracketed on a grid around all poles and zeros, and refined to
+    rounding.
 
     Examples
     --------
@@ -274,32 +274,38 @@ def loop_margins(loop: Loop) -> Margins:
     (62.4, 20.7, inf)
     """
     instance("loop", loop, Loop, "see Loop.from_system")
-    return margins_of(loop.findings(), loop.batch)
+    return margins_of(loop.analysis(), loop.batch)
 
 
-def margins_of(found: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
-    """Return the margins in what was found of loops on one axis, in the shape of their batch."""
-    good = found.stable
-    status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
-    status = np.where(found.unstable_poles > 0, UNSTABLE, status)
-    tops = found.peaks.transpose(1, 2, 0)[[2, 0, 1]]
-    tops[0, 0] = 1.0 / tops[0, 0]
-    pairs = np.concatenate([classical_margins(found), tops])
-    pairs[..., ~good] = np.nan
-    numbers = (status, found.unstable_poles, *pairs.reshape(2 * len(pairs), good.size))
-    lists = (found.gain_frequencies, found.phases, found.phase_frequencies, found.factors)
+def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
+    """Return the margins from the analysis of a flattened batch, in the shape of the batch."""
+    stable = analysis.stable
+    status = np.where(analysis.marginal, MARGINAL, np.where(stable, OK, UNSTABLE))
+    status = np.where(analysis.unstable_poles > 0, UNSTABLE, status)
+    peaks = analysis.peaks.transpose(1, 2, 0)[[2, 0, 1]]
+    peaks[0, 0] = 1.0 / peaks[0, 0]
+    pairs = np.concatenate([classical_margins(analysis), peaks])
+    pairs[..., ~stable] = np.nan
+    numbers = (status, analysis.unstable_poles, *pairs.reshape(2 * len(pairs), stable.size))
+    lists = (
+        analysis.gain_frequencies,
+        analysis.phases,
+        analysis.phase_frequencies,
+        analysis.factors,
+    )
     crossings = Crossings(*(_trimmed(rows, batch) for rows in lists))
     names = [field.name for field in fields(Margins)][:-1]
-    shaped = {name: in_shape(one, batch) for name, one in zip(names, numbers, strict=True)}
+    shaped = {name: in_batch_shape(v, batch) for name, v in zip(names, numbers, strict=True)}
     return Margins(**shaped, crossings=crossings)
 
 
-def in_shape(values: Any, batch: tuple[int, ...]) -> Any:
-    """Return a number of each loop on one axis in the shape of their batch; of one a plain one."""
+def in_batch_shape(values: Any, batch: tuple[int, ...]) -> Any:
+    """Return numbers ``(k,)`` of flattened loops in the shape of the batch; of one a scalar."""
     array = np.asarray(values).reshape(batch)
     return array if array.ndim else array.item()
 
 
 def _trimmed(rows: FloatArray, batch: tuple[int, ...]) -> FloatArray:
+    """Return rows ``(k, n)`` without columns of NaN alone, ``batch + (m,)``."""
     width = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
     return rows[:, :width].reshape((*batch, width))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
-from tvclin.control.autopilot.actuator import actuated
+from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.flights.closed_loop.batch import Batch, places_in
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.law_batch import LawBatch
@@ -91,7 +91,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     pace = np.minimum(_spread(quickness(hardware.actuator), own), _AT_ONCE)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(hardware.actuator), own), lengths)
     short = lengths[:, 1:] / substeps
-    moving = actuated(batch.plant, hardware.actuator).some(every, own)
+    moving = plant_with_actuator(batch.plant, hardware.actuator).some(every, own)
     n = len(plant.states)
     joint = joint_steps(moving, n, lengths[:, 1:], terms)
     return Steps(

@@ -11,14 +11,20 @@ from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, integral_of_attitude, law_blocks
+from tvclin.control.autopilot.wiring import (
+    LAW_INPUTS,
+    LAW_OUTPUT,
+    RETURNED,
+    attitude_integral,
+    law_blocks,
+)
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
 from tvclin.linear.system import LinearSystem, connect
 from tvclin.numerics.state_space import beside
 
-SENSED = ("sensed_attitude", "sensed_attitude_rate", *SEEN[2:])
+SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
 """What the sensors give, as of `Measurement`."""
 
 
@@ -58,7 +64,7 @@ class LawBatch:
     def memory(self, lengths: FloatArray) -> Memory:
         """Return what steps [s] ``(m,)`` make of the states of the laws and their filters."""
         integral = any(one is not None and one.first_state for one in self.numbers)
-        systems = [law.memory for law in self.laws] or [integral_of_attitude(integral)]
+        systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
         size = max(
             len(own.states) + sum(one.order for chain in chains for one in chain)
@@ -144,7 +150,7 @@ def _with_filters(own: LinearSystem, chains: Chains, lengths: FloatArray, size: 
     Its own states first, then those of each chain.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), own, SENSED[:2], lengths)
-    law = connect(blocks, (*SENSED, ASKED), (*SEEN, RETURNED))
+    law = connect(blocks, (*SENSED, LAW_OUTPUT), (*LAW_INPUTS, RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]
     rows = np.zeros((lengths.size, size + MEASURED + 1, wide))

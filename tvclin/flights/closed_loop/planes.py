@@ -174,7 +174,7 @@ def fly_planes(
     flat = np.atleast_1d(limit).ravel()
     pair = [
         ready(one, law, wind, part, flat * side, hardware)
-        for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
+        for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.plane_limits, strict=True)
     ]
     return _answer(flown_in_step(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
 

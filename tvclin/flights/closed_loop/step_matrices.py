@@ -42,7 +42,7 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
 
 
 def joint_steps(moving: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """Return J of `Flights`, of a vehicle and its nozzle, which `actuated` has put together.
+    """Return J of `Flights` for a vehicle with its nozzle, see `plant_with_actuator`.
 
     The wind goes on as the polynomial that it is now.
     """

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
-from tvclin.control.autopilot.actuator import INPUTS, Actuator, actuated
+from tvclin.control.autopilot.actuator import INPUTS, Actuator, plant_with_actuator
 from tvclin.flights.closed_loop.batch import Batch
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.flights.closed_loop.sampled import flown
@@ -47,7 +47,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     `InputError` when its states have grown beyond all meaning.
     """
     plant, actuator, f = flight.plant, flight.hardware.actuator, flown(flight, track=True)
-    n, whole = len(plant.states), actuated(plant, actuator)
+    n, whole = len(plant.states), plant_with_actuator(plant, actuator)
     _check(f, n)
     at = _substeps(f, whole, n, times)
     rows = _rows(at, plant, actuator, flight.wind, times)

@@ -78,7 +78,7 @@ def _steering(
     law: LawInPlanes, limit: float, step: float
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
     """Return what asks the law at every step, and remembers what it remembers."""
-    learning = law.law.memory.to_steps(step)
+    learning = law.law.state_space.to_steps(step)
     memory, most = np.zeros(len(learning.states), complex), np.array([limit])
 
     def asked(planes: list[Measurement]) -> tuple[float, float]:

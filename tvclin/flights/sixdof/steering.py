@@ -12,7 +12,7 @@ from math import copysign
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.control.autopilot.actuator import turning
+from tvclin.control.autopilot.actuator import actuator_system
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.control import ONSET, Command
@@ -99,7 +99,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     asked, most = _command(command.control, limit, step, count), command.rate_limit
     free, pulled = np.zeros((1, 1)), np.ones(1)
     if command.actuator is not None:
-        moving = turning(command.actuator).to_steps(step)
+        moving = actuator_system(command.actuator).to_steps(step)
         free, pulled = moving.A, moving.B[:, 0]
     elif most == np.inf:
         return asked
@@ -122,7 +122,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     """Return what gives the command within the limit, and remembers what the law remembers."""
     demanded, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
-    learning = law.memory.to_steps(step)
+    learning = law.state_space.to_steps(step)
     level, seed = law.rate_noise
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0

@@ -15,7 +15,7 @@ from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.stops import STOPS
-from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, OWN_GAINS, AutopilotDesign
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.models import MODELS
 from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_of
@@ -52,7 +52,7 @@ def settled(plan: StudyPlan) -> StudyPlan:
     design = plan.design
     if plan.asked.design == LEAST_NOZZLE:
         found = autopilot_asked(plan, plan.history, plan.held_to)
-        own: Any = {name: float(getattr(found, name)) for name in OWN_GAINS}
+        own: Any = {name: float(getattr(found, name)) for name in GIVEN_GAINS}
         design = replace(loop_of(plan.asked), **own)
     return replace(plan, design=design)
 
@@ -198,7 +198,7 @@ def idle(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
         ),
         "gust_duration": not v["gust_peak"] and "there is no gust: its peak is 0",
         "rate_limit": v["law"] == REPORT and f"counts only in flights of a law, not with {REPORT}",
-        **dict.fromkeys(OWN_GAINS, v["design"] != OWN and ruled),
+        **dict.fromkeys(GIVEN_GAINS, v["design"] != OWN and ruled),
     }
     return {field: why for field, why in reasons.items() if why}
 
@@ -226,7 +226,7 @@ def _design(asked: AutopilotDesign, v: Values) -> AutopilotDesign:
     rule, chains = v["design"], asked.chains if v["filters"] else {}
     own: Any = {"design": rule}
     if rule == OWN:
-        own = {name: v[name] for name in OWN_GAINS}
+        own = {name: v[name] for name in GIVEN_GAINS}
     elif rule == _rule(asked):
         own |= {name: getattr(asked, name) for name in ("natural_frequency", "damping")}
     return AutopilotDesign(

@@ -12,7 +12,7 @@ from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study, vehicle_source
 from tvclin.base.errors import InputError, missing
-from tvclin.control.autopilot.design_rules import OWN_GAINS
+from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.show.explorer import controls as asked
 from tvclin.show.explorer.answer import Answer, answer
@@ -117,7 +117,7 @@ class Panel:
             return
         with suppress(InputError):
             found, self._ruled = choices.plan.autopilot, True
-            for field in OWN_GAINS:
+            for field in GIVEN_GAINS:
                 self.controls[field].value = float(getattr(found, field))
         self._ruled = False
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.base.files import exists, write_new
-from tvclin.control.autopilot.design_rules import PLACES
+from tvclin.control.autopilot.design_rules import CHAIN_OF_POSITION
 from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.controls import plateau_of
 from tvclin.vehicle.file import vehicle_table
@@ -115,9 +115,9 @@ def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
             "kind": "rational",
             "numerator": one.numerator.tolist(),
             "denominator": one.denominator.tolist(),
-            "on": place,
+            "on": position,
         }
-        for place, chain in PLACES.items()
+        for position, chain in CHAIN_OF_POSITION.items()
         for one in asked.chains[chain]
     ]
     named = [("[[autopilot.filter]]", one) for one in filters]

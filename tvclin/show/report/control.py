@@ -74,8 +74,8 @@ def _autopilot(found: Findings) -> list[Block]:
     c, f = found.comparison, found.flexible
     assert c is not None
     plant = c.plant
-    margins = c.margins if f is None else f.bands.whole
-    met = bool(found.criteria.are_met(found.margins or c.margins))
+    margins = c.margins if f is None else f.bands.margins
+    met = bool(found.criteria.are_satisfied(found.margins or c.margins))
     verdict = satisfaction(met)
     notes = [
         f" {note[0].upper()}{note[1:]}." for note in gain_notes(found.plan, found.criteria, met)

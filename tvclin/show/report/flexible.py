@@ -133,7 +133,7 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
     d = f.detuned
     if d is None:
         return []
-    return [d.table(), *(Paragraph(line) for line in d.said)]
+    return [d.table(), *(Paragraph(line) for line in d.stability_lines)]
 
 
 def _flown(f: FlexibleAnswer, plane: str) -> Table:
