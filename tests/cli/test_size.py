@@ -350,7 +350,7 @@ def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
         run(
             *("study", "--gust", "1.5", "2", "--gust-at", "3.75", "--model", "fixed-path"),
             *("--sign", "frozen", "--json"),
-        ).output
+        ).stdout
     )
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0).shift(2.75)
@@ -379,7 +379,7 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
     along = json.loads(run(*given, "--every", "20", "--varying", "--json").stdout)
     beside = json.loads(
-        run(*given, "--every", "20", "--varying", "--count", "K = 1", "--json").output
+        run(*given, "--every", "20", "--varying", "--count", "K = 1", "--json").stdout
     )
     wind = {name: one["total"]["lines"][1] for name, one in (("a", along), ("f", beside))}
 
@@ -462,7 +462,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
     document = json.loads(
         run(
             "size", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"
-        ).output
+        ).stdout
     )
     needed = np.array(document["required_deg"]["K = 1"])
     alone = {k: np.array(one["K = 1"]) for k, one in document["alone_deg"].items()}
