@@ -18,7 +18,7 @@ from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
 from tvclin.answers import worst_case
 from tvclin.answers.least_gains import least
-from tvclin.answers.sizing.total_record import Line
+from tvclin.answers.sizing.total import Line
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.doors import CHAPTERS
 from tvclin.flights.closed_loop import in_step

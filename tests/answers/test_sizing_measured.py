@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tvclin.answers.sizing.tables import each_wind, over_time
-from tvclin.answers.sizing.total_record import total_table
+from tvclin.answers.sizing.total import total_table
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.winds.soundings.levels import towards

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from tvclin.answers.findings import find
 from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.total_record import total_table
+from tvclin.answers.sizing.total import total_table
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app

@@ -6,7 +6,7 @@ import pytest
 import tvclin as tv
 from tests.small_launcher import rows, sounding, write
 from tvclin import InputError
-from tvclin.answers.sizing.total_record import DeflectionTotal, Line
+from tvclin.answers.sizing.total import DeflectionTotal, Line
 from tvclin.base.lines import text
 
 SCHEDULE = tv.load_schedule("configuration-i")

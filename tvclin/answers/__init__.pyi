@@ -42,9 +42,9 @@ from .sizing.ratio import ControllabilityRatio as ControllabilityRatio
 from .sizing.ratio import controllability_ratio as controllability_ratio
 from .sizing.record import Sizing as Sizing
 from .sizing.size import size as size
+from .sizing.total import DeflectionTotal as DeflectionTotal
 from .sizing.total import total_deflection as total_deflection
 from .sizing.total import worst_total as worst_total
-from .sizing.total_record import DeflectionTotal as DeflectionTotal
 from .study import Study as Study
 from .study_file.plan import StudyPlan as StudyPlan
 from .study_file.read import load_sizing as load_sizing

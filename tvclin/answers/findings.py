@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from tvclin.answers.nozzle_cards.record import FlightCard
     from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.sizing.total_record import DeflectionTotal
+    from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawsAsked, LawTrial
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront

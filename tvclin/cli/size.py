@@ -17,7 +17,7 @@ from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.notes import hundredths
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.total_record import DeflectionTotal, total_table
+from tvclin.answers.sizing.total import DeflectionTotal, total_table
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_sizing

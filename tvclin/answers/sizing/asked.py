@@ -19,8 +19,7 @@ from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ra
 from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.signed import base_of, by_direction
 from tvclin.answers.sizing.size import WORDS, size
-from tvclin.answers.sizing.total import worst_total
-from tvclin.answers.sizing.total_record import DeflectionTotal
+from tvclin.answers.sizing.total import DeflectionTotal, worst_total
 from tvclin.ascent.measured_wind import gust_at
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word

@@ -13,9 +13,17 @@ from numpy.typing import ArrayLike
 
 from tvclin.answers.quantity import TRIM
 from tvclin.answers.sizing.record import Sizing
-from tvclin.answers.sizing.total import SAME, flight_end, total_deflection
-from tvclin.answers.sizing.total_record import HEAD, SUMS, DeflectionTotal, at_time, rows_of
-from tvclin.answers.sizing.total_record import Line as Part
+from tvclin.answers.sizing.total import (
+    HEAD,
+    SAME,
+    SUMS,
+    DeflectionTotal,
+    at_time,
+    flight_end,
+    rows_of,
+    total_deflection,
+)
+from tvclin.answers.sizing.total import Line as Part
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed

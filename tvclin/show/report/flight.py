@@ -10,7 +10,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.total_record import total_table
+from tvclin.answers.sizing.total import total_table
 from tvclin.base.lines import Line, degrees, number
 from tvclin.plots import availability_chart, sizing_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
