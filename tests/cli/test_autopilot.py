@@ -156,12 +156,15 @@ def test_a_limit_is_judged():
     assert run(*gains, "0.7").exit_code == 0
 
 
-def test_a_limit_that_a_longer_wind_exceeds_is_not_called_enough_without_saying_so():
+def test_a_sufficient_limit_that_a_longer_wind_exceeds_is_said_to_be_exceeded():
     longer = json.loads(run("autopilot", "--json").stdout)["worst_duration"]
     assert longer["peak_deflection_deg"] > 0.95
     said = run("autopilot", "--limit-deg", "0.95").output
-    assert f"ENOUGH in this wind, but not in one of {longer['duration_s']:.3g} s" in said
-    assert "ENOUGH in this wind" not in run("autopilot", "--limit-deg", "1.1").output
+    assert "Limit 0.95 deg: NOT KNOWN, above the nominal requirement alone" in said
+    yaw = ("autopilot", "--plane", "yaw", "--limit-deg")
+    worst = f"{longer['peak_deflection_deg']:.3f} deg in one of {longer['duration_s']:.3g} s"
+    said = run(*yaw, "0.95").output
+    assert f"SUFFICIENT in this wind; without a limit it uses {worst}" in said
 
 
 def test_the_comparison_is_drawn(tmp_path):

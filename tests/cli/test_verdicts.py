@@ -24,6 +24,9 @@ OTHERS = re.compile(
 """Verdicts that a limit of 0.4 deg must not have, and words that are no verdicts."""
 
 
+NUMBERED = ("study", "respond", "fly", "nozzle", "loads", "optimum", "autopilot")
+
+
 def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
@@ -38,6 +41,11 @@ def run(*arguments: str) -> Result:
         (("nozzle", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
         (("loads", "configuration-i", *WIND, *LIMIT), 0, (SEE, "wind known: 0.199 deg", NOMINAL)),
         (("optimum", "configuration-i", *WIND), 0, (SEE, "lower bound, wind known", NOMINAL)),
+        (
+            ("autopilot", "configuration-i", *WIND, *LIMIT),
+            1,
+            (f".690 deg {NOMINAL}; without a limit it uses 0.895", SEE, "Limit 0.4 deg: NOT SUFF"),
+        ),
         (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
         (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
     ],
@@ -51,7 +59,7 @@ def test_no_command_calls_a_limit_sufficient_that_is_not(arguments, code, words)
     assert OTHERS.search(said) is None, said
 
 
-@pytest.mark.parametrize("command", ["study", "respond", "fly", "nozzle", "loads", "optimum"])
+@pytest.mark.parametrize("command", NUMBERED)
 def test_json_has_the_required_deflection_under_one_name(command) -> None:
     limit = () if command == "optimum" else LIMIT
     document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)

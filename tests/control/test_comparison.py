@@ -307,7 +307,7 @@ def test_a_wind_of_two_signs_has_no_boundary():
     assert found.minimum == tv.optimum_deflection(plant_of(), history).peak > 0
     labels = [column.label for column in curves_of(comparison_chart(found)).columns]
     mpl.pyplot.close("all")
-    assert "minimum, wind known" in labels
+    assert "lower bound, wind known" in labels
     assert not any("boundary" in label for label in labels)
 
 
@@ -480,7 +480,7 @@ def test_the_chart_draws_what_the_comparison_says(model, peak):
         expected["angles", name] = np.interp(t, even, np.degrees(seen[name]))
     expected["deflection", "autopilot"] = np.interp(t, even, np.degrees(seen["deflection"]))
     levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
-    for label, limit in (levels | {"minimum, wind known": c.minimum}).items():
+    for label, limit in (levels | {"lower bound, wind known": c.minimum}).items():
         expected["deflection", label] = np.full(t.size, -np.sign(peak) * np.degrees(limit))
     assert drawn.keys() == expected.keys()
     for key, row in expected.items():

@@ -119,6 +119,21 @@ class CaseRequirement:
         return abs(float(self.requirement.deflection))
 
     @property
+    def see_study(self) -> str:
+        """The required deflection in a clause, for answers beside the study."""
+        if np.isinf(self.required_deflection):
+            return "no limit is sufficient, see study"
+        band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
+        nominal = f" {NOMINAL}" if self.at_nominal_pressure else ""
+        required = f"{np.degrees(self.required_deflection):.3f} deg"
+        return f"required deflection {required}{band}{nominal}, see study"
+
+    @property
+    def of_both(self) -> float:
+        """Limit of both planes over the part that this plane has; one if it is judged alone."""
+        return self.planes.over(self.plane) if self.planes is not None and self.in_both else 1.0
+
+    @property
     def direction(self) -> str:
         """The direction of the wind that sets the required deflection, or `FROZEN`."""
         return max(self.encountered, key=self.encountered.__getitem__, default=FROZEN)
@@ -234,27 +249,8 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
         return replace(need, encountered_unknown=str(error))
 
 
-@dataclass(frozen=True)
-class StudyRequirement:
-    """The required deflection [rad] that `tvclin study` gives for a case, for other answers."""
-
-    required_deflection: float
-    dead_band: float
-    at_nominal_pressure: bool
-
-    @property
-    def words(self) -> str:
-        """The required deflection in a clause."""
-        if np.isinf(self.required_deflection):
-            return "no limit is sufficient, see study"
-        band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
-        nominal = f" {NOMINAL}" if self.at_nominal_pressure else ""
-        required = f"{np.degrees(self.required_deflection):.3f} deg"
-        return f"required deflection {required}{band}{nominal}, see study"
-
-
-def study_requirement(case: Case, dead_band: float = 1.0) -> StudyRequirement | None:
-    """Return the required deflection of a study of the case; None where a study has none.
+def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | None:
+    """Return the requirement of a study of the case, for other answers; None where it has none.
 
     That is in a wind that is not of one shape, and beyond linear aerodynamics.
     """
@@ -262,9 +258,7 @@ def study_requirement(case: Case, dead_band: float = 1.0) -> StudyRequirement | 
         need = case_requirement(case, dead_band)
     except InputError:
         return None
-    if np.isnan(required := need.required_deflection):
-        return None
-    return StudyRequirement(required, need.dead_band, need.at_nominal_pressure)
+    return None if np.isnan(need.required_deflection) else need
 
 
 def _unknown(required: RequiredDeflection) -> RequiredDeflection:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache, partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -20,9 +20,9 @@ from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.base.warned import warned
-from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 if TYPE_CHECKING:
+    from tvclin.answers.autopilot_requirement import AutopilotRequirement
     from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.dispersions import Dispersions
     from tvclin.answers.campaign.quick import DispersedStudy
@@ -113,6 +113,16 @@ class Findings:
         return None if self.comparison is None else self.comparison.margins
 
     @property
+    def autopilot_requirement(self) -> AutopilotRequirement | None:
+        """The autopilot requirement; None where it is not flown."""
+        from tvclin.answers.autopilot_requirement import AutopilotRequirement, counts_head
+
+        if self.stop is None:
+            return None
+        head = None if self.head is None else self.head.stop
+        return AutopilotRequirement(self.stop, head, counts_head(self.study), self.study.of_both)
+
+    @property
     def autopilot_survives(self) -> float:
         """How many times the wind the autopilot survives, flown with the limit as its stop.
 
@@ -129,10 +139,12 @@ class Findings:
         loop = self.flexible or self.comparison
         assert loop is not None
 
+        from tvclin.answers.autopilot_requirement import at_peak_pressure, autopilot_boundary
+
         def need(size: float) -> float:
             with suppress(InputError):
-                met = _met(self.plan, s, size)
-                flown = _flown_stop(met, s, met.plant, loop.autopilot)
+                denser = at_peak_pressure(self.plan, s, size)
+                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.of_both)
                 return size * abs(float(flown.deflection))
             return np.inf
 
@@ -287,47 +299,29 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
-    """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
+    """The autopilot requirement at nominal pressure; that of a flexible vehicle is known."""
+    from tvclin.answers.autopilot_requirement import autopilot_boundary
     from tvclin.answers.flexible import FlexibleAnswer
 
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
-    return _flown_stop(plan, study, loop.plant, loop.autopilot)
-
-
-def _flown_stop(
-    plan: StudyPlan, study: Study, plant: AnyPlant, autopilot: Autopilot
-) -> ClosedLoopBoundary:
-    from tvclin.answers.flexible import stop_boundary
-    from tvclin.control.laws.attitude import SaturatedLaw
-
-    law, part = SaturatedLaw.of(autopilot), (plan.nozzle.limit or 0.0) / study.of_both
-    return stop_boundary(plant, law, study.history, part, plan.hardware)
+    return autopilot_boundary(plan, loop.plant, loop.autopilot, study.of_both)
 
 
 def _in_a_head_wind(
     plan: StudyPlan, study: Study, loop: Flying | None, limit: float
 ) -> HeadWind | None:
-    """What is asked of a limit, in the air of a head wind where that counts."""
+    """The answers at the dynamic pressure of a head wind, where that sets the requirement."""
+    from tvclin.answers.autopilot_requirement import at_peak_pressure, head_wind_boundary
+
     if study.ratio_to_nominal <= 1.0:
         return None
-    met = _met(plan, study)
-    stop, rates = None, None
+    stop = head_wind_boundary(plan, loop.autopilot, study) if loop else None
+    rates = None
     with suppress(InputError):
-        stop = _flown_stop(met, study, met.plant, loop.autopilot) if loop else None
-    with suppress(InputError):
-        rates = _rates(met, study, limit) if plan.nozzle.rate_limit else None
+        denser = at_peak_pressure(plan, study)
+        rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
     return HeadWind(stop, rates)
-
-
-def _met(plan: StudyPlan, study: Study, size: float = 1.0) -> StudyPlan:
-    """A plan in the dynamic pressure at the peak of so many times its head wind."""
-    from tvclin.answers.encountered_requirement import largest_pressure  # late, with its engine
-    from tvclin.answers.varying_equations import at_pressure
-
-    whole = whole_vehicle(plan.vehicle, "a head wind")
-    ratio = largest_pressure(study.placed, whole.rigid, study.plane, study.direction, size)
-    return replace(plan, vehicle=at_pressure(whole, ratio))
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:

@@ -16,7 +16,6 @@ from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, unit_factor
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
-_HEAD = ", with the dynamic pressure at the peak of a head wind throughout"
 _FLIGHTS = ("flexible flight",)
 _CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
 """Questions that a flight answers, and a criterion; the answer to others is a verdict."""
@@ -207,7 +206,7 @@ def _rate(found: Findings) -> Question:
     yes = front.above_lower_bound
     if found.head is not None and found.head.rates is not None:
         calm = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
-        line, front = (*line, _HEAD, ", at the nominal one ", *calm), found.head.rates
+        line, front = (*line, _at_peak(found), *calm), found.head.rates
         yes = _also(yes, front.above_lower_bound)
     need = front.needed * found.study.of_both
     measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
@@ -304,29 +303,33 @@ def _autopilot(found: Findings, limit: float) -> Question:
         return Question(name, None, (beyond,))
     peak = without_stop(found)
     turns = degrees("asked.autopilot", peak, unit="deg")
-    free: Line = ("without a stop it would turn the nozzle by ", *turns)
+    free: Line = ("without a limit it would turn the nozzle by ", *turns)
     if found.study.in_both:
         free += (" in both planes",)
     whose = "this autopilot requires"
     rate, most = c.peak_deflection_rate, found.plan.nozzle.rate_limit or np.inf
     if rate > most:
         free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
-    if found.stop is None:  # it cannot be flown: sufficient is what the linear loop never exceeds
+    requirement = found.autopilot_requirement
+    if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
         known = True if covers(limit, peak) and rate <= most else None
         return Question(name, known, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
-    least = abs(float(found.stop.deflection)) * found.study.of_both
-    if np.isinf(least):
-        line: Line = ("flown with a stop it survives at no limit that was tried; ", *free)
-        return Question(name, False, line, least, whose)
-    yes: bool | None = bool(covers(limit, least))
-    line = ("flown with its stop; ", *free)
-    if found.head is not None and found.head.stop is not None:
-        calm, least = least, abs(float(found.head.stop.deflection)) * found.study.of_both
-        whose += ", by the bound for a head wind"
-        yes = _also(yes, bool(covers(limit, least)))
-        needs = degrees("asked.calm", calm, unit="deg")
-        line = ("flown with its stop", _HEAD, ", at the nominal one ", *needs, "; ", *free)
-    return Question(name, yes, line, least, whose)
+    yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
+    line: Line = ("flown with its stop; ", *free)
+    if np.isinf(nominal):
+        line = ("flown with a stop it survives at no limit that was tried; ", *free)
+    elif requirement.head is not None:
+        whose += f", by the bound for a {found.study.direction} wind"
+        needs = degrees("asked.calm", nominal, unit="deg")
+        line = ("flown with its stop", _at_peak(found), *needs, "; ", *free)
+    needed = nominal if np.isinf(nominal) else requirement.deflection
+    return Question(name, yes, line, needed, whose)
+
+
+def _at_peak(found: Findings) -> str:
+    """The dynamic pressure of an upper bound, before the number at the nominal one."""
+    wind = f"{found.study.direction} wind"
+    return f", with the dynamic pressure at the peak of a {wind} throughout, at the nominal one "
 
 
 def _also(nominal: bool | None, head: bool | None) -> bool | None:

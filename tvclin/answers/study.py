@@ -246,11 +246,6 @@ class Study(CaseRequirement, Shown):
         return self.wind_in_plane.placed_gust
 
     @property
-    def of_both(self) -> float:
-        """What both planes take of the stop over what this one takes; one if it is judged alone."""
-        return self.planes.over(self.plane) if self.planes is not None and self.in_both else 1.0
-
-    @property
     def peak_of(self) -> str:
         """Of what the peak is that the limit survives, where the wind has a direction or a gust."""
         gust = "" if self.wind_in_plane.gust is None else " with its gust"

@@ -8,6 +8,7 @@ import numpy as np
 from tvclin.answers.trials import LawTrial
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, Table, number
+from tvclin.base.quantities import WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.flights.closed_loop.edges import ABOVE, ALWAYS, NEVER, OK, PARTS, STEPS
@@ -62,7 +63,7 @@ def needed(found: Sequence[LawTrial], beside: Mapping[str, Bounds]) -> tuple[Tab
             yield (wind,), number(f"laws.{j}.ideal_deg", trim), known, over
 
     trims = {wind: one.trim_deg for wind, one in beside.items()}
-    beyond = ("wind", "trim in that wind [deg]", "minimum, wind known [deg]", "over trim")
+    beyond = ("wind", "trim in that wind [deg]", f"{WIND_KNOWN} [deg]", "over trim")
     return (
         Table("Deflection limit that each law needs [deg]", head, tuple(rows("_deg", trims))),
         Table("The same over trim in that wind", head, tuple(rows("", dict.fromkeys(trims, 1.0)))),

@@ -3,24 +3,28 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import Any
 
+from tvclin.answers.autopilot_requirement import AutopilotRequirement, autopilot_requirement
+from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.answers.gain_notes import gain_notes
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
+from tvclin.base.errors import InputError
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
+from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_nominal_pressure
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
 from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, At, Given, Rigid, Shown, Source
-from tvclin.cli.output import answer, print_tables, say, say_notes
+from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.comparison import (
@@ -51,7 +55,11 @@ def autopilot(
     motion: Given = MOTION,
     shown: Shown = GROUP,
 ) -> None:
-    """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
+    """Print what an autopilot requires in a wind, compared with trim and the boundaries.
+
+    The autopilot requirement is the smallest limit from which on every limit survives, flown with
+    samples, delay, actuator, filters, bending and rate limit. All else is at nominal dynamic
+    pressure, without a limit.
 
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle:
     gains, margins and peaks are of that, boundaries and minimum of the rigid one. --rigid leaves
@@ -59,8 +67,8 @@ def autopilot(
 
     --plot draws deflection and attitude of a stable loop; with --least, what a disk margin costs.
 
-    Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not, or that is not
-    known, at angles of more than 30 deg; 2: bad input.
+    Exit code 0: the criteria are MET, and the limit is SUFFICIENT or not given; 1: they are NOT
+    MET, as of an unstable loop, the limit is NOT SUFFICIENT, or that is NOT KNOWN; 2: bad input.
     """
     changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
@@ -69,7 +77,14 @@ def autopilot(
         wind = case.history
         loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
         compared = compare_with_trim(case.plant, loop_of, wind)
-        found = _Found(case, compared, _worst(compared, case.wind_in_plane), sought)
+        worst, need = _worst(compared, case.wind_in_plane), study_requirement(case)
+        flown, reason = None, "the loop is not stable"
+        if compared.margins.stable:
+            try:
+                flown = autopilot_requirement(case, case.plant, loop_of, need)
+            except InputError as error:
+                reason = str(error)
+        found = _Found(case, compared, worst, sought, need, flown, reason)
     if shown.plot is not None:
         with waiting("drawing"):
             found.draw(shown.plot)
@@ -85,6 +100,9 @@ class _Found:
     compared: TrimComparison
     worst: WorstDuration | None
     sought: LeastGains | None
+    need: CaseRequirement | None
+    flown: AutopilotRequirement | None
+    reason: str
 
     @property
     def limit(self) -> float | None:
@@ -105,11 +123,18 @@ class _Found:
         return (*angle, *self.compared.notes)
 
     @property
-    def within(self) -> bool | None:
-        """Whether the limit is enough in this wind; true without one, None if it is not known."""
-        if self.limit is None:
-            return True
-        return None if self.beyond else degrees(self.compared.peak_deflection) <= self.limit
+    def sufficient(self) -> bool | None:
+        """Whether the limit is sufficient in this wind; None without one, and if not known.
+
+        What is not flown with its limit is known to survive where it never reaches that.
+        """
+        limit, most = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
+        if limit is None or self.beyond:
+            return None
+        if self.flown is not None:
+            return self.flown.sufficient(limit)
+        within = self.compared.peak_deflection <= limit
+        return True if within and self.compared.peak_deflection_rate <= most else None
 
     @cached_property
     def criteria_met(self) -> bool:
@@ -125,7 +150,8 @@ class _Found:
     @property
     def met(self) -> bool:
         """Whether the loop is stable, and meets criteria and limit."""
-        return bool(self.compared.margins.stable and self.criteria_met and self.within)
+        sufficient = self.limit is None or self.sufficient
+        return bool(self.compared.margins.stable and self.criteria_met and sufficient)
 
     @property
     def loads(self) -> tuple[float, float]:
@@ -161,7 +187,11 @@ class _Found:
                 "met": self.criteria_met,
             },
             "limit_deg": self.limit,
-            "within_limit": None if self.limit is None else self.within,
+            "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
+            "autopilot_requirement_nominal_deg": self.flown
+            and degrees(self.flown.nominal_deflection),
+            "required_deflection_deg": self.need and degrees(self.need.required_deflection),
+            "sufficient": self.sufficient,
             "met": self.met,
             "notes": (*self.notes, *self.loop_notes),
             **({} if self.sought is None else {"least": self.sought}),
@@ -172,7 +202,8 @@ class _Found:
         found = self.compared
         print_autopilot(title, found.autopilot, found.plant)
         if found.margins.stable:
-            print_tables(found.deflections("Largest deflection in this wind"))
+            stop = None if self.flown is None else self.flown.nominal_deflection
+            print_tables(found.deflections(f"Deflection in this wind, {NOMINAL}", stop))
             print_tables(quantities("In this wind", [*found.motions(), *self._more()]))
             print_bounds(found.autopilot, found.plant)
             say_notes(self.notes)
@@ -184,16 +215,36 @@ class _Found:
             print_least(self.sought)
 
     def _judge(self) -> None:
-        word = "MET" if self.criteria_met else "NOT MET (tvclin margins says by how much)"
-        say(f"Criteria {self.case.held_to.name}: {word} ({self.case.held_to.description})")
+        word = satisfaction(self.criteria_met)
+        more = "" if self.criteria_met else " (tvclin margins says by how much)"
+        say(f"Criteria {self.case.held_to.name}: {word}{more} ({self.case.held_to.description})")
+        say(f"{REQUIREMENT[0].upper()}{REQUIREMENT[1:]}: {self._requirement}.")
+        say_required(self.need)
         if self.limit is None:
             return
-        word = "ENOUGH" if self.within else "NOT ENOUGH for this autopilot"
-        word = f"NOT KNOWN: {self.beyond}" if self.within is None else word
-        worst = self.worst
-        if worst is not None and self.within and self.limit < degrees(worst.peak_deflection):
-            word += f" in this wind, but not in one of {worst.duration:.3g} s"
+        word, worst = sufficiency(self.sufficient), self.worst
+        if self.sufficient is None:
+            word += f": {self.beyond}" if self.beyond else ", above the nominal requirement alone"
+        elif worst is not None and self.sufficient and self.limit < degrees(worst.peak_deflection):
+            uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
+            word += f" in this wind; without a limit it uses {uses}"
         say(f"Limit {self.limit:g} deg: {word}")
+
+    @property
+    def _requirement(self) -> str:
+        """The autopilot requirement, and what the autopilot uses without a limit, in words."""
+        uses = f"without a limit it uses {degrees(self.compared.peak_deflection):.3f} deg"
+        if self.flown is None or self.beyond:
+            return f"{sufficiency(None)}: {self.beyond or self.reason}; {uses}"
+        if not isfinite(self.flown.nominal_deflection):
+            return f"it survives at no limit that was tried; {uses}"
+        nominal = f"{degrees(self.flown.nominal_deflection):.3f} deg {NOMINAL}"
+        if self.flown.head is None:
+            return f"{nominal}; {uses}"
+        bound = degrees(self.flown.deflection)
+        wind = "" if self.need is None else self.need.direction
+        head = f"{bound:.3f} deg at that of the peak of a {wind} wind throughout"
+        return f"{head}, {nominal}; {uses}"
 
     def _more(self) -> Iterator[Row]:
         """Yield what takes the whole vehicle, and the wind that asks most."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_requirement import StudyRequirement, study_requirement
+from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.base.documents import picked
 from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
@@ -61,7 +61,7 @@ class Compared:
         return bool(self.flight.survived)
 
     @cached_property
-    def required(self) -> StudyRequirement | None:
+    def required(self) -> CaseRequirement | None:
         """The required deflection of the study of the case."""
         return study_requirement(self.case.case, chosen(self.case.dead_band, 1.0))
 

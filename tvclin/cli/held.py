@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_requirement import StudyRequirement, study_requirement
+from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.answers.requirement import covers, required_deflection
 from tvclin.base.errors import InputError, within
 from tvclin.base.quantities import NOMINAL
@@ -40,7 +40,7 @@ class Held:
     nominal: float
     limit: float
     governs: str
-    required: StudyRequirement | None
+    required: CaseRequirement | None
 
     @property
     def plant(self) -> Plant:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tvclin.answers.case_requirement import StudyRequirement, study_requirement
+from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.answers.load import FlownLoad
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
@@ -94,7 +94,7 @@ def _front(case: StudyPlan) -> LoadFront:
 
 
 def _print(
-    title: str, front: LoadFront, flown: list[FlownLoad], required: StudyRequirement | None
+    title: str, front: LoadFront, flown: list[FlownLoad], required: CaseRequirement | None
 ) -> None:
     say(title)
     print_tables(*front.tables())

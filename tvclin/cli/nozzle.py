@@ -1,6 +1,6 @@
 """`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
 
-from tvclin.answers.case_requirement import StudyRequirement, study_requirement
+from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.answers.flown_front import FlownFront, flown_fronts
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.study_file.plan import StudyPlan
@@ -122,7 +122,7 @@ def _print(
     front: RateFront,
     needed: FlownFront | None,
     flown: FlownCard | None,
-    required: StudyRequirement | None,
+    required: CaseRequirement | None,
 ) -> None:
     said = [one for one in (front, needed, flown) if one is not None]
     say(title)

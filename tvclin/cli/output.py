@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.answers.case_requirement import StudyRequirement
+    from tvclin.answers.case_requirement import CaseRequirement
     from tvclin.base.lines import Line, Table
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront
@@ -50,16 +50,16 @@ def say_lines(lines: "Iterable[Line]") -> None:
         say(text(line))
 
 
-def say_required(required: "StudyRequirement | None") -> None:
+def say_required(required: "CaseRequirement | None") -> None:
     """Print the required deflection of the study beside another answer."""
     if required is not None:
-        say(f"{required.words[0].upper()}{required.words[1:]}.")
+        say(f"{required.see_study[0].upper()}{required.see_study[1:]}.")
 
 
-def say_bound(front: "RateFront | LoadFront", required: "StudyRequirement | None") -> None:
+def say_bound(front: "RateFront | LoadFront", required: "CaseRequirement | None") -> None:
     """Print a lower bound with the required deflection, and that a limit is below the bound."""
     if not front.beyond:
-        words = "; ".join([front.bound_words, *([] if required is None else [required.words])])
+        words = "; ".join([front.bound_words, *([] if required is None else [required.see_study])])
         say(f"{words[0].upper()}{words[1:]}.")
     if front.verdict:
         say(f"Verdict: {front.verdict}.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.case_requirement import StudyRequirement, pulse_of
+from tvclin.answers.case_requirement import CaseRequirement, pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
@@ -253,7 +253,7 @@ class BlowingOptions(BiasOptions):
         name = case.vehicle.name or source
         return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}, {NOMINAL}"
 
-    def document(self, case: Case, required: StudyRequirement | None) -> dict[str, Any]:
+    def document(self, case: Case, required: CaseRequirement | None) -> dict[str, Any]:
         """Return the vehicle, model, wind and plane of a case, and its requirement, for JSON."""
         wind = {"name": self.name(case), **picked(case.history, "peak_deg onset_s end_s")}
         head = picked(case, "vehicle=vehicle.name model=plant.model")

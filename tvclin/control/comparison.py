@@ -21,6 +21,7 @@ from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, callable_for, ending, instance, number, positive
+from tvclin.base.quantities import REQUIREMENT, STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -349,13 +350,13 @@ class TrimComparison(Shown):
         stop : float, optional
             Smallest deflection limit [rad] with which the autopilot survives in flight.
         """
-        flown = {} if stop is None else {"stop": ("least stop that it survives with, flown", stop)}
+        flown = {} if stop is None else {"stop": (f"{REQUIREMENT}, flown", stop)}
         deflections = {
-            "deflection": ("this autopilot, without a stop", self.peak_deflection),
+            "deflection": ("this autopilot, without a limit", self.peak_deflection),
             **flown,
-            "trim": ("ideal trim", self.trim_deflection),
+            "trim": (STATIC_TRIM, self.trim_deflection),
             **{f"K{K:g}": (f"boundary, K = {K:g}", y) for K, y in self.boundaries.items()},
-            "minimum": ("minimum, wind known", self.minimum),
+            "minimum": (WIND_KNOWN, self.minimum),
         }
         trim = self.trim_deflection or np.nan
         rows = tuple(

@@ -7,6 +7,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance
+from tvclin.base.quantities import WIND_KNOWN
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.wind_response import WindResponse
 from tvclin.control.comparison import TrimComparison
@@ -56,14 +57,14 @@ _STYLES = QUANTITIES | {_TRIM: {"color": INK, "ls": "--", "lw": 1.4}}
 _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
 _BESIDE, _LONGER = 601, 1.6
 """Points beside trim, and how long they go on, over the duration of the wind."""
-_AUTOPILOT, _IDEAL, _MINIMUM = "autopilot", "ideal trim", "minimum, wind known"
+_AUTOPILOT, _IDEAL = "autopilot", "ideal trim"
 _COMPARED: dict[str, Style] = {
     _AUTOPILOT: {"color": WARM, "ls": "-", "lw": 2.2},
     _IDEAL: {"color": INK, "ls": "--", "lw": 1.6},
     "boundary K = 1": {"color": COLOURS[0], "ls": LINES[3], "lw": 1.4},
     "boundary K = 0.5": {"color": COLOURS[1], "ls": "-.", "lw": 1.4},
     "boundary K = 0": {"color": COLOURS[2], "ls": (0, (3, 2)), "lw": 1.4},
-    _MINIMUM: {"color": COLOURS[4], "ls": ":", "lw": 2.0},
+    WIND_KNOWN: {"color": COLOURS[4], "ls": ":", "lw": 2.0},
     **QUANTITIES,
 }
 _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
@@ -221,7 +222,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
     against = -float(np.sign(B * c.wind.peak))
     levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
-    levels[_MINIMUM] = c.minimum
+    levels[WIND_KNOWN] = c.minimum
     columns = [
         Column(_AUTOPILOT, seen.pop("deflection"), "deg", "deflection"),
         Column(_IDEAL, -B * wind, "deg", "deflection"),

@@ -13,6 +13,7 @@ from tvclin.answers.load import FlownLoad
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, instance
 from tvclin.base.lines import plural
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.control.laws.registry import LAWS
@@ -22,17 +23,17 @@ from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, draw, law_styles
 if TYPE_CHECKING:
     from control import ControlPlot
 
-_KNOWN, _BLIND, _NOZZLE = "wind known", "no forecast, at least", "the nozzle"
+_NOZZLE = "the nozzle"
 _RATES: dict[str, Style] = {
-    _KNOWN: {"color": "0.7", "ls": "-", "lw": 4.0},
-    _BLIND: {"color": INK, "ls": "-", "lw": 1.6},
+    WIND_KNOWN: {"color": "0.7", "ls": "-", "lw": 4.0},
+    NO_FORECAST: {"color": INK, "ls": "-", "lw": 1.6},
     _NOZZLE: {"color": INK, "ls": "", "marker": "D", "ms": 7.0},
     **law_styles(LAWS),
 }
 _POINT: Style = {"ls": "", "marker": "o", "ms": 7.0}
 _LOADS: dict[str, Style] = {
-    _KNOWN: {"color": COLOURS[0], "lw": 2.0},
-    _BLIND: {"color": INK, "ls": "--", "lw": 1.4},
+    WIND_KNOWN: {"color": COLOURS[0], "lw": 2.0},
+    NO_FORECAST: {"color": INK, "ls": "--", "lw": 1.4},
     _NOZZLE: {"color": WARM, **_POINT},
 }
 _FLOWN: tuple[Style, ...] = tuple(
@@ -42,7 +43,7 @@ _FLOWN: tuple[Style, ...] = tuple(
 _MARGINS: dict[str, Style] = {
     "boundary, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
     "boundary, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
-    "minimum, wind known": {"color": INK, "ls": ":", "lw": 2.0},
+    WIND_KNOWN: {"color": INK, "ls": ":", "lw": 2.0},
 }
 _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
@@ -52,9 +53,9 @@ def rate_curves(front: RateFront | FlownFront) -> Curves:
     flown = front.limits if isinstance(front, FlownFront) else {}
     front = front.front if isinstance(front, FlownFront) else front
     instance("front", front, RateFront, "see rate_front")
-    values = {**flown, _KNOWN: front.limits}
+    values = {**flown, WIND_KNOWN: front.limits}
     if front.bounds is not None:
-        values[_BLIND] = front.bounds
+        values[NO_FORECAST] = front.bounds
     if front.limit is not None and front.rate_limit in front.rates:
         values[_NOZZLE] = np.where(front.rates == front.rate_limit, front.limit, np.nan)
     columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
@@ -94,9 +95,9 @@ def load_curves(front: LoadFront, flown: Sequence[FlownLoad] = ()) -> Curves:
     def over(values: FloatArray) -> FloatArray:
         return np.interp(loads, front.loads, _broken(values), left=np.nan)
 
-    values = {_KNOWN: over(front.limits)}
+    values = {WIND_KNOWN: over(front.limits)}
     if front.bounds is not None:
-        values[_BLIND] = over(front.bounds)
+        values[NO_FORECAST] = over(front.bounds)
     for name, load in points.items():
         values[name] = np.where(loads == load, front.limit or np.nan, np.nan)
     columns = [Column(name, np.degrees(angles), "deg") for name, angles in values.items()]

@@ -13,6 +13,7 @@ from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_row, positive
+from tvclin.base.quantities import WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 
@@ -118,4 +119,4 @@ def _limits(found: LeastGains) -> dict[str, float]:
         values: Any = [boundary_limit(plant, wind, K).deflection for wind in question.winds]
         limits[f"boundary, K = {K:g}"] = float(np.max(np.abs(values)) / trim)
     least = max(float(optimum_deflection(plant, wind).peak) for wind in question.winds)
-    return limits | {"minimum, wind known": least / trim}
+    return limits | {WIND_KNOWN: least / trim}

@@ -83,7 +83,7 @@ def _autopilot(found: Findings) -> list[Block]:
     whose = "" if f is None else " of the flexible vehicle"
     words = (
         f'The criteria "{found.criteria.name}" are {verdict}. The loop is that of the'
-        f" {plant.model} model{whose}, without a stop.{''.join(notes)}"
+        f" {plant.model} model{whose}, without a limit.{''.join(notes)}"
     )
     blocks: list[Block] = [
         Paragraph((words,)),
@@ -99,7 +99,7 @@ def _autopilot(found: Findings) -> list[Block]:
     blocks += _in_the_wind(found, c)
     if c.margins.stable:
         label = "Deflection of the autopilot over time beside trim, boundaries and minimum"
-        caption = "Deflection that the autopilot without a stop asks for in this wind."
+        caption = "Deflection that the autopilot without a limit uses in this wind."
         blocks.append(figure_of(comparison_chart(c), "comparison", label, caption))
     if f is None and found.stop is not None and found.stop.status != OK:
         blocks += checks([f"flown with a stop: {found.stop.status}"])
@@ -159,7 +159,7 @@ def _margins(found: Findings, whole: Margins) -> Block:
 
 
 def _in_the_wind(found: Findings, c: TrimComparison) -> list[Block]:
-    title = "The autopilot in this wind, without a stop"
+    title = "The autopilot in this wind, without a limit"
     title += "" if found.flexible is None else ", flexible vehicle"
     title += f", {found.study.plane} plane alone" if found.study.in_both else ""
     title += _NOMINAL if found.head is not None else ""

@@ -144,7 +144,7 @@ def _meets_the_stop(found: Findings) -> Line:
         ", more than the limit. Flown with the limit as its stop it reaches the stop and survives"
         " this wind, with smaller margins, see Autopilot and margins."
     )
-    return (" Beware: without a stop the autopilot would turn the nozzle by ", *peak, met)
+    return (" Beware: without a limit the autopilot would turn the nozzle by ", *peak, met)
 
 
 def _planes(s: Study) -> str:
