@@ -74,7 +74,7 @@ def test_boundary_limit_of_a_batch(benchmark, model, winds):
 
     found = ours()
     every = tv.Plant(coefficients, model), wind()
-    cases = [(*(one.one(k, (CASES,)) for one in every), float(K[k])) for k in range(FEW)]
+    cases = [(*(one.case(k, (CASES,)) for one in every), float(K[k])) for k in range(FEW)]
     beside = np.array([by_brentq(*case) for case in cases])
     apart = np.abs(found.limit[:FEW] / beside - 1.0).max()
     ratio(

@@ -82,7 +82,9 @@ print(f"{len(unknown)} are unknown, the first at {unknown[0]}")
 # How much nozzle would be enough for more days? The curve, and what stands on a placard.
 
 # %%
-february = tv.availability(flight, soundings.local(-5.0).of(month=2), limit=limit, azimuth=azimuth)
+february = tv.availability(
+    flight, soundings.with_utc_offset(-5.0).select(month=2), limit=limit, azimuth=azimuth
+)
 for part, need in zip((0.5, 0.8, 0.9, 0.95), february.placard([0.5, 0.8, 0.9, 0.95]), strict=True):
     print(f"{100 * part:.0f} % of the balloons need {np.degrees(need):.3f} deg or less")
 
@@ -96,7 +98,7 @@ _ = availability_chart(february)
 # %%
 later = tv.availability(
     flight,
-    soundings.local(-5.0).of(month=2),
+    soundings.with_utc_offset(-5.0).select(month=2),
     limit=limit,
     azimuth=azimuth,
     persistence=tv.answers.PairGrowth(hours=3.5),

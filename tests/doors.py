@@ -97,7 +97,8 @@ BARE = {
     "aliases",
     "w_to_s",
     "s_to_w",  # of the arithmetic that a loop stands on
-    "one",
+    "case",
+    "cases",
     "some",
     "path_per_attitude",
     "place",
@@ -288,7 +289,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "PlaneWind": Door(tv.winds.PlaneWind, {"pitch": wind, "yaw": gust}),
         "PlaneWind.__call__": Door(veering, {"t": [0.0, 1.0]}),
         "PlaneWind.component": Door(veering.component, {"angle": 0.3}),
-        "PlaneWind.future": Door(veering.future, {"s": 0.5, "t": 1.0}),
+        "PlaneWind.remaining_integral": Door(veering.remaining_integral, {"s": 0.5, "t": 1.0}),
         "PlaneWind.towards": Door(tv.winds.PlaneWind.towards, {"wind": wind, "angle": 0.3}),
         "PlaneWind.veering": Door(
             tv.winds.PlaneWind.veering, {"wind": wind, "angle": 0.3, "rate": 0.1}
@@ -598,8 +599,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "History.__call__": Door(wind, {"t": [0.0, 1.0]}),
         "History.before": Door(wind.before, {"time": 5.0}),
         "History.filter": Door(wind.filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
-        "History.future": Door(wind.future, {"s": 0.5, "t": 1.0}),
-        "History.future_of": Door(wind.future_of, {"s": 0.5}),
+        "History.remaining_integral": Door(wind.remaining_integral, {"s": 0.5, "t": 1.0}),
+        "History.remaining_integral_of": Door(wind.remaining_integral_of, {"s": 0.5}),
         "History.laplace": Door(wind.laplace, {"s": 0.5}),
         "History.laplace_magnitude": Door(wind.laplace_magnitude, {"s": 0.5}),
         "History.probe_times": Door(wind.probe_times, {"between": 4}),
@@ -763,16 +764,16 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).gust_history,
             {"values": {"wind_duration": 7.0}},
         ),
-        "ShapedWind.gust_of_speed": Door(
-            tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).gust_of_speed,
+        "ShapedWind.with_gust_speed": Door(
+            tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).with_gust_speed,
             {"speed": 20.0, "vehicle": slow, "plane": "pitch"},
         ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
         "ShapedWind.in_planes": Door(
             slanting.in_planes, {"values": {"wind_peak": 0.08}, "attitude": 0.8}
         ),
-        "ShapedWind.of_speed": Door(
-            shaped.of_speed, {"speed": 20.0, "vehicle": slow, "plane": "pitch"}
+        "ShapedWind.with_speed": Door(
+            shaped.with_speed, {"speed": 20.0, "vehicle": slow, "plane": "pitch"}
         ),
         "ShapedWind.peaks": Door(slanting.peaks, {"attitude": 0.8}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
@@ -809,8 +810,8 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.winds.Soundings.from_profiles,
             {"profiles": [west], "times": ["2024-02-01"], "station": "X"},
         ),
-        "Soundings.local": Door(archive.local, {"utc_offset": -5.0}),
-        "Soundings.of": Door(archive.of, {"month": 2, "year": 2024, "hour": 0}),
+        "Soundings.with_utc_offset": Door(archive.with_utc_offset, {"utc_offset": -5.0}),
+        "Soundings.select": Door(archive.select, {"month": 2, "year": 2024, "hour": 0}),
         "SoundingAsked": Door(
             tv.answers.SoundingAsked, {"profile": west, "azimuth": 1.5, "bias": calm}
         ),

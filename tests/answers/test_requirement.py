@@ -345,7 +345,7 @@ def test_no_verdict_is_too_good(seed, model, dead_band):
     assert np.all(tv.is_sufficient(plant, wind, 1.0001 * given, dead_band) == finite)
     assert not np.any(tv.is_sufficient(plant, wind, 0.9999 * given, dead_band))
     for case in rng.choice(count, 3, replace=False).tolist():
-        alone = plant.one(case, (count,)), wind.one(case, (count,))
+        alone = plant.case(case, (count,)), wind.case(case, (count,))
         least = tv.optimum_deflection(*alone, float(alone[1].onset))
         assert needed[case] >= least.certificate.dual * (1.0 - 1e-9)
     if dead_band < 1.0:

@@ -8,7 +8,7 @@ from tvclin.answers.sizing.tables import each_wind, over_time
 from tvclin.answers.sizing.total import total_table
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
-from tvclin.winds.soundings.levels import towards
+from tvclin.winds.soundings.levels import wind_components
 
 EAST = np.radians(90)
 
@@ -25,7 +25,7 @@ def test_a_level_exactly_across_the_flight_is_one_without_wind(flight) -> None:
         rng = np.random.default_rng(seed)
         speed, come = rng.uniform(5.0, 50.0, 31), rng.integers(0, 361, 31)
         come[::3] = rng.choice([0, 180, 360], 11)
-        east, north = towards(speed, np.radians(come))
+        east, north = wind_components(speed, np.radians(come))
         exact = np.where(come % 180 == 0, 0.0, east)
         met, clean = (
             tv.fly_through(tv.WindProfile(height=height, east=e, north=north), flight, azimuth=EAST)

@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tvclin.answers.planes import rectangle
-from tvclin.winds.wind_angles import angles_from_speed, angles_of_vector
+from tvclin.winds.wind_angles import angles_from_speed, angles_from_vector_size
 
 GUST = tv.TriangularWind(peak=0.08, duration=7.5)
 TIMES = [56.0, 66.0]
@@ -115,7 +115,7 @@ def test_the_angles_of_a_vector_are_those_of_one_horizontal_wind(heading) -> Non
         along = tv.angle_from_speed(-speed * np.cos(heading), velocity, attitude)
         across = tv.angle_from_speed(speed * np.sin(heading), velocity, np.pi / 2)
         assert angles == pytest.approx((along, across), rel=1e-12)
-        assert angles_of_vector(np.hypot(*angles), heading, attitude) == pytest.approx(
+        assert angles_from_vector_size(np.hypot(*angles), heading, attitude) == pytest.approx(
             angles, rel=1e-9
         )
 

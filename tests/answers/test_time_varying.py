@@ -165,7 +165,7 @@ FLOWN = 3e-3
 @pytest.mark.parametrize(("sign", "needed"), [("tail", 0.2945), ("head", 0.3390)])
 def test_a_wind_known_by_its_speed_stays_a_velocity(configuration_i, sign, needed) -> None:
     """60 m/s, in degrees; angle and dynamic pressure are those of its triangle."""
-    wind = tv.ShapedWind("triangular", 0.05, 7.5).of_speed(60.0, configuration_i, "pitch")
+    wind = tv.ShapedWind("triangular", 0.05, 7.5).with_speed(60.0, configuration_i, "pitch")
     found = tv.Study.of(tv.Case(vehicle=configuration_i, wind=wind, sign=sign))
     assert np.degrees(found.required_deflection) == pytest.approx(needed, rel=FLOWN)
 

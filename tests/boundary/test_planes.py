@@ -196,7 +196,7 @@ def test_where_the_driver_falls_and_returns_every_larger_limit_is_sufficient():
     gusts = triangle(3.0) + 1.3 * triangle(3.0).shift(12.0)
     line = tv.boundary_limit(PLANT, gusts, 0.6)
     bent = PlaneWind(pitch=gusts, yaw=1e-9 * triangle(3.0))
-    assert not bent.one_direction
+    assert not bent.unidirectional
     found = tv.plane_limit(PLANT, bent, dead_band=0.6)
     assert found.limit == pytest.approx(line.limit, rel=1e-8)
     assert found.leaving_time == pytest.approx(line.switch_time, abs=1e-6)
@@ -305,7 +305,7 @@ def test_a_batch_is_what_each_is_alone():
     found = tv.plane_limit(PLANT, winds, dead_band=0.5)
     assert found.limit.shape == found.leaving_time.shape == (2, 2)
     for case in range(4):
-        alone = tv.plane_limit(PLANT, winds.one(case, (2, 2)), dead_band=0.5)
+        alone = tv.plane_limit(PLANT, winds.case(case, (2, 2)), dead_band=0.5)
         assert found.deflection.ravel()[case] == alone.deflection
     assert any("turns" in note for note in found.notes)
 
@@ -410,7 +410,7 @@ def program(wind, turned=(), sides=32, steps=64):
     more than the truth, and never less than cos(pi/sides) of it, at the steps.
     """
     edges = np.linspace(0.0, float(wind.end), steps + 1)
-    ahead = BETA * wind.future(BETA, edges) / float(wind.peak)
+    ahead = BETA * wind.remaining_integral(BETA, edges) / float(wind.peak)
     e = np.exp(BETA * np.diff(edges)[0])
     asked = ahead[:-1] - ahead[1:] / e  # discounted to the begin of each step
     normals = np.exp(2j * np.pi * np.arange(sides) / sides)
@@ -461,7 +461,7 @@ def test_the_bound_for_other_stops_among_all_pairs_of_times(stop):
     wind = veering(8, 150)
     found = unforeseen(Pair((PLANT, PLANT), wind), stop)
     t = np.linspace(0.0, float(wind.end), 151)
-    ahead = -PLANT.coefficients.B * BETA * wind.future(BETA, t)
+    ahead = -PLANT.coefficients.B * BETA * wind.remaining_integral(BETA, t)
     asked = ahead[:, np.newaxis] - ahead * np.exp(-BETA * np.maximum(t - t[:, np.newaxis], 0.0))
     asked = asked[np.triu_indices(151)]
     around = np.exp(2j * np.pi * np.arange(360) / 360)
@@ -514,7 +514,7 @@ def test_the_least_circle_around_what_may_come(seed):
     draw = np.random.default_rng(seed)
     phi, R, wind = draw.uniform(0.0, np.pi), draw.uniform(0.0, 1.2), triangle(draw.uniform(1, 20))
     plain = tv.forecast_free_limit(PLANT, wind)
-    S = float(BETA * wind.future(BETA, plain.worst_stop) / wind.peak)
+    S = float(BETA * wind.remaining_integral(BETA, plain.worst_stop) / wind.peak)
     z = np.linspace(0.0, 1.0, 200_001)
     radius = np.max([z, np.abs(S - z), np.abs(z - R * np.exp(1j * phi))], axis=0).min()
     expected = max(plain.foresight, radius, R)

@@ -55,7 +55,7 @@ def test_json_equals_the_library() -> None:
     needs = np.radians(document["required_deg"][counted.label])
     pulse = tv.ShapedWind("triangular", 0.05, 7.5)
     studies = [
-        tv.Study.of(tv.Case(vehicle=v, wind=pulse.of_speed(60.0, v, "pitch"), sign="head"))
+        tv.Study.of(tv.Case(vehicle=v, wind=pulse.with_speed(60.0, v, "pitch"), sign="head"))
         for v in map(schedule.at, times)
     ]
     ratios = np.array([[study.ratio_to_nominal] for study in studies])

@@ -273,7 +273,7 @@ def test_a_vehicle_that_is_brought_back_while_bending_grows_rings():
     assert found.saturated_time_fraction[1, 0] == 0.0
     assert found.saturated_time_fraction[1, 1] > 0.3
     sampled = replace(SHAPED, actuator=STIFF, delay=0.02, sample_rate=50.0)
-    unstable = [sampled.margins(plant.some(np.array([k]), (2,))).status[0] for k in (0, 1)]
+    unstable = [sampled.margins(plant.cases(np.array([k]), (2,))).status[0] for k in (0, 1)]
     assert unstable == ["ok", "unstable"]
 
 

@@ -283,7 +283,7 @@ def test_each_vehicle_has_the_bits_it_has_alone_with_the_control_of_the_report(
     found = tv.attitude_responses(plants, control, wind, times).outputs
     for k in (11, 4, 0):
         few = np.array([k])
-        one = plants.some(few, (12,)), control.some(few, (12,))
+        one = plants.cases(few, (12,)), control.cases(few, (12,))
         alone = tv.attitude_responses(*one, wind, times).outputs
         np.testing.assert_array_equal(alone[0], found[k])
 

@@ -114,7 +114,7 @@ def test_a_case_has_the_same_bits_wherever_it_stands_and_in_any_number_of_thread
         whole = tv.boundary_limit(plant, wind, K)
         monkeypatch.setattr(threads, "thread_count", lambda: 1)
         for case in (0, 1, 77, 299):
-            one = plant.one(case, (300,)), wind.one(case, (300,)), K[case]
+            one = plant.case(case, (300,)), wind.case(case, (300,)), K[case]
             alone = tv.boundary_limit(*one)
             for name in FIELDS:
                 assert getattr(alone, name) == getattr(whole, name)[case], name

@@ -110,5 +110,5 @@ def test_a_batch_is_each_of_it():
         alone = one.to_steps(periods[place[0], 0], delays[place[1]])
         found = transfer(every.matrices(), z)[place]
         assert found == pytest.approx(transfer(alone.matrices(), z), rel=1e-9)
-    few = every.some(np.array([4, 1]), (2, 3))
+    few = every.cases(np.array([4, 1]), (2, 3))
     np.testing.assert_array_equal(few.A, every.A.reshape(6, *every.A.shape[-2:])[[4, 1]])

@@ -264,7 +264,7 @@ def test_transforms_agree_with_quadrature(s):
 def test_the_discounted_future_agrees_with_quadrature(s):
     h, times = mixed(), np.array([-3.0, -1.0, 0.2, 0.5, 1.7, 2.0, 5.0, 7.0, 30.0])
     expected = np.array([quadrature(h, s, t) for t in times])
-    np.testing.assert_allclose(h.future(s, times), expected, rtol=4e-14, atol=1e-15)
+    np.testing.assert_allclose(h.remaining_integral(s, times), expected, rtol=4e-14, atol=1e-15)
 
 
 def test_a_history_is_zero_before_its_first_knot_and_continuous_from_the_right():

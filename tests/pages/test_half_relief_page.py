@@ -60,7 +60,7 @@ def test_what_the_laws_need_whole_and_with_stops(label, law):
 def test_the_bound_beside_them():
     winds = tv.TriangularWind(peak=PEAK, duration=np.array(DURATIONS) / BETA)
     bounds = [
-        tv.forecast_free_limit(EXACT, winds.one(k, winds.batch)).limit
+        tv.forecast_free_limit(EXACT, winds.case(k, winds.batch)).limit
         for k in range(len(DURATIONS))
     ]
     assert numbers("any law (bound of the fast mode)", 7) == pytest.approx(bounds, abs=5.1e-4)

@@ -64,18 +64,18 @@ def test_the_magnitude_of_terms_of_one_sign_is_the_transform():
 def test_the_future_seen_from_the_first_knot_is_the_transform():
     h = tri().shift(3.0)
     expected = h.laplace(0.5) * np.exp(1.5)
-    np.testing.assert_allclose(h.future(0.5, [3.0])[0], expected, rtol=1e-15)
+    np.testing.assert_allclose(h.remaining_integral(0.5, [3.0])[0], expected, rtol=1e-15)
 
 
 def test_the_future_stays_exact_late_and_is_zero_after_the_end():
     held = tv.linear.HeldDeflection(limit=0.1)
-    np.testing.assert_allclose(held.future(0.5, [0.0, 1e4]), [0.2, 0.2], rtol=4e-16)
-    np.testing.assert_array_equal(tri().future(0.5, [8.0, 1e4]), [0.0, 0.0])
+    np.testing.assert_allclose(held.remaining_integral(0.5, [0.0, 1e4]), [0.2, 0.2], rtol=4e-16)
+    np.testing.assert_array_equal(tri().remaining_integral(0.5, [8.0, 1e4]), [0.0, 0.0])
 
 
 def test_the_future_of_one_variable_is_a_function_of_times():
     s, times = np.array([0.5, 0.2 + 0.3j]), np.array([[-1.0, 2.0], [5.0, 9.0]])
-    expected, ahead = tri().future(s, times), tri().future_of(s)
+    expected, ahead = tri().remaining_integral(s, times), tri().remaining_integral_of(s)
     assert expected.shape == (2, 2, 2)
     np.testing.assert_array_equal(ahead(times[0]), expected[:, 0])
     np.testing.assert_array_equal(ahead(5.0), expected[:, 1, 0])
@@ -84,7 +84,7 @@ def test_the_future_of_one_variable_is_a_function_of_times():
 
 
 def test_the_future_at_one_time_is_one_number():
-    assert tri().future(0.0, 0.0) == pytest.approx(0.4, rel=4e-16)
+    assert tri().remaining_integral(0.0, 0.0) == pytest.approx(0.4, rel=4e-16)
 
 
 number = st.floats(-2.0, 2.0).map(lambda x: round(x, 6))
@@ -130,7 +130,7 @@ def test_the_cut_and_the_rest_make_the_whole(f, time, s):
     early = TIMES < time
     np.testing.assert_array_equal(cut(TIMES), np.where(early, f(TIMES), 0.0))
     np.testing.assert_allclose(rest(TIMES), np.where(early, 0.0, f(TIMES)), rtol=0, atol=2e-13)
-    later = np.exp(-s * time) * f.future(s, [time])[0]
+    later = np.exp(-s * time) * f.remaining_integral(s, [time])[0]
     total = 40 * EPS * (1.0 + 60.0 * abs(s)) * f.laplace_magnitude(s)
     assert abs(cut.laplace(s) + later - f.laplace(s)) <= total
 
@@ -311,7 +311,7 @@ def test_a_filter_that_numbers_cannot_carry_is_refused():
 def test_a_future_that_outgrows_every_number_is_refused_in_a_sentence(s):
     wind = tri()
     with pytest.raises(tv.InputError, match="s must be such that"):
-        wind.future(s, 1.0)
+        wind.remaining_integral(s, 1.0)
 
 
 def test_a_filter_whose_poles_outgrow_every_number_is_refused_in_a_sentence():

@@ -31,17 +31,17 @@ def test_veer_is_a_complex_pole(wind):
     p, rate, angle = 0.5, 0.8, -0.3
     t = np.array([-1.0, 0.5, 3.0])
     begun = angle + rate * (t - float(wind.onset))
-    expected = np.exp(1j * begun) * wind.future(p - 1j * rate, t)
-    found = PlaneWind.veering(wind, angle, rate).future(p, t)
+    expected = np.exp(1j * begun) * wind.remaining_integral(p - 1j * rate, t)
+    found = PlaneWind.veering(wind, angle, rate).remaining_integral(p, t)
     # each integral is within rounding of the sum of its terms, of which there are some hundred
-    assert np.abs(found - expected).max() <= 1e3 * EPS * np.abs(wind.future(p, t)).max()
+    assert np.abs(found - expected).max() <= 1e3 * EPS * np.abs(wind.remaining_integral(p, t)).max()
 
 
 def test_the_triangle_in_closed_form_and_by_quadrature():
     p, rate = 0.53, np.radians(90) / 7.5
     s, tau = p - 1j * rate, 7.5
     wind = PlaneWind.veering(GUST, 0.0, rate)
-    found = p * wind.future(p, 0.0) / 0.08
+    found = p * wind.remaining_integral(p, 0.0) / 0.08
     closed = p * (2.0 / tau) * (1.0 - np.exp(-s * tau / 2.0)) ** 2 / s**2
     assert found == pytest.approx(closed, rel=1e-13)
     parts = [
@@ -65,13 +65,13 @@ def test_the_peak_is_that_of_the_vector():
 
 
 def test_a_wind_of_one_direction_is_known_as_one():
-    assert PlaneWind.towards(GUST, 1.1).one_direction
-    assert PlaneWind(pitch=GUST, yaw=-2.0 * GUST).one_direction
-    assert PlaneWind(pitch=GUST, yaw=0.0 * SMOOTH).one_direction
-    assert not PlaneWind(pitch=GUST, yaw=GUST.shift(1e-3)).one_direction
+    assert PlaneWind.towards(GUST, 1.1).unidirectional
+    assert PlaneWind(pitch=GUST, yaw=-2.0 * GUST).unidirectional
+    assert PlaneWind(pitch=GUST, yaw=0.0 * SMOOTH).unidirectional
+    assert not PlaneWind(pitch=GUST, yaw=GUST.shift(1e-3)).unidirectional
     for between in (1.0, 9.0, 65.0):  # half turns, at whatever times one looks
         steady = tv.RectangularWind(peak=0.03, duration=5.0)
-        assert not PlaneWind.veering(steady, 0.0, np.pi * between / 5.0).one_direction
+        assert not PlaneWind.veering(steady, 0.0, np.pi * between / 5.0).unidirectional
 
 
 @pytest.mark.parametrize("turns", [0, 1, 2, 3])
@@ -97,8 +97,8 @@ def test_a_batch_is_what_each_is_alone():
             # angles of some radians, and so their vectors, are known to some EPS
             assert np.abs(both(t)[i, k] - alone(t)).max() <= 20 * EPS * 0.08
             assert both.peak[i, k] == pytest.approx(float(alone.peak), rel=1e-9)
-            assert both.one_direction[i, k] == alone.one_direction == (rates[k] == 0.0)
-            assert np.array_equal(both.one(3 * i + k, (2, 3))(t), both(t)[i, k])
+            assert both.unidirectional[i, k] == alone.unidirectional == (rates[k] == 0.0)
+            assert np.array_equal(both.case(3 * i + k, (2, 3))(t), both(t)[i, k])
 
 
 def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
@@ -117,7 +117,7 @@ def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
     assert np.real(wind(65.0)) > 0.0 > np.imag(wind(65.0))  # from behind, and from the left
     assert np.degrees(wind.peak) == pytest.approx(4.6028, abs=5e-5)
     along = jet.to_winds(climb, azimuth=np.radians(90))
-    assert along.one_direction
+    assert along.unidirectional
     calm = tv.WindProfile(height=[9e3, 14e3], east=[0.0, 0.0], north=[0.0, 0.0])
     with pytest.raises(InputError, match="the wind must blow along the flight"):
         calm.to_winds(climb, azimuth=0.0)

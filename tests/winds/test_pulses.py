@@ -140,7 +140,7 @@ QUANTITIES = {
     "value": lambda h: h([-1.0, 0.0, 1.7, 4.5, 9.0, 30.0]),
     "laplace": lambda h: h.laplace(0.7),
     "magnitude": lambda h: h.laplace_magnitude(0.7 + 1j),
-    "future": lambda h: h.future(0.7 - 0.1j, [-1.0, 2.0, 50.0]),
+    "future": lambda h: h.remaining_integral(0.7 - 0.1j, [-1.0, 2.0, 50.0]),
     "onset": lambda h: h.onset,
     "end": lambda h: h.end,
     "peak": lambda h: h.peak,

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import tvclin as tv
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
-from tvclin.winds.soundings.levels import towards
+from tvclin.winds.soundings.levels import wind_components
 
 GOLDEN = Path(__file__).parents[1] / "soundings"
 EAST = np.pi / 2
@@ -41,7 +41,7 @@ def climb(name, start=-20.0, stop=20.0):
 
 @given(direction=st.floats(0.0, 2 * np.pi), speed=st.floats(0.1, 100.0), flown=st.floats(-6.0, 6.0))
 def test_a_flight_into_the_direction_a_wind_comes_from_has_a_head_wind(direction, speed, flown):
-    east, north = towards(np.full(2, speed), np.full(2, direction))
+    east, north = wind_components(np.full(2, speed), np.full(2, direction))
     profile = tv.WindProfile(height=[0.0, 1.0], east=east, north=north)
     np.testing.assert_allclose(profile.in_plane(direction), -speed, rtol=1e-14)
     np.testing.assert_allclose(profile.cross_plane(direction), 0.0, atol=1e-13)
@@ -59,7 +59,7 @@ def test_degrees_in_the_place_of_radians_are_no_direction():
 
 def test_the_four_winds_on_a_flight_to_the_east():
     speed, direction = np.full(4, 10.0), np.radians([0.0, 90.0, 180.0, 270.0])
-    east, north = towards(speed, direction)
+    east, north = wind_components(speed, direction)
     profile = tv.WindProfile(height=[0.0, 1.0, 2.0, 3.0], east=east, north=north)
     np.testing.assert_allclose(profile.in_plane(EAST), [0.0, -10.0, 0.0, 10.0], atol=1e-14)
     np.testing.assert_allclose(profile.cross_plane(EAST), [-10.0, 0.0, 10.0, 0.0], atol=1e-14)

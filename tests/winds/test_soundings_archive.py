@@ -57,8 +57,8 @@ def test_a_month_is_that_of_local_time(tmp_path) -> None:
     assert [len(utc), len(cape)] == [3, 4]
     assert str(cape.times[-1]) == "2024-03-01T00:00"
     whole = read(tmp_path, *balloons)
-    assert [len(whole.of(month=2)), len(whole.local(-5).of(month=2))] == [3, 4]
-    assert len(whole.local(-5).of(hour=19)) == 2
+    assert [len(whole.select(month=2)), len(whole.with_utc_offset(-5).select(month=2))] == [3, 4]
+    assert len(whole.with_utc_offset(-5).select(hour=19)) == 2
 
 
 def test_a_level_without_a_height_lies_between_its_neighbours_in_log_pressure(tmp_path) -> None:

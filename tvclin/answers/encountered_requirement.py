@@ -29,7 +29,7 @@ from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
-from tvclin.winds.wind_angles import EncounteredWind, along_and_across, angles_of_vector
+from tvclin.winds.wind_angles import EncounteredWind, angles_from_vector_size, sines_by_heading
 
 
 def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
@@ -52,7 +52,7 @@ def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
 
 def _heading_cosines(heading: float) -> tuple[float, float]:
     """Return the fractions of a wind along the path, from behind, and across."""
-    along, across = along_and_across(heading, np.pi / 2)
+    along, across = sines_by_heading(heading, np.pi / 2)
     return float(along), float(across)
 
 
@@ -100,7 +100,9 @@ def encountered_wind(
         pulse = parts[known]
         parts[known] = gust * at if pulse is None else pulse + gust * at
     if wind.heading is not None:
-        angles = angles_of_vector(peak, wind.heading, path)  # a negative peak blows the other way
+        angles = angles_from_vector_size(
+            peak, wind.heading, path
+        )  # a negative peak blows the other way
         of_angle = angles[0] / np.abs(peak), angles[1] / np.abs(peak)
         along, across = _heading_cosines(wind.heading)
         sign = float(np.sign(wind.peak))

@@ -24,7 +24,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import ShapedWind, part_in
+from tvclin.winds.shaped import ShapedWind, component_in
 
 PARTS, VECTOR = (
     "the plane that needs the larger part of the stop",
@@ -175,8 +175,8 @@ def _vector(
     from tvclin.boundary.planes.needed import in_vectors
     from tvclin.boundary.planes.pair import Pair, checked
 
-    pitch, yaw = (plants[plane].one(case, shape) for plane in PLANES)
-    pair = Pair((pitch, yaw), wind.one(case, shape))
+    pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
+    pair = Pair((pitch, yaw), wind.case(case, shape))
     try:
         checked(pitch, pair.wind, stop, yaw)
         return in_vectors(pair, stop, dead_band, least)
@@ -194,7 +194,7 @@ def of_heading(
     """Return what a wind with a heading asks of both planes; the stop is round without one."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
-    both = PlaneWind(**{plane: part_in(wind, peaks, plane) for plane in PLANES})
+    both = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
     return planes_needed(plants, both, stop or CircularStop(), dead_band)
 
 

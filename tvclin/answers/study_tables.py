@@ -135,7 +135,7 @@ def boundaries(s: Study) -> Table:
         part = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
-        f"{s.wind_in_plane.gust_words}{part}"
+        f"{s.wind_in_plane.gust_text}{part}"
     )
     return Table(caption, head, tuple(rows))
 

@@ -53,7 +53,7 @@ def trim_law_flown(plant: Plant, wind: History, flies: BoolArray, least: FloatAr
     low = np.maximum(least.ravel()[which], _TINY)
     for k in range(0, which.size, _TOGETHER):
         part = slice(k, k + _TOGETHER)
-        some, winds = plant.some(which[part], shape), wind.some(which[part], shape)
+        some, winds = plant.cases(which[part], shape), wind.cases(which[part], shape)
         c, most = some.coefficients, np.abs(trim_deflection(some, winds).peak)
         grows = np.broadcast_to(np.asarray(c.b1) < 0.0, most.shape)
         most = np.where(grows, np.minimum(most, _HIGHEST * np.abs(c.B * winds.peak)), most)
@@ -78,7 +78,7 @@ def can_fly(plant: Plant) -> BoolArray:
 def comes_back(wind: History) -> BoolArray:
     """Return whether a wind rises again after it has fallen: the trim law has let go meanwhile."""
     size = np.abs(wind.peak)[..., np.newaxis]
-    change = np.diff(np.abs(wind.looked_at), axis=-1)
+    change = np.diff(np.abs(wind.shape_samples), axis=-1)
     fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
     return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 

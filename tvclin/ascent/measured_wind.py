@@ -14,7 +14,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind, checked_gust
-from tvclin.winds.soundings.profile import WindProfile, angles_along
+from tvclin.winds.soundings.profile import WindProfile, wind_angles_along
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, angle_in_plane, checked_linear, wind_triangle
 
 GustOf = History | Callable[[Vehicle], History]
@@ -216,7 +216,9 @@ def fly_through(
     left = profile if bias is None else profile - bias
     across = {"pitch": left.in_plane(azimuth), "yaw": left.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
-    met = {k: angles_along(schedule, left.height, across[k], k, MAX_LINEAR_ANGLE) for k in planes}
+    met = {
+        k: wind_angles_along(schedule, left.height, across[k], k, MAX_LINEAR_ANGLE) for k in planes
+    }
     first, last = (f(time[k] for time, _ in met.values()) for f, k in ((max, 0), (min, -1)))
     most = max(float(np.abs(angle).max()) for _, angle in met.values())
     blows = {

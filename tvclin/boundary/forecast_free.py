@@ -157,7 +157,7 @@ def forecast_free_limit(
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
-    if not np.all(wind.one_sign):
+    if not np.all(wind.constant_sign):
         raise InputError(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"

@@ -197,7 +197,7 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
 
 def _check_wind(wind: History) -> None:
-    if not np.all(wind.one_sign):
+    if not np.all(wind.constant_sign):
         low, high = wind.extent
         raise InputError(
             "wind must not change its sign for a boundary limit; got values from"

@@ -29,7 +29,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.numerics.searches import grid_minimum
-from tvclin.winds.plane_wind import unit
+from tvclin.winds.plane_wind import unit_vector
 
 Vectors = ComplexArray
 
@@ -99,7 +99,7 @@ class Stop(ABC):
 
     def reach(self, angle: ArrayLike) -> FloatArray:
         """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
-        return 1.0 / self.gauge(unit(directions("angle", angle)))
+        return 1.0 / self.gauge(unit_vector(directions("angle", angle)))
 
     def each_plane(self) -> PolygonStop:
         """Return what is left where each plane is limited by itself: the square inside.
@@ -126,7 +126,7 @@ class Stop(ABC):
         """
         if not 4 <= whole_number("sides", sides) <= _MOST_CORNERS:
             raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {shown(sides)}")
-        around = unit(2.0 * np.pi * np.arange(sides) / sides)
+        around = unit_vector(2.0 * np.pi * np.arange(sides) / sides)
         return PolygonStop(around * self.reach(np.angle(around)))
 
 
@@ -296,7 +296,7 @@ class SquareStop(PolygonStop):
     def __init__(self, turn: float = 0.0) -> None:
         angle = number("turn", turn, directions, "rad")
         PolygonStop.__init__(
-            self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit(angle)
+            self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
         )
 
 

@@ -113,7 +113,7 @@ class PulseOptions(GustOptions, _Pulse):
         if self.peak_speed is not None:
             whole = whole_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
-            wind = wind.of_speed(speed, whole, plan.plane)
+            wind = wind.with_speed(speed, whole, plan.plane)
         return replace(plan, wind=wind)
 
     def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
@@ -125,7 +125,7 @@ class PulseOptions(GustOptions, _Pulse):
         made = replace(wind, gust=gust, gust_at=at)
         if speed is None:
             return made
-        return made.gust_of_speed(speed, whole_vehicle(plan.vehicle, "--gust-speed"), plan.plane)
+        return made.with_gust_speed(speed, whole_vehicle(plan.vehicle, "--gust-speed"), plan.plane)
 
     @property
     def _heading(self) -> float | None:
@@ -340,5 +340,5 @@ def wind_words(name: str, case: Case) -> str:
     peak, length = float(wind.peak), float(wind.end - wind.onset)
     in_plane = case.wind_in_plane
     if isinstance(in_plane, ShapedWind):
-        peak, length, gust = in_plane.peak, in_plane.duration, in_plane.gust_words
+        peak, length, gust = in_plane.peak, in_plane.duration, in_plane.gust_text
     return f"{name} wind of {degrees(peak):.4g} deg and {length:.4g} s{gust}"

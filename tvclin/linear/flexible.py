@@ -151,15 +151,15 @@ class FlexiblePlant(Shown, Hinted):
         """Those of the rigid vehicle."""
         return self.rigid.coefficients
 
-    def some(self, cases: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
-        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there.
+    def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
+        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`.
 
-        One position returns one plant, no longer as a batch.
+        A scalar position returns a single plant.
         """
         return replace(
             self,
-            vehicle=chosen(self.vehicle, cases, shape),
-            structure=chosen(self.structure, cases, shape),
+            vehicle=chosen(self.vehicle, index, shape),
+            structure=chosen(self.structure, index, shape),
         )
 
     @property

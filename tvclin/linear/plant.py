@@ -102,19 +102,18 @@ class Plant(Hinted):
         """Shape of the batch; ``()`` for one vehicle."""
         return self.coefficients.batch
 
-    def one(self, case: int, shape: tuple[int, ...]) -> Plant:
-        """Return one plant of the batch spread to `shape`, by its flat position there."""
-        few = self.some(np.array([case]), shape).coefficients
-        held = {name: float(getattr(few, name)[0]) for name in NUMBERS}
-        return self._with(held)
+    def case(self, index: int, shape: tuple[int, ...]) -> Plant:
+        """Return the plant at the flat position `index` of the batch broadcast to `shape`."""
+        batch = self.cases(np.array([index]), shape).coefficients
+        return self._with({name: float(getattr(batch, name)[0]) for name in NUMBERS})
 
-    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> Plant:
-        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
-        held = {
-            name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
+    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> Plant:
+        """Return the plants at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        numbers = {
+            name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[index]
             for name in NUMBERS
         }
-        return self._with(held)
+        return self._with(numbers)
 
     def _with(self, numbers: dict[str, Any]) -> Plant:
         return Plant(Coefficients(**numbers, name=self.coefficients.name), self.model)

@@ -178,8 +178,8 @@ def attitude_responses(
     if near is not None:
         cases = np.flatnonzero(near)
         if shape:
-            plant = plant.some(cases, shape)
-            deflection, wind = (h.some(cases, shape) for h in (deflection, wind))
+            plant = plant.cases(cases, shape)
+            deflection, wind = (h.cases(cases, shape) for h in (deflection, wind))
         found[near] = _by_lags(plant, labels, deflection, wind, times, cases.shape if shape else ())
     return Responses(times, found, labels)
 

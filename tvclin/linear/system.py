@@ -90,15 +90,17 @@ class LinearSystem:
         """Return the system with other names of some inputs."""
         return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
 
-    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
-        """Return some of the batch spread to `shape`, ``(k,)``, by their flat positions there."""
+    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
+        """Return the systems at flat positions ``(k,)`` of the batch broadcast to `shape`."""
 
-        def of(array: FloatArray, axes: int) -> FloatArray:
-            own = array.shape[array.ndim - axes :]
-            return np.broadcast_to(array, (*shape, *own)).reshape(prod(shape), *own)[cases]
+        def selected(array: FloatArray, axes: int) -> FloatArray:
+            trailing = array.shape[array.ndim - axes :]
+            return np.broadcast_to(array, (*shape, *trailing)).reshape(prod(shape), *trailing)[
+                index
+            ]
 
-        period = None if self.period is None else of(self.period, 0)
-        A, B, C, D = (of(one, 2) for one in self.matrices())
+        period = None if self.period is None else selected(self.period, 0)
+        A, B, C, D = (selected(matrix, 2) for matrix in self.matrices())
         return replace(self, A=A, B=B, C=C, D=D, period=period)
 
     def to_steps(self, period: ArrayLike, delay: ArrayLike = 0.0) -> LinearSystem:

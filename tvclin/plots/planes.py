@@ -15,7 +15,7 @@ from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.winds.plane_wind import PlaneWind, unit
+from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -64,7 +64,7 @@ def plane_chart(
     around = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
     held = found.in_plane + 1j * found.across
     vectors = {
-        STOP: found.deflection * shape.reach(around) * unit(around),
+        STOP: found.deflection * shape.reach(around) * unit_vector(around),
         TRIMS: pair.trim(times),
         MEANS: pair.held(times),
         HELD: np.array([0.0, held]),

@@ -15,23 +15,23 @@ from tvclin.base.written_units import WRITTEN, unit_of
 
 
 def read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:
-    """Return the times [s] of the first column, and the winds [rad] ``(winds, n)`` of the others.
+    """Return the times [s] of the first column, and the winds [rad] ``(winds, n)`` of the rest.
 
-    `unit`: that of [wind], for columns whose names have none; degrees where it is not given.
+    `unit`: unit in [wind], for columns whose names have none; degrees where it is None.
     """
     text = read_lines(path)
     sheet = sheet_in(text, _fit_of_winds, "names: a first column time_s and one for each wind")
     time, *winds = sheet.headings
-    found = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
-    assert found is not None  # by the fit
-    columns = [found.factor * _column(sheet, time)]
+    time_unit = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
+    assert time_unit is not None  # by the fit
+    columns = [time_unit.factor * _column(sheet, time)]
     for wind in winds:
         factor = UNITS["angle"][unit or "deg"]
-        own = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
-        if own is not None and not own.mangled:
-            if unit is not None and not np.isclose(own.factor, factor):
+        column_unit = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
+        if column_unit is not None and not column_unit.mangled:
+            if unit is not None and not np.isclose(column_unit.factor, factor):
                 raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
-            factor = own.factor
+            factor = column_unit.factor
         columns.append(factor * _column(sheet, wind))
     return columns[0], np.array(columns[1:])
 

@@ -1,9 +1,9 @@
-"""Time histories, exact: the one kind of thing that winds and deflections are.
+"""Exact time histories of winds and deflections, as piecewise exponential polynomials.
 
-A history is a row of pieces between knots, each a sum of terms c t^k e^(lambda t). It has a
-value at any time, an exact Laplace transform, and it stays a history when it is added, scaled,
-shifted, cut short, or sent through a rational filter. Boundaries and verdicts need only the
-transform; nothing is sampled.
+A history f(t) is a row of pieces between knots, each a sum of terms c t^k e^(lambda t). It has a
+value at any time, an exact Laplace transform, and its sums, multiples, shifts, cuts and responses
+of rational filters are histories again. Boundaries and verdicts need only the transform; nothing is
+sampled.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from tvclin.numerics import polynomials
 from tvclin.numerics.pieces import Pieces
 from tvclin.numerics.searches import grid_minimum
 
-_FASTEST = 1e100
-"""Laplace variables beyond this [rad/s] would overflow in products."""
-_PROBES = 8192
-"""About so many times, over all knots, are looked at for each rate of a curved history."""
-_SLOWEST = 1e-100
-"""A rate below this [1/s] is none: its time scale is beyond all numbers that a time may have."""
-_SAME = 1e-12
-"""A part of all times, and of the largest value, that does not count."""
+_MAX_LAPLACE_VARIABLE = 1e100
+"""Largest size of a Laplace variable [rad/s]: beyond it products overflow."""
+_MAX_PROBES = 8192
+"""Approximate number of sample times, over all knots, for each rate of a curved history."""
+_MIN_RATE = 1e-100
+"""Rate [1/s] below which the time scale overflows, so that the rate counts as zero."""
+_RELATIVE_ROUNDING = 1e-12
+"""Relative rounding of times, and of values over the largest."""
 
 
 class History(Carded, ABC):
-    """A real function of time, zero before its first knot, given exactly.
+    """Real function of time, zero before its first knot, in exact pieces.
 
-    Histories come in batches: every quantity has the leading axes ``batch``, and one history
-    is the batch of shape ``()``. Concrete winds and deflections only say what their pieces are.
+    Histories come in batches: every quantity has the leading axes ``batch``, and a single history
+    is the batch of shape ``()``. A concrete wind or deflection defines its pieces only.
     """
 
     _keys = "peak_deg onset_s end_s"
@@ -46,7 +46,7 @@ class History(Carded, ABC):
     @property
     @abstractmethod
     def pieces(self) -> Pieces:
-        """The pieces as arrays: knots, coefficients and rates."""
+        """Pieces as arrays: knots, coefficients and rates."""
 
     @property
     def knots(self) -> FloatArray:
@@ -55,13 +55,13 @@ class History(Carded, ABC):
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the leading axes."""
+        """Shape of the leading axes of every quantity."""
         return self.pieces.batch
 
     def __call__(self, t: ArrayLike) -> FloatArray:
         """Return the value at the times `t` [s], shape ``batch + t.shape``.
 
-        At a jump it is the value after the jump.
+        At a jump the value is that after the jump.
         """
         times = finite("t", t, "s")
         values = np.real(algebra.value(self.pieces, times.ravel()))
@@ -88,35 +88,35 @@ class History(Carded, ABC):
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            return _real_if_real(_carried(algebra.laplace(self.pieces, s), s), s)
+            return _real_if_real(_finite_values(algebra.laplace(self.pieces, s), s), s)
 
     def laplace_magnitude(self, s: ArrayLike) -> FloatArray:
         """Return the sum of the sizes of all terms of ``laplace(s)``.
 
-        Times the floating-point epsilon it bounds the rounding error of the transform.
+        Its product with the floating-point epsilon bounds the rounding error of the transform.
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            return _carried(algebra.magnitude(self.pieces, s), s)
+            return _finite_values(algebra.magnitude(self.pieces, s), s)
 
-    def future(self, s: ArrayLike, t: ArrayLike) -> AnyArray:
-        """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
+    def remaining_integral(self, s: ArrayLike, t: ArrayLike) -> AnyArray:
+        """Return the remaining integral, from `t` on, of e^(-s (r - t)) f(r) dr.
 
-        It is what the history will still do, after the time `t` [s], to a mode that grows with
-        the rate `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
+        It is the effect that the history will still have, after the time `t` [s], on an unstable
+        mode with the pole `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
         """
-        return self.future_of(s)(t)
+        return self.remaining_integral_of(s)(t)
 
-    def future_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
-        """Return `future` at `s` as a function of times, for many calls: it is made ready once."""
+    def remaining_integral_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
+        """Return `remaining_integral` at `s` as a function of times, precomputed at the knots."""
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
-            ahead = algebra.remaining_integral(self.pieces, s)
+            integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
-                values = _carried(ahead(times.ravel()), s)
+                values = _finite_values(integral(times.ravel()), s)
             values = _real_if_real(values, s)
             return values.reshape((*values.shape[:-1], *times.shape))
 
@@ -143,17 +143,17 @@ class History(Carded, ABC):
     __array_ufunc__ = None  # so that numpy leaves `array * history` to __rmul__
 
     def shift(self, dt: ArrayLike) -> History:
-        """Return the same history, later by `dt` [s], which broadcasts with ``batch``."""
+        """Return the history delayed by `dt` [s], which broadcasts with ``batch``."""
         dt = finite("dt", dt, "s")[..., np.newaxis]
         return Piecewise(Pieces(self.knots + dt, self.pieces.coefficients, self.pieces.rates))
 
     def before(self, time: ArrayLike) -> History:
-        """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
+        """Return the history up to `time` [s], zero from there on; whole for infinite `time`."""
         edge = np.maximum(real("time", time, "s"), self.knots[..., 0])
         return Piecewise(algebra.before(self.pieces, edge))
 
     def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> History:
-        """Return the exact answer of the filter numerator(s)/denominator(s), at rest before.
+        """Return the exact response of the filter numerator(s)/denominator(s) from zero state.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class History(Carded, ABC):
         ------
         InputError
             When the filter differentiates, its denominator begins with zero, or its poles are so
-            far from each other or so fast that numbers cannot tell its answer.
+            far from each other or so fast that its response overflows.
         """
         num = np.atleast_1d(finite("numerator", numerator))
         den = np.atleast_1d(finite("denominator", denominator))
@@ -175,37 +175,37 @@ class History(Carded, ABC):
                 f" with zero; got {num.shape[-1] - 1} over {den.shape[-1] - 1}"
             )
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            carried = np.all(np.isfinite(den / den[..., :1]))
-            answer = _cascade(self.pieces, num, den) if carried else None
-        if answer is None or not np.all(np.isfinite(answer.pieces.coefficients)):
+            representable = np.all(np.isfinite(den / den[..., :1]))
+            response = _cascade(self.pieces, num, den) if representable else None
+        if response is None or not np.all(np.isfinite(response.pieces.coefficients)):
             raise InputError("denominator has poles too large for floating-point numbers; scale it")
-        return answer
+        return response
 
-    def one(self, case: int, shape: tuple[int, ...]) -> History:
-        """Return one history of the batch spread to `shape`, by its flat position there."""
-        p = self.some(np.array([case]), shape).pieces
+    def case(self, index: int, shape: tuple[int, ...]) -> History:
+        """Return the history at the flat position `index` of the batch broadcast to `shape`."""
+        p = self.cases(np.array([index]), shape).pieces
         return Piecewise(Pieces(p.knots[0], p.coefficients[0], p.rates[0]))
 
-    def some(self, cases: IndexArray, shape: tuple[int, ...]) -> History:
-        """Return some histories of the batch spread to `shape`, ``(k,)``, by flat positions."""
-        return Piecewise(algebra.take(algebra.spread(self.pieces, shape), cases))
+    def cases(self, index: IndexArray, shape: tuple[int, ...]) -> History:
+        """Return the histories at flat positions ``(k,)`` of the batch broadcast to `shape`."""
+        return Piecewise(algebra.take(algebra.spread(self.pieces, shape), index))
 
     @cached_property
     def onset(self) -> FloatArray:
         """Time [s] at which the history first differs from zero, shape ``batch``; inf if never."""
-        return np.where(self._live, self.knots, np.inf).min(axis=-1)
+        return np.where(self._nonzero, self.knots, np.inf).min(axis=-1)
 
     @cached_property
     def end(self) -> FloatArray:
-        """Time [s] from which the history is zero for ever, shape ``batch``; inf if there is none.
+        """Time [s] from which the history stays zero, shape ``batch``; inf for an endless history.
 
         A history that is zero throughout ends at -inf.
         """
-        return np.where(self._live, self.knots + self.pieces.widths, -np.inf).max(axis=-1)
+        return np.where(self._nonzero, self.knots + self.pieces.widths, -np.inf).max(axis=-1)
 
     @cached_property
     def final_value(self) -> FloatArray:
-        """The value that is approached for ever, shape ``batch``; NaN when there is none."""
+        """Limit for t to infinity, shape ``batch``; NaN where it does not exist."""
         last, rates = self.pieces.coefficients[..., -1, :, :], self.pieces.rates
         constant = np.where(rates == 0.0, last[..., 0], 0.0).sum(axis=-1)
         endless = (np.real(rates) >= 0.0)[..., np.newaxis] & (last != 0.0)
@@ -215,26 +215,26 @@ class History(Carded, ABC):
 
     @cached_property
     def peak(self) -> FloatArray:
-        """The value that is largest in size, with its sign, shape ``batch``.
+        """Value of largest size, with its sign, shape ``batch``.
 
-        It is sought at the knots, on both sides of each jump, between them, and beyond the last
-        one where the history goes on.
+        It is searched at the knots, on both sides of each jump, between them, and beyond the last
+        one in an endless piece.
         """
         if self._linear:
-            values = self.looked_at
+            values = self.shape_samples
             where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
             return np.take_along_axis(values, where, axis=-1)[..., 0]
-        times = self._close_probes()
+        times = self._curve_probe_times()
         values = np.real(algebra.value(self.pieces, times))
         where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
         largest = np.take_along_axis(values, where, axis=-1)[..., 0]
         return self._refined_peak(times, where, largest)
 
     @cached_property
-    def looked_at(self) -> FloatArray:
-        """Values that show the shape, ``(..., m)``: of straight lines those at their ends.
+    def shape_samples(self) -> FloatArray:
+        """Samples of the value that show its shape, ``(..., m)``: of linear pieces at their ends.
 
-        Of other pieces, those at `probe_times`. A last piece that goes on shows its beginning.
+        Other pieces are sampled at `probe_times`, an endless last piece at its start.
         """
         if not self._linear:
             return np.real(algebra.value(self.pieces, self.probe_times()))
@@ -244,58 +244,60 @@ class History(Carded, ABC):
         start = np.broadcast_to(c[..., 0], (*p.batch, p.knots.shape[-1]))
         if p.degree == 0:
             return start
-        stop = start[..., :-1] + np.diff(p.knots, axis=-1) * c[..., :-1, 1]
-        both = np.stack([start[..., :-1], stop], axis=-1).reshape(*p.batch, 2 * stop.shape[-1])
-        return np.concatenate([both, start[..., -1:]], axis=-1)
+        end_values = start[..., :-1] + np.diff(p.knots, axis=-1) * c[..., :-1, 1]
+        ends = np.stack([start[..., :-1], end_values], axis=-1).reshape(
+            *p.batch, 2 * end_values.shape[-1]
+        )
+        return np.concatenate([ends, start[..., -1:]], axis=-1)
 
     @cached_property
     def extent(self) -> tuple[FloatArray, FloatArray]:
-        """The lowest and the highest of the values that are `looked_at`, shape ``batch``."""
-        return self.looked_at.min(axis=-1), self.looked_at.max(axis=-1)
+        """Minimum and maximum of the `shape_samples`, shape ``batch``."""
+        return self.shape_samples.min(axis=-1), self.shape_samples.max(axis=-1)
 
     @property
-    def one_sign(self) -> BoolArray:
-        """Whether these values keep their sign but for rounding, shape ``batch``."""
+    def constant_sign(self) -> BoolArray:
+        """Whether the `shape_samples` have one sign, to rounding, shape ``batch``."""
         low, high = self.extent
-        return np.asarray(np.minimum(-low, high) <= _SAME * np.maximum(-low, high))
+        return np.asarray(np.minimum(-low, high) <= _RELATIVE_ROUNDING * np.maximum(-low, high))
 
     def probe_times(self, between: int = 8) -> FloatArray:
-        """Return times [s] that show the shape: both sides of every knot and `between` more.
+        """Return sample times [s] at both sides of every knot and `between` more in each piece.
 
         Shape ``(..., m)``, not decreasing. The left side of a knot is the last floating-point
         number before it.
         """
-        if whole_number("between", between) > _PROBES:
-            raise InputError(f"between must be at most {_PROBES}; got {shown(between)}")
+        if whole_number("between", between) > _MAX_PROBES:
+            raise InputError(f"between must be at most {_MAX_PROBES}; got {shown(between)}")
         start, stop = self.knots[..., :-1, np.newaxis], self.knots[..., 1:, np.newaxis]
         inside = start + (stop - start) * (np.arange(between + 1) / (between + 1))
         times = np.concatenate([inside, np.maximum(np.nextafter(stop, -np.inf), start)], axis=-1)
         flat = times.reshape(*times.shape[:-2], times.shape[-2] * times.shape[-1])
         return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
 
-    def _close_probes(self) -> FloatArray:
-        """Times that show a curved history: after each knot every rate has its own time scale."""
+    def _curve_probe_times(self) -> FloatArray:
+        """Return sample times [s] of a curved history, spaced by each rate."""
         count = self.knots.shape[-1]
-        each = np.linspace(0.0, 20.0, int(np.clip(_PROBES // count, 8, 128)))
+        steps = np.linspace(0.0, 20.0, int(np.clip(_MAX_PROBES // count, 8, 128)))
         rates = np.abs(self.pieces.rates)[..., np.newaxis]
-        offsets = each / np.where(rates > _SLOWEST, rates, np.inf)
+        offsets = steps / np.where(rates > _MIN_RATE, rates, np.inf)
         widths = np.diff(self.knots, axis=-1)
         row = (*offsets.shape[:-2], offsets.shape[-2] * offsets.shape[-1])
         after = np.sort(offsets.reshape(row), axis=-1)[..., np.newaxis, :]
         inside = np.minimum(after, np.nextafter(widths, 0.0)[..., np.newaxis])
         first = self.knots[..., :-1, np.newaxis]
         within = np.broadcast_shapes(first.shape, inside.shape)
-        parts = [
-            self.probe_times(64 if count < _PROBES // 64 else 8),
+        groups = [
+            self.probe_times(64 if count < _MAX_PROBES // 64 else 8),
             (first + inside).reshape(*within[:-2], within[-2] * within[-1]),
             self.knots[..., -1:] + after[..., 0, :],
         ]
-        shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
-        every = [np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts]
-        return np.sort(np.concatenate(every, axis=-1), axis=-1)
+        shape = np.broadcast_shapes(*(group.shape[:-1] for group in groups))
+        samples = [np.broadcast_to(group, (*shape, group.shape[-1])) for group in groups]
+        return np.sort(np.concatenate(samples, axis=-1), axis=-1)
 
     @property
-    def _live(self) -> BoolArray:
+    def _nonzero(self) -> BoolArray:
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes
         columns = np.moveaxis(c.reshape(*c.shape[:-2], c.shape[-2] * c.shape[-1]), -1, 0)
         filled = reduce(np.logical_or, columns != 0.0)
@@ -311,34 +313,38 @@ class History(Carded, ABC):
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
         here = np.take_along_axis(times, where, axis=-1)
-        apart = _SAME * (times[..., -1:] - times[..., :1])  # rates that are alike repeat a time
-        before = np.sum(times < here - apart, axis=-1, keepdims=True) - 1
-        after = np.sum(times <= here + apart, axis=-1, keepdims=True)
+        tolerance = _RELATIVE_ROUNDING * (
+            times[..., -1:] - times[..., :1]
+        )  # rates that are alike repeat a time
+        before = np.sum(times < here - tolerance, axis=-1, keepdims=True) - 1
+        after = np.sum(times <= here + tolerance, axis=-1, keepdims=True)
         at = np.concatenate([np.maximum(before, 0), where, np.minimum(after, last)], axis=-1)
-        near, sign = np.take_along_axis(times, at, axis=-1), np.asarray(np.sign(largest))
-        low, middle, high = np.moveaxis(np.real(algebra.value(self.pieces, near)), -1, 0) * sign
+        bracket, sign = np.take_along_axis(times, at, axis=-1), np.asarray(np.sign(largest))
+        low, middle, high = np.moveaxis(np.real(algebra.value(self.pieces, bracket)), -1, 0) * sign
         inside = np.asarray((middle > low) & (middle > high))
         if not np.any(inside):
             return largest
-        some, side = algebra.take(self.pieces, np.flatnonzero(inside)), sign[inside]
+        pieces, peak_sign = algebra.take(self.pieces, np.flatnonzero(inside)), sign[inside]
 
         def below(t: FloatArray) -> FloatArray:
-            return -side[:, np.newaxis] * np.real(algebra.value(some, t))
+            return -peak_sign[:, np.newaxis] * np.real(algebra.value(pieces, t))
 
         refined = np.zeros(self.batch)
-        refined[inside] = -side * grid_minimum(below, near[inside, 0], near[inside, 2])[1]
+        refined[inside] = (
+            -peak_sign * grid_minimum(below, bracket[inside, 0], bracket[inside, 2])[1]
+        )
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Piecewise(History):
-    """A history given by its pieces; sums, shifts and filters of other histories are these."""
+    """History defined by its pieces, as sums, shifts and filter responses of others are."""
 
     arrays: Pieces
 
     @property
     def pieces(self) -> Pieces:
-        """The pieces as arrays: knots, coefficients and rates."""
+        """Pieces as arrays: knots, coefficients and rates."""
         return self.arrays
 
     def __repr__(self) -> str:
@@ -348,7 +354,7 @@ class Piecewise(History):
 
 
 def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:
-    """Return pieces that start at ``knots (..., n)`` with the given values and slopes [1/s]."""
+    """Return linear pieces that start at ``knots (..., n)`` with values and slopes [1/s]."""
     coefficients = np.stack(np.broadcast_arrays(values, slopes), axis=-1).astype(float)
     return Pieces(np.asarray(knots, float), coefficients[..., np.newaxis, :], np.zeros(1))
 
@@ -359,34 +365,36 @@ def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:
 
 
 def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
-    """Filter by a chain of lags: num/den = c0 + c1/(s-p1) + c2/((s-p1)(s-p2)) + ...
+    """Return the response of a chain of lags: num/den = c0 + c1/(s-p1) + c2/((s-p1)(s-p2)) + ...
 
     Unlike partial fractions it needs no distinct poles.
     """
     poles = polynomials.roots(den)
     order = poles.shape[-1]
-    rest = np.pad(num, [(0, 0)] * (num.ndim - 1) + [(order + 1 - num.shape[-1], 0)]) / den[..., :1]
+    quotient = (
+        np.pad(num, [(0, 0)] * (num.ndim - 1) + [(order + 1 - num.shape[-1], 0)]) / den[..., :1]
+    )
     gains = []
     for k in reversed(range(order)):
-        rest, remainder = polynomials.divide(rest, poles[..., k])
+        quotient, remainder = polynomials.divide(quotient, poles[..., k])
         gains.append(remainder)
-    answer, stage = _scaled(pieces, rest[..., 0]), pieces
+    response, stage = _scaled(pieces, quotient[..., 0]), pieces
     for k, gain in enumerate(reversed(gains)):
         stage = algebra.lag(stage, poles[..., k])
-        answer = algebra.add(answer, _scaled(stage, gain))
-    return Piecewise(answer)
+        response = algebra.add(response, _scaled(stage, gain))
+    return Piecewise(response)
 
 
 def _laplace_variable(s: ArrayLike) -> AnyArray:
-    rule = f"numbers up to {_FASTEST:g} in size, real or complex"
+    rule = f"numbers up to {_MAX_LAPLACE_VARIABLE:g} in size, real or complex"
     array = array_of("s", s, "iufc", rule)
-    if not np.all(np.abs(array) <= _FASTEST):
+    if not np.all(np.abs(array) <= _MAX_LAPLACE_VARIABLE):
         raise InputError(f"s must be {rule}; got {shown(s)}")
     return array.astype(complex if array.dtype.kind == "c" else float)
 
 
-def _carried(values: AnyArray, s: AnyArray) -> AnyArray:
-    """The values; `InputError` where e^(-s t) has outgrown every number and left none."""
+def _finite_values(values: AnyArray, s: AnyArray) -> AnyArray:
+    """Return the values; raise `InputError` where e^(-s t) overflows to NaN."""
     if np.any(np.isnan(values)):
         raise InputError(f"s must be such that e^(-s t) does not overflow; got {shown(s)}")
     return values

@@ -1,7 +1,7 @@
-"""A wind with a direction: one history in pitch and one in yaw.
+"""Winds in two planes: one history of the wind angle in pitch and one in yaw.
 
-Vectors are complex numbers, pitch + j yaw, and angles are counted from the pitch plane, towards
-positive yaw. Bearings are clockwise from north; `WindProfile.to_winds` converts them.
+The wind vector is the complex number pitch + j yaw, and directions are measured from the pitch
+plane towards positive yaw. Bearings are clockwise from north; `WindProfile.to_winds` converts them.
 """
 
 from __future__ import annotations
@@ -28,21 +28,23 @@ from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
 
 _ROUNDING = 1e-12
-_FASTEST = 1e3
-_TURNS = 100.0
-"""A wind that veers faster [rad/s] or further than this is no wind."""
+"""Relative rounding of a component, and of a veer angle [rad], that counts as zero."""
+_MAX_VEER_RATE = 1e3
+"""Largest rate of veer [rad/s]."""
+_MAX_VEER_TURNS = 100.0
+"""Largest veer of a wind from its onset to its end, in turns."""
 
 
-def unit(angle: ArrayLike) -> ComplexArray:
-    """Return e^(j angle); a part below rounding is zero, so that an axis is met exactly."""
-    parts = np.stack([np.cos(angle), np.sin(angle)])
-    parts = np.where(np.abs(parts) < _ROUNDING, 0.0, parts)
-    return np.asarray(parts[0] + 1j * parts[1])
+def unit_vector(angle: ArrayLike) -> ComplexArray:
+    """Return e^(j angle), with components below rounding set to zero, exact along an axis."""
+    components = np.stack([np.cos(angle), np.sin(angle)])
+    components = np.where(np.abs(components) < _ROUNDING, 0.0, components)
+    return np.asarray(components[0] + 1j * components[1])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlaneWind:
-    """Wind angles of attack in pitch and in yaw, or a batch of both.
+    """Wind angles of attack in pitch and in yaw, or a batch of pairs.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ class PlaneWind:
 
     @classmethod
     def towards(cls, wind: History, angle: ArrayLike) -> Self:
-        """Return a wind of one direction.
+        """Return a wind of constant direction.
 
         Parameters
         ----------
@@ -88,13 +90,15 @@ class PlaneWind:
             For what is no History, an angle that is not finite, and shapes that do not broadcast.
         """
         instance("wind", wind, History, "such as TriangularWind")
-        direction = unit(directions("angle", angle))
+        direction = unit_vector(directions("angle", angle))
         broadcast(wind=wind.batch, angle=direction.shape)
         return cls(pitch=wind * np.real(direction), yaw=wind * np.imag(direction))
 
     @classmethod
     def veering(cls, wind: History, angle: ArrayLike, rate: ArrayLike) -> Self:
-        """Return a wind that turns evenly: its size times e^(j (angle + rate (t - onset))).
+        """Return a wind whose direction changes at a constant rate.
+
+        Its vector is the wind angle times e^(j (angle + rate (t - onset))).
 
         Parameters
         ----------
@@ -103,7 +107,7 @@ class PlaneWind:
         angle : array_like
             Its direction [rad] from the pitch plane at its onset.
         rate : array_like
-            How fast it turns [rad/s], towards positive yaw if positive.
+            Rate of veer [rad/s], positive towards positive yaw.
 
         Raises
         ------
@@ -113,121 +117,135 @@ class PlaneWind:
 
         Notes
         -----
-        It is exact: a piece c u^k e^(lambda u) becomes one of rate lambda + j rate and one of
-        lambda - j rate. So all transforms of a veering wind are those of the straight one at
-        s - j rate: veer is a complex pole.
+        The histories are exact: a piece c u^k e^(lambda u) becomes one of rate lambda + j rate
+        and one of lambda - j rate. So the transforms of a veering wind are those of the wind of
+        constant direction at s - j rate: veer is a complex pole.
         """
         instance("wind", wind, History, "such as TriangularWind")
-        turns = within("rate", rate, -_FASTEST, _FASTEST, "rad/s")
-        first = directions("angle", angle)
-        shape = broadcast(wind=wind.batch, angle=first.shape, rate=turns.shape)
+        rates = within("rate", rate, -_MAX_VEER_RATE, _MAX_VEER_RATE, "rad/s")
+        direction = directions("angle", angle)
+        shape = broadcast(wind=wind.batch, angle=direction.shape, rate=rates.shape)
         ending("wind", wind.end)
-        if np.any(np.abs(turns) * (wind.end - wind.onset) > 2.0 * np.pi * _TURNS):
-            raise InputError(f"rate must turn the wind less than {_TURNS:g} times while it blows")
-        turns = np.where(np.abs(turns) * (wind.end - wind.onset) < _ROUNDING, 0.0, turns)
-        if not np.any(turns):
-            return cls.towards(wind, first)
+        if np.any(np.abs(rates) * (wind.end - wind.onset) > 2.0 * np.pi * _MAX_VEER_TURNS):
+            raise InputError(
+                f"rate must turn the wind less than {_MAX_VEER_TURNS:g} times while it blows"
+            )
+        rates = np.where(np.abs(rates) * (wind.end - wind.onset) < _ROUNDING, 0.0, rates)
+        if not np.any(rates):
+            return cls.towards(wind, direction)
         return cls(
-            pitch=_turned(wind, first, turns, shape),
-            yaw=_turned(wind, first - np.pi / 2.0, turns, shape),
+            pitch=_veering_component(wind, direction, rates, shape),
+            yaw=_veering_component(wind, direction - np.pi / 2.0, rates, shape),
         )
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the leading axes."""
+        """Shape of the leading axes of both histories."""
         return broadcast(pitch=self.pitch.batch, yaw=self.yaw.batch)
 
-    def one(self, case: int, shape: tuple[int, ...]) -> PlaneWind:
-        """Return one wind of the batch spread to `shape`, by its flat position there."""
-        return PlaneWind(pitch=self.pitch.one(case, shape), yaw=self.yaw.one(case, shape))
+    def case(self, index: int, shape: tuple[int, ...]) -> PlaneWind:
+        """Return the wind at the flat position `index` of the batch broadcast to `shape`."""
+        return PlaneWind(pitch=self.pitch.case(index, shape), yaw=self.yaw.case(index, shape))
 
     def __call__(self, t: ArrayLike) -> ComplexArray:
-        """Return the vectors [rad] at the times `t` [s], shape ``batch + t.shape``."""
+        """Return the wind vectors pitch + j yaw [rad] at `t` [s], shape ``batch + t.shape``."""
         return np.asarray(self.pitch(t) + 1j * self.yaw(t))
 
-    def future(self, s: ArrayLike, t: ArrayLike) -> ComplexArray:
-        """Return the vector of both `History.future`, the wind still to come after `t` [s].
+    def remaining_integral(self, s: ArrayLike, t: ArrayLike) -> ComplexArray:
+        """Return `History.remaining_integral` of pitch + j yaw from the times `t` [s] on.
 
         Shape ``broadcast(batch, s.shape) + t.shape``.
         """
-        return np.asarray(self.pitch.future(s, t) + 1j * self.yaw.future(s, t))
+        return np.asarray(
+            self.pitch.remaining_integral(s, t) + 1j * self.yaw.remaining_integral(s, t)
+        )
 
     def component(self, angle: ArrayLike) -> History:
-        """Return the part along a direction [rad] from the pitch plane, which may be a batch."""
-        direction = unit(directions("angle", angle))
+        """Return the wind component along directions [rad] from the pitch plane, as a history."""
+        direction = unit_vector(directions("angle", angle))
         broadcast(wind=self.batch, angle=direction.shape)
         return self.pitch * np.real(direction) + self.yaw * np.imag(direction)
 
     @cached_property
     def onset(self) -> FloatArray:
-        """Time [s] at which either first differs from zero, shape ``batch``; inf if never."""
+        """Time [s] at which the first of both differs from zero, shape ``batch``; inf if never."""
         return np.minimum(self.pitch.onset, self.yaw.onset)
 
     @cached_property
     def end(self) -> FloatArray:
-        """Time [s] from which both are zero, shape ``batch``; inf if there is none."""
+        """Time [s] from which both histories stay zero, shape ``batch``; inf if endless."""
         return np.maximum(self.pitch.end, self.yaw.end)
 
     @cached_property
     def square(self) -> History:
-        """The square of the vector's size [rad^2], a history as exact as the two."""
+        """Squared size of the wind vector [rad^2], as an exact history."""
         return _squared(self.pitch) + _squared(self.yaw)
 
     @cached_property
     def peak(self) -> FloatArray:
-        """Size [rad] of the largest vector, shape ``batch``: not that of the two peaks."""
-        straight = np.abs(self.component(self.direction).peak)
-        if np.all(self.one_direction):
-            return straight
-        return np.where(self.one_direction, straight, np.sqrt(np.maximum(self.square.peak, 0.0)))
+        """Largest size of the wind vector [rad], shape ``batch``; not formed of the two peaks."""
+        along_direction = np.abs(self.component(self.direction).peak)
+        if np.all(self.unidirectional):
+            return along_direction
+        return np.where(
+            self.unidirectional, along_direction, np.sqrt(np.maximum(self.square.peak, 0.0))
+        )
 
     @cached_property
-    def one_direction(self) -> BoolArray:
-        """Whether the wind keeps to one line, shape ``batch``."""
+    def unidirectional(self) -> BoolArray:
+        """Whether the wind vector stays on one line, shape ``batch``."""
         pitch, yaw = self._terms
-        line = unit(self.direction)[..., np.newaxis]
+        line = unit_vector(self.direction)[..., np.newaxis]
         across = np.abs(yaw * np.real(line) - pitch * np.imag(line))
         return np.asarray(np.all(across <= _ROUNDING * (np.abs(pitch) + np.abs(yaw)), axis=-1))
 
     @cached_property
     def direction(self) -> Any:
-        """Angle [rad] of that line, shape ``batch``; of a wind that turns, of its largest term."""
+        """Angle [rad] of that line, shape ``batch``; of a veering wind, of its largest term."""
         pitch, yaw = self._terms
         largest = np.argmax(np.abs(pitch) + np.abs(yaw), axis=-1)[..., np.newaxis]
-        x, y = (np.take_along_axis(np.real(one), largest, axis=-1)[..., 0] for one in (pitch, yaw))
+        x, y = (
+            np.take_along_axis(np.real(component), largest, axis=-1)[..., 0]
+            for component in (pitch, yaw)
+        )
         return plain(np.arctan2(y, x))
 
     @cached_property
     def _terms(self) -> tuple[AnyArray, AnyArray]:
-        """The terms of both on common knots and rates, ``(..., m)``."""
+        """Coefficients of pitch and yaw on common knots and rates, ``(..., m)`` each."""
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
-        still = [(0.0 * one).pieces for one in (self.pitch, self.yaw)]
-        both = algebra.add(pitch, still[1]), algebra.add(still[0], yaw)
+        zero = [(0.0 * wind).pieces for wind in (self.pitch, self.yaw)]
+        components = algebra.add(pitch, zero[1]), algebra.add(zero[0], yaw)
         c = [
-            np.broadcast_to(p.coefficients, (*self.batch, *p.coefficients.shape[-3:])) for p in both
+            np.broadcast_to(p.coefficients, (*self.batch, *p.coefficients.shape[-3:]))
+            for p in components
         ]
-        flat = [one.reshape(*self.batch, int(np.prod(one.shape[-3:]))) for one in c]
+        flat = [array.reshape(*self.batch, int(np.prod(array.shape[-3:]))) for array in c]
         return flat[0], flat[1]
 
 
-def _turned(
-    wind: History, first: FloatArray, turns: FloatArray, shape: tuple[int, ...]
+def _veering_component(
+    wind: History, direction: FloatArray, rates: FloatArray, shape: tuple[int, ...]
 ) -> Piecewise:
-    """The wind times cos(first + turns (t - onset)), as two terms for each of its own."""
+    """Return the wind times cos(direction + rates (t - onset)), two terms for each of its own."""
     p = algebra.spread(wind.pieces, shape)
-    turns = np.broadcast_to(turns, shape)[..., np.newaxis]
-    begun = np.broadcast_to(first - turns[..., 0] * wind.onset, shape)[..., np.newaxis]
-    straight = np.where(turns == 0.0, np.real(unit(begun)), 0.0)
-    half = np.where(turns == 0.0, 0.0, 0.5 * np.exp(1j * (begun + turns * p.knots)))
-    factors = [one[..., np.newaxis, np.newaxis] for one in (half + straight, np.conj(half))]
-    both = np.concatenate([p.coefficients * one for one in factors], axis=-2)
+    rates = np.broadcast_to(rates, shape)[..., np.newaxis]
+    phase = np.broadcast_to(direction - rates[..., 0] * wind.onset, shape)[..., np.newaxis]
+    constant = np.where(rates == 0.0, np.real(unit_vector(phase)), 0.0)
+    half = np.where(rates == 0.0, 0.0, 0.5 * np.exp(1j * (phase + rates * p.knots)))
+    factors = [array[..., np.newaxis, np.newaxis] for array in (half + constant, np.conj(half))]
+    coefficients = np.concatenate([p.coefficients * array for array in factors], axis=-2)
     return Piecewise(
-        Pieces(p.knots, both, np.concatenate([p.rates + 1j * turns, p.rates - 1j * turns], axis=-1))
+        Pieces(
+            p.knots,
+            coefficients,
+            np.concatenate([p.rates + 1j * rates, p.rates - 1j * rates], axis=-1),
+        )
     )
 
 
 def _squared(wind: History) -> Piecewise:
-    """Each term times each: c u^i e^(a u) times d u^k e^(b u)."""
+    """Return the square of a wind [rad^2], from all products c u^i e^(a u) d u^k e^(b u)."""
     p = wind.pieces
     c, order = p.coefficients, p.degree + 1
     products = np.zeros((*c.shape[:-1], c.shape[-2], 2 * order - 1), dtype=c.dtype)

@@ -38,39 +38,40 @@ from tvclin.base.errors import (
 from tvclin.numerics.pieces import Pieces
 from tvclin.winds.histories import History, linear_pieces
 
-_FAINTEST = 1e-12
-SHORTEST, LONGEST = 1e-9, 1e9
-"""Beyond these, times and angles can no longer be added to each other without loss."""
-# Parts of the peak at the rates 0, +j omega and -j omega. Every piece counts its time from its own
-# start, where its half wave is at an extreme, so that all coefficients are real.
-_UP = [0.5, -0.25, -0.25]
+_MIN_PEAK = 1e-12
+"""Smallest size of a peak [rad]."""
+MIN_DURATION, MAX_DURATION = 1e-9, 1e9
+"""Durations [s] outside of which times can no longer be added without loss of digits."""
+# Coefficients over the peak at the rates 0, +j omega and -j omega. The local time of every piece
+# starts where its half wave is at an extreme, so that all coefficients are real.
+_RISE = [0.5, -0.25, -0.25]
 _PLATEAU = [1.0, 0.0, 0.0]
-_DOWN = [0.5, 0.25, 0.25]
-_CALM = [0.0, 0.0, 0.0]
-_CANCELLED = 1e-12
-"""An area this small against the sum of its parts is what rounding leaves of none."""
+_FALL = [0.5, 0.25, 0.25]
+_ZERO = [0.0, 0.0, 0.0]
+_AREA_ROUNDING = 1e-12
+"""Area, relative to the sum of the sizes of its terms, that counts as zero."""
 
 
 def checked_peak(peak: ArrayLike) -> FloatArray:
     """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
     peak = small_angle("a wind angle", nonzero)("peak", peak)
-    if np.any(np.abs(peak) < _FAINTEST):
-        raise InputError(f"peak must be at least {_FAINTEST:g} rad in size; got {peak.min():.6g}")
+    if np.any(np.abs(peak) < _MIN_PEAK):
+        raise InputError(f"peak must be at least {_MIN_PEAK:g} rad in size; got {peak.min():.6g}")
     return peak
 
 
-def checked_span(name: str, value: ArrayLike) -> FloatArray:
+def checked_duration(name: str, value: ArrayLike) -> FloatArray:
     """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
     value = positive(name, value, "s")
-    return within(name, value, SHORTEST, LONGEST, "s")
+    return within(name, value, MIN_DURATION, MAX_DURATION, "s")
 
 
-def checked_part(name: str, value: ArrayLike) -> FloatArray:
-    """Return a part of a duration, which may be zero; `InputError` if it is shorter than 1 ns."""
-    value = within(name, nonnegative(name, value, "s"), 0.0, LONGEST, "s")
-    if np.any((value > 0.0) & (value < SHORTEST)):
+def checked_interval(name: str, value: ArrayLike) -> FloatArray:
+    """Return an interval of a duration [s], which may be zero; `InputError` below 1 ns."""
+    value = within(name, nonnegative(name, value, "s"), 0.0, MAX_DURATION, "s")
+    if np.any((value > 0.0) & (value < MIN_DURATION)):
         raise InputError(
-            f"{name} must be zero, or {SHORTEST:g} s or longer; got {value.min():.6g} s"
+            f"{name} must be zero, or {MIN_DURATION:g} s or longer; got {value.min():.6g} s"
         )
     return value
 
@@ -83,15 +84,15 @@ def check_end(wind: History) -> None:
         raise InputError("wind must end: the last piece of its history must be zero")
 
 
-def keep(wind: History, **checked: FloatArray) -> None:
-    """Keep the checked fields of a frozen wind, all in the shape of its batch."""
+def set_fields(wind: History, **checked: FloatArray) -> None:
+    """Set the checked fields of a frozen wind, all in the shape of its batch."""
     together(**checked)
     for name, value in zip(checked, np.broadcast_arrays(*checked.values()), strict=True):
         object.__setattr__(wind, name, plain(value))
 
 
-def straight_lines(time: FloatArray, angle: FloatArray) -> Pieces:
-    """Return the pieces of straight lines between points ``(..., n)``, zero before and after.
+def piecewise_linear(time: FloatArray, angle: FloatArray) -> Pieces:
+    """Return the pieces of linear interpolation between points ``(..., n)``, zero outside.
 
     Two points at one time are a jump.
     """
@@ -107,13 +108,13 @@ def straight_lines(time: FloatArray, angle: FloatArray) -> Pieces:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SampledWind(History):
-    """A wind given by samples and straight lines between them.
+    """Wind defined by samples and linear interpolation between them.
 
     Parameters
     ----------
     time : array_like
-        Sample times [s], shape ``(n,)``, not decreasing. A time given twice is a jump. Before
-        the first and after the last sample there is no wind.
+        Sample times [s], shape ``(n,)``, not decreasing. A repeated time is a jump. Before
+        the first and after the last sample the wind is zero.
     angle : array_like
         Wind angle of attack [rad] at these times, shape ``(..., n)``.
 
@@ -134,42 +135,42 @@ class SampledWind(History):
                 "time must hold two or more samples and angle one for each along its last axis;"
                 f" got time of shape {time.shape} and angle of shape {angle.shape}"
             )
-        _check_order(time)
-        within("time", time, -LONGEST, LONGEST, "s")
-        _check_angle(time, angle)
+        _check_sample_times(time)
+        within("time", time, -MAX_DURATION, MAX_DURATION, "s")
+        _check_sample_angles(time, angle)
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "angle", angle)
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
-        return straight_lines(self.time, self.angle)
+        """Pieces as arrays: knots, coefficients and rates."""
+        return piecewise_linear(self.time, self.angle)
 
     def __repr__(self) -> str:
         time = self.time
         return f"SampledWind({time.size} samples from {time[0]:.6g} s to {time[-1]:.6g} s)"
 
 
-def _check_order(time: FloatArray) -> None:
+def _check_sample_times(time: FloatArray) -> None:
     step = np.diff(time)
     thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
-    wrong = (step < 0.0) | thrice
-    if np.any(wrong):
-        late = int(np.argmax(wrong)) + 1
+    invalid = (step < 0.0) | thrice
+    if np.any(invalid):
+        index = int(np.argmax(invalid)) + 1
         raise InputError(
             "time must not decrease, and may stand twice (a jump) but not three times; got"
-            f" {time[late]:.6g} s at index {late}"
+            f" {time[index]:.6g} s at index {index}"
         )
 
 
-def _check_angle(time: FloatArray, angle: FloatArray) -> None:
+def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
     if np.any(np.abs(angle) >= np.pi / 2):
         raise InputError(
             "angle must be a wind within 90 degrees, in radians; got a largest size of"
             f" {np.abs(angle).max():.6g} rad"
         )
-    blows = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
-    if not np.all(np.any(blows & (np.diff(time) > 0.0), axis=-1)):
+    nonzero = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
+    if not np.all(np.any(nonzero & (np.diff(time) > 0.0), axis=-1)):
         raise InputError(
             "angle must be a wind that is not zero throughout; got one that is zero wherever"
             f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"
@@ -178,18 +179,20 @@ def _check_angle(time: FloatArray, angle: FloatArray) -> None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pulse(History):
-    """A wind that is known by its peak and its duration; each shape says what becomes of them."""
+    """Wind defined by its peak and its duration; each subclass gives the shape."""
 
     peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
+        set_fields(
+            self, peak=checked_peak(self.peak), duration=checked_duration("duration", self.duration)
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RectangularWind(Pulse):
-    """A wind that starts at t = 0, keeps one angle, and stops (report, sketch (a)).
+    """Wind of constant angle from t = 0 to t = tau (report, sketch (a)).
 
     Parameters
     ----------
@@ -207,15 +210,15 @@ class RectangularWind(Pulse):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
-        return _lines((0.0, self.duration), (self.peak, self.peak))
+        """Pieces as arrays: knots, coefficients and rates."""
+        return _vertices_to_pieces((0.0, self.duration), (self.peak, self.peak))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TriangularWind(Pulse):
-    """A wind that rises evenly from t = 0 to its peak at tau/2 and falls evenly to tau.
+    """Wind that rises linearly from t = 0 to its peak at tau/2 and falls linearly to tau.
 
-    It is the report's stand-in for synthetic winds (sketch (b)).
+    It is the report's substitute for synthetic winds (sketch (b)).
 
     Parameters
     ----------
@@ -233,13 +236,13 @@ class TriangularWind(Pulse):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
-        return _lines((0.0, self.duration / 2, self.duration), (0.0, self.peak, 0.0))
+        """Pieces as arrays: knots, coefficients and rates."""
+        return _vertices_to_pieces((0.0, self.duration / 2, self.duration), (0.0, self.peak, 0.0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AsymmetricTriangularWind(History):
-    """A wind that rises evenly from t = 0 to its peak at any time and falls evenly to tau.
+    """Wind that rises linearly from t = 0 to its peak at any time and falls linearly to tau.
 
     Parameters
     ----------
@@ -263,33 +266,33 @@ class AsymmetricTriangularWind(History):
     peak_time: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, duration = checked_peak(self.peak), checked_span("duration", self.duration)
+        peak, duration = checked_peak(self.peak), checked_duration("duration", self.duration)
         peak_time = nonnegative("peak_time", self.peak_time, "s")
-        keep(self, peak=peak, duration=duration, peak_time=peak_time)
+        set_fields(self, peak=peak, duration=duration, peak_time=peak_time)
         nonnegative("duration - peak_time", duration - peak_time, "s")
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
-        return _lines((0.0, self.peak_time, self.duration), (0.0, self.peak, 0.0))
+        """Pieces as arrays: knots, coefficients and rates."""
+        return _vertices_to_pieces((0.0, self.peak_time, self.duration), (0.0, self.peak, 0.0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrapezoidalWind(History):
-    """A wind that rises evenly from t = 0 to its peak, holds it, and falls evenly.
+    """Wind that rises linearly from t = 0 to its peak, stays constant, and falls linearly.
 
     Parameters
     ----------
     peak : array_like
         Wind angle of attack alpha_w,max [rad], not zero, within 90 degrees.
     rise, hold, fall : array_like
-        How long the three parts last [s], each zero or positive and not all of them zero; a rise
-        or fall of zero is a jump. They broadcast with each other and with `peak`.
+        Durations of rise, constant peak and fall [s], each zero or positive and not all of them
+        zero; a rise or fall of zero is a jump. They broadcast with each other and with `peak`.
 
     Raises
     ------
     InputError
-        For a peak of zero or beyond 90 degrees, a negative part, a wind that does not last, or
+        For a peak of zero or beyond 90 degrees, a negative duration, a total duration of zero, or
         shapes that do not broadcast.
     """
 
@@ -299,34 +302,34 @@ class TrapezoidalWind(History):
     fall: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, rise = checked_peak(self.peak), checked_part("rise", self.rise)
-        hold, fall = checked_part("hold", self.hold), checked_part("fall", self.fall)
-        keep(self, peak=peak, rise=rise, hold=hold, fall=fall)
-        checked_span("rise + hold + fall", rise + hold + fall)
+        peak, rise = checked_peak(self.peak), checked_interval("rise", self.rise)
+        hold, fall = checked_interval("hold", self.hold), checked_interval("fall", self.fall)
+        set_fields(self, peak=peak, rise=rise, hold=hold, fall=fall)
+        checked_duration("rise + hold + fall", rise + hold + fall)
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
+        """Pieces as arrays: knots, coefficients and rates."""
         top = self.rise + self.hold
         times = (0.0, self.rise, top, top + self.fall)
-        return _lines(times, (0.0, self.peak, self.peak, 0.0))
+        return _vertices_to_pieces(times, (0.0, self.peak, self.peak, 0.0))
 
 
-def _lines(times: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> Pieces:
+def _vertices_to_pieces(times: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> Pieces:
     time, angle = (np.stack(np.broadcast_arrays(*row), axis=-1) for row in (times, angles))
-    return straight_lines(time, angle)
+    return piecewise_linear(time, angle)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OneMinusCosineGust(Pulse):
-    """A gust that rises from t = 0 to its peak at T/2 and falls until T, both smoothly.
+    """Gust that rises smoothly from t = 0 to its peak at T/2 and falls until T.
 
         alpha_w = (peak/2) (1 - cos(2 pi t/T)),    0 <= t <= T
 
     Parameters
     ----------
     peak : array_like
-        Wind angle of attack at its largest [rad], not zero, within 90 degrees.
+        Peak wind angle of attack [rad], not zero, within 90 degrees.
     duration : array_like
         Duration T [s], positive; broadcasts with `peak`. In the words of airworthiness rules it
         is twice the gust gradient distance over the speed.
@@ -344,15 +347,15 @@ class OneMinusCosineGust(Pulse):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
+        """Pieces as arrays: knots, coefficients and rates."""
         duration = np.asarray(self.duration)
         knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
-        return _waves(np.asarray(self.peak), duration / 2, knots, [_UP, _DOWN, _CALM])
+        return _half_waves(np.asarray(self.peak), duration / 2, knots, [_RISE, _FALL, _ZERO])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LayeredGust(History):
-    """A gust that rises smoothly to its peak, stays there, and falls as it rose.
+    """Gust that rises smoothly to its peak, stays there, and falls as it rose.
 
     The rise is (peak/2) (1 - cos(pi t/blend)), and the fall is its mirror image.
 
@@ -361,22 +364,22 @@ class LayeredGust(History):
     peak : array_like
         Wind angle of attack on the plateau [rad], not zero, within 90 degrees.
     blend : array_like
-        How long the rise lasts [s], and the fall; zero or positive, zero being a jump.
+        Duration of the rise, and of the fall [s]; zero or positive, zero being a jump.
     plateau : array_like
-        How long the peak lasts [s]; zero or positive, and not zero where `blend` is. All three
+        Duration of the peak [s]; zero or positive, and not zero where `blend` is zero. All three
         broadcast.
 
     Raises
     ------
     InputError
-        For a peak of zero or beyond 90 degrees, a negative blend or plateau, a gust that does
-        not last, or shapes that do not broadcast.
+        For a peak of zero or beyond 90 degrees, a negative blend or plateau, a duration of
+        zero, or shapes that do not broadcast.
 
     Notes
     -----
-    It is the discrete gust of NASA-HDBK-1001, eq (2.69), flown through: the heights there, over
-    the rate of climb, are the times here. Not read in the handbook itself, but in the program
-    MAPLEAF (TurbulenceModelling.py), which cites it.
+    The shape is the discrete gust of NASA-HDBK-1001, eq (2.69): its heights over the rate of
+    climb are these times. The source read is not the handbook itself, but the program MAPLEAF
+    (TurbulenceModelling.py), which cites it.
     """
 
     peak: float | FloatArray = field()  # type: ignore[assignment]
@@ -384,21 +387,21 @@ class LayeredGust(History):
     plateau: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, blend = checked_peak(self.peak), checked_part("blend", self.blend)
+        peak, blend = checked_peak(self.peak), checked_interval("blend", self.blend)
         plateau = nonnegative("plateau", self.plateau, "s")
-        keep(self, peak=peak, blend=blend, plateau=plateau)
-        checked_span("blend + plateau", blend + plateau)
+        set_fields(self, peak=peak, blend=blend, plateau=plateau)
+        checked_duration("blend + plateau", blend + plateau)
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
+        """Pieces as arrays: knots, coefficients and rates."""
         blend = np.asarray(self.blend)
         top = blend + self.plateau
         knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)
-        return _waves(np.asarray(self.peak), blend, knots, [_UP, _PLATEAU, _DOWN, _CALM])
+        return _half_waves(np.asarray(self.peak), blend, knots, [_RISE, _PLATEAU, _FALL, _ZERO])
 
 
-def _waves(
+def _half_waves(
     peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
 ) -> Pieces:
     coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
@@ -408,7 +411,7 @@ def _waves(
 
 
 def checked_gust(gust: History | None) -> History | None:
-    """Return a gust, or none; `InputError` for a batch, and for one that does not end."""
+    """Return a gust or None; `InputError` for a batch, and for an endless gust."""
     if gust is not None:
         instance("gust", gust, History, "such as OneMinusCosineGust")
         single("gust", gust.batch)
@@ -417,7 +420,7 @@ def checked_gust(gust: History | None) -> History | None:
 
 
 def equivalent_triangle(wind: History) -> History:
-    """Return the triangular wind with the area and the peak of a wind, from the same start on.
+    """Return the triangular wind of the same area, peak and onset as a wind.
 
     Its duration is twice the area over the peak.
 
@@ -429,14 +432,13 @@ def equivalent_triangle(wind: History) -> History:
     Returns
     -------
     History
-        A `TriangularWind`, or one shifted (a plain history) where the wind does not start at
-        t = 0.
+        A `TriangularWind`, shifted (a plain history) where the wind does not start at t = 0.
 
     Raises
     ------
     InputError
-        For a wind that never ends, one whose area has not the sign of its peak (that of opposite
-        lobes which cancel, or of no wind at all), and a peak beyond 90 degrees.
+        For an endless wind, an area without the sign of the peak (as of opposite lobes that
+        cancel, or of a wind that is zero), and a peak beyond 90 degrees.
 
     Notes
     -----
@@ -455,17 +457,17 @@ def equivalent_triangle(wind: History) -> History:
     if np.any(wind.end == np.inf):
         raise InputError("wind must end: the last piece of its history must be zero")
     peak, area = np.asarray(wind.peak), wind.laplace(0.0)
-    _check_area(area, peak, _CANCELLED * wind.laplace_magnitude(0.0))
+    _check_area(area, peak, _AREA_ROUNDING * wind.laplace_magnitude(0.0))
     triangle = TriangularWind(peak=peak, duration=2.0 * area / peak)
     return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle
 
 
-def _check_area(area: FloatArray, peak: FloatArray, least: FloatArray) -> None:
-    area, peak, least = np.broadcast_arrays(area, peak, least)
-    bad = np.sign(peak) * area <= least
-    if np.any(bad):
-        which = int(np.argmax(bad))
+def _check_area(area: FloatArray, peak: FloatArray, minimum: FloatArray) -> None:
+    area, peak, minimum = np.broadcast_arrays(area, peak, minimum)
+    invalid = np.sign(peak) * area <= minimum
+    if np.any(invalid):
+        index = int(np.argmax(invalid))
         raise InputError(
-            f"wind must have a time integral with the sign of its peak; got {area.flat[which]:.6g}"
-            f" rad s with a peak of {peak.flat[which]:.6g} rad"
+            f"wind must have a time integral with the sign of its peak; got {area.flat[index]:.6g}"
+            f" rad s with a peak of {peak.flat[index]:.6g} rad"
         )

@@ -1,4 +1,8 @@
-"""Winds that files and options name: one shape with peak and duration, or a sampled ensemble."""
+"""Winds by shape, peak and duration, with a gust and a direction, or sampled wind ensembles.
+
+They are the winds that files and options name and campaigns disperse: `history` makes histories of
+the wind angle of attack from dispersed values.
+"""
 
 from __future__ import annotations
 
@@ -24,16 +28,16 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import (
-    LONGEST,
+    MAX_DURATION,
     OneMinusCosineGust,
     RectangularWind,
     SampledWind,
     TriangularWind,
+    checked_duration,
     checked_gust,
     checked_peak,
-    checked_span,
 )
-from tvclin.winds.wind_angles import angle_in_plane, angles_from_speed, angles_of_vector
+from tvclin.winds.wind_angles import angle_in_plane, angles_from_speed, angles_from_vector_size
 
 SHAPES: dict[str, Callable[..., Any]] = {
     "triangular": TriangularWind,
@@ -44,7 +48,7 @@ SHAPES: dict[str, Callable[..., Any]] = {
 
 @dataclass(frozen=True)
 class ShapedWind:
-    """A wind of one shape, whose peak and duration may be dispersed.
+    """Wind of an analytical shape, whose peak and duration may be dispersed.
 
     Attributes
     ----------
@@ -56,21 +60,21 @@ class ShapedWind:
         Nominal duration [s].
     heading : float, optional
         Direction [rad] from which it blows, clockwise from that of the flight: pi is a tail wind,
-        pi/2 one from the right. With it the peak is the size of the vector of both planes.
+        pi/2 a wind from the right. With it the peak is the size of the vector of both planes.
     gust : History, optional
-        What blows on top of it and along it, such as `OneMinusCosineGust`. Where peak and duration
-        are dispersed it keeps its size, and its place from the middle of the wind.
+        Gust on top of the wind and in its direction, such as `OneMinusCosineGust`. Where peak and
+        duration are dispersed it keeps its size, and its time from the middle of the wind.
     gust_at : float, optional
-        When the middle of the gust comes [s]. Without it a `Case` takes the time at which most is
-        needed, and all else the middle of the wind.
+        Time of the middle of the gust [s]. Without it a `Case` takes the time of the largest
+        requirement, and all else the middle of the wind.
     speed, gust_speed : float, optional
-        Largest wind speed of the wind and of its gust [m/s], where they are known by it; their
-        peaks are then the angles of eq (B1e), which `of_speed` and `gust_of_speed` make.
+        Peak wind speed of the wind and of its gust [m/s], where they are given; their peaks are
+        then the angles of eq (B1e), from `with_speed` and `with_gust_speed`.
 
     Raises
     ------
     InputError
-        For another shape, numbers out of range, and a gust that is no single history that ends.
+        For an unknown shape, numbers out of range, and a gust that is a batch or endless.
     """
 
     shape: str
@@ -89,7 +93,7 @@ class ShapedWind:
         object.__setattr__(self, "peak", number("peak of the wind", self.peak))
         object.__setattr__(self, "duration", number("duration of the wind", self.duration))
         checked_peak(self.peak)
-        checked_span("duration of the wind", self.duration)
+        checked_duration("duration of the wind", self.duration)
         if self.heading is not None:
             number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
@@ -97,10 +101,16 @@ class ShapedWind:
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name), nonzero, "m/s"))
         if self.gust_at is not None:
-            within("gust_at", number("gust_at", self.gust_at, unit="s"), -LONGEST, LONGEST, "s")
+            within(
+                "gust_at",
+                number("gust_at", self.gust_at, unit="s"),
+                -MAX_DURATION,
+                MAX_DURATION,
+                "s",
+            )
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
-        """Return its part in a plane, without a heading; itself where it has none.
+        """Return the component of the wind in a plane, without a heading; itself without one.
 
         Raises
         ------
@@ -111,7 +121,7 @@ class ShapedWind:
             return self
         peak = self.peaks(attitude)[one_of("plane", plane, PLANES)]
         if peak == 0.0:
-            other = next(one for one in PLANES if one != plane)
+            other = next(name for name in PLANES if name != plane)
             raise InputError(
                 f"this wind has no part in {plane}: it blows in {other} alone; take that plane, as"
                 f" by --plane {other}"
@@ -119,10 +129,10 @@ class ShapedWind:
         gust = None if self.gust is None else self.gust * (peak / self.peak)
         return replace(self, peak=peak, heading=None, gust=gust, speed=None, gust_speed=None)
 
-    def of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
-        """Return it with the peak angle that a vehicle meets at a wind speed [m/s], by eq (B1e).
+    def with_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
+        """Return the wind with the peak angle of a wind speed [m/s] for a vehicle, by eq (B1e).
 
-        With a heading that is the size of the vector of both planes.
+        With a heading the peak is the size of the vector of both planes.
 
         Raises
         ------
@@ -130,29 +140,31 @@ class ShapedWind:
             For a batch of vehicles, an unknown plane, and as `angle_in_plane`.
         """
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        flies = number("velocity", vehicle.velocity), number("attitude", vehicle.attitude)
-        at = number("speed", speed, unit="m/s"), *flies
+        flight = number("velocity", vehicle.velocity), number("attitude", vehicle.attitude)
+        arguments = number("speed", speed, unit="m/s"), *flight
         one_of("plane", plane, PLANES)
         if self.heading is None:
-            return replace(self, peak=float(angle_in_plane(*at, plane)), speed=at[0])
-        return replace(self, peak=math.hypot(*angles_from_speed(*at, self.heading)), speed=at[0])
+            return replace(self, peak=float(angle_in_plane(*arguments, plane)), speed=arguments[0])
+        return replace(
+            self, peak=math.hypot(*angles_from_speed(*arguments, self.heading)), speed=arguments[0]
+        )
 
-    def gust_of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
-        """Return it with the peak of its gust by a wind speed [m/s], along the wind, as `of_speed`.
+    def with_gust_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
+        """Return the wind with the peak angle of its gust from a speed [m/s], as `with_speed`.
 
         Raises
         ------
         InputError
-            As `of_speed`, and without a gust.
+            As `with_speed`, and without a gust.
         """
         if self.gust is None:
             raise InputError("the speed of a gust needs the gust that it is of")
-        peak = self.of_speed(speed, vehicle, plane).peak
+        peak = self.with_speed(speed, vehicle, plane).peak
         gust = self.gust * (peak / float(self.gust.peak))
         return replace(self, gust=gust, gust_speed=speed)
 
     def scaled(self, factor: float) -> ShapedWind:
-        """Return it with its peak and its gust, as angles and as speeds, times a factor.
+        """Return the wind with its peak and its gust, as angles and as speeds, times a factor.
 
         Raises
         ------
@@ -161,36 +173,36 @@ class ShapedWind:
         """
         number("factor", factor, nonzero)
 
-        def times(speed: float | None) -> float | None:
+        def scaled_speed(speed: float | None) -> float | None:
             return None if speed is None else speed * factor
 
         return replace(
             self,
             peak=self.peak * factor,
             gust=None if self.gust is None else self.gust * factor,
-            speed=times(self.speed),
-            gust_speed=times(self.gust_speed),
+            speed=scaled_speed(self.speed),
+            gust_speed=scaled_speed(self.gust_speed),
         )
 
     def peaks(self, attitude: float) -> dict[str, float]:
-        """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
+        """Return the peak angle [rad] in each plane for a flight of an attitude [rad].
 
         Raises
         ------
         InputError
-            For a wind without a heading, and as `angles_of_vector`.
+            For a wind without a heading, and as `angles_from_vector_size`.
         """
         if self.heading is None:
             raise InputError(
                 "both planes need a wind with a direction: give where it blows from, and the"
                 " azimuth of the flight"
             )
-        flown = number("attitude", attitude, directions, "rad")
-        angles = angles_of_vector(self.peak, self.heading, flown)
+        climb = number("attitude", attitude, directions, "rad")
+        angles = angles_from_vector_size(self.peak, self.heading, climb)
         return dict(zip(PLANES, map(float, angles), strict=True))
 
     def in_planes(self, values: Mapping[str, Any], attitude: ArrayLike) -> dict[str, History]:
-        """Return the winds of cases in each plane, with the gust along them.
+        """Return the winds of cases in each plane, with the gust in their direction.
 
         Parameters
         ----------
@@ -208,13 +220,13 @@ class ShapedWind:
         if self.heading is None:
             self.peaks(0.0)
         peak = np.asarray(values.get("wind_peak", self.peak))
-        size, angles = np.abs(peak), angles_of_vector(peak, self.heading or 0.0, attitude)
-        whole = self.history({**values, "wind_peak": size})
-        return {plane: whole * (one / size) for plane, one in zip(PLANES, angles, strict=True)}
+        size, angles = np.abs(peak), angles_from_vector_size(peak, self.heading or 0.0, attitude)
+        wind = self.history({**values, "wind_peak": size})
+        return {plane: wind * (angle / size) for plane, angle in zip(PLANES, angles, strict=True)}
 
     @property
-    def gust_words(self) -> str:
-        """What is to be said of the gust; nothing where there is none."""
+    def gust_text(self) -> str:
+        """Text on size, duration and time of the gust; "" without a gust."""
         gust = self.placed_gust
         if gust is None:
             return ""
@@ -223,7 +235,7 @@ class ShapedWind:
 
     @property
     def placed_gust(self) -> History | None:
-        """The gust in the time of the wind."""
+        """Gust shifted to its time in the wind; None without a gust."""
         gust = self.gust
         if gust is None:
             return None
@@ -232,24 +244,24 @@ class ShapedWind:
 
     @property
     def nominal(self) -> dict[str, float]:
-        """Nominal values of what can be dispersed."""
+        """Nominal values of peak and duration, by the names of their dispersions."""
         return {"wind_peak": self.peak, "wind_duration": self.duration}
 
     @property
-    def largest(self) -> float:
-        """The largest nominal wind angle [rad], without sign."""
+    def max_angle(self) -> float:
+        """Largest size of the nominal wind angle [rad], with the gust."""
         return abs(float(self.history({}).peak))
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the winds of cases that have these dispersed values, with the gust."""
-        found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
-        duration = found["wind_duration"]
-        made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=duration)
+        """Return the winds of cases with dispersed values, with the gust."""
+        numbers = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
+        duration = numbers["wind_duration"]
+        wind: History = SHAPES[self.shape](peak=numbers["wind_peak"], duration=duration)
         gust = self.gust_history(values)
-        return made if gust is None else made + gust
+        return wind if gust is None else wind + gust
 
     def gust_history(self, values: Mapping[str, Any]) -> History | None:
-        """Return the gust of cases that have these dispersed values, in the time of the wind.
+        """Return the gust of cases with dispersed values, in the time of the wind.
 
         Raises
         ------
@@ -264,8 +276,8 @@ class ShapedWind:
         return gust.shift(0.5 * (duration - self.duration))
 
 
-def part_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
-    """Return one plane of peaks [rad] in both, with its part of the gust along the wind."""
+def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
+    """Return one plane of a wind with peaks [rad] in both, with its component of the gust."""
     peak, size = peaks[plane], math.hypot(*peaks.values())
     if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0
@@ -275,7 +287,7 @@ def part_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
 
 @dataclass(frozen=True, eq=False)
 class WindEnsemble:
-    """Sampled winds, of which each case draws one.
+    """Ensemble of sampled winds, from which each case draws one.
 
     Attributes
     ----------
@@ -304,23 +316,23 @@ class WindEnsemble:
 
     @property
     def count(self) -> int:
-        """How many winds there are."""
+        """Number of winds."""
         return len(self.angle)
 
     @property
     def nominal(self) -> dict[str, float]:
-        """Nothing of a sampled wind can be dispersed."""
+        """Empty: a sampled wind has no dispersed number."""
         return {}
 
     @property
-    def largest(self) -> float:
-        """The largest wind angle [rad] of all, without sign."""
+    def max_angle(self) -> float:
+        """Largest size of all wind angles [rad]."""
         return float(np.abs(self.angle).max())
 
     def chosen(self, numbers: ArrayLike) -> IntArray:
-        """Return which wind each of the numbers in (0, 1) draws."""
+        """Return the index of the wind that each number in (0, 1) draws."""
         return np.asarray(np.asarray(numbers) * self.count, dtype=np.int64)
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the winds whose numbers are ``values["wind"]``; the first without."""
+        """Return the winds with the indices ``values["wind"]``; the first wind without them."""
         return SampledWind(time=self.time, angle=self.angle[values.get("wind", 0)])

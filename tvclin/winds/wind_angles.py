@@ -45,12 +45,14 @@ from tvclin.base.errors import (
 from tvclin.numerics import pieces
 from tvclin.winds.histories import History
 
-_STEPS = 8
-_AXIS = 1e-12
+_NEWTON_ITERATIONS = 8
+"""Newton iterations for the speed ratio of a wind vector."""
+_AXIS_ROUNDING = 1e-12
+"""Component of a unit vector that counts as zero."""
 MAX_LINEAR_ANGLE = float(np.radians(30.0))
-"""Largest wind angle [rad] of a verdict: at a larger one no slope of a normal force holds."""
+"""Largest wind angle [rad] of a verdict: above it no constant slope of the normal force holds."""
 MAX_CERTAIN_ANGLE = float(np.radians(10.0))
-"""Angle of attack [rad] above which a slender body's normal force is doubtfully linear."""
+"""Angle of attack [rad] above which the normal force of a slender body is doubtfully linear."""
 BEYOND_LINEAR = f"above {np.degrees(MAX_LINEAR_ANGLE):.3g} deg linear aerodynamics says nothing"
 DOUBTFUL = (
     f"above about {np.degrees(MAX_CERTAIN_ANGLE):.3g} deg the normal force of a slender body is no"
@@ -77,26 +79,29 @@ def wind_triangle(
     climb = np.asarray(path, dtype=float)
     forward, upward = np.cos(climb) - along, np.sin(climb)
     in_pitch = forward**2 + upward**2
-    turned = np.arctan2(upward, forward) - climb
-    pitch = np.arctan2(np.sin(turned), np.cos(turned))
+    angle = np.arctan2(upward, forward) - climb
+    pitch = np.arctan2(np.sin(angle), np.cos(angle))
     yaw = np.arctan2(across, np.sqrt(in_pitch))
     return np.asarray(pitch), np.asarray(yaw), np.asarray(in_pitch + np.square(across))
 
 
 def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Return the wind speed w along a path, over that of the vehicle, that turns it by an angle.
+    """Return the wind speed w along a path, over the vehicle's, for a wind angle of attack.
 
-    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind turns the path so far: it
-    would be level, or is.
+    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle, as on a
+    level path.
     """
-    path, turned = np.asarray(path), np.asarray(path) + angle
-    possible = (np.sin(path) > 0.0) & (np.sin(turned) > 0.0)
+    path, direction = np.asarray(path), np.asarray(path) + angle
+    possible = (np.sin(path) > 0.0) & (np.sin(direction) > 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(possible, np.sin(angle) / np.sin(turned), np.nan)
+        return np.where(possible, np.sin(angle) / np.sin(direction), np.nan)
 
 
 def pressure_ratio(path: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Return q/q_n in winds along a path that turn it by angles [rad]; NaN where none does."""
+    """Return q/q_n for winds along a path by their angles of attack [rad].
+
+    NaN where no horizontal wind has the angle.
+    """
     return wind_triangle(path, along_from_angle(path, angle))[2]
 
 
@@ -119,7 +124,7 @@ def angle_from_speed(
     Raises
     ------
     InputError
-        When the wind is faster than the vehicle can meet: ``|V_w sin(gamma)| > V_R``.
+        When no wind angle exists: ``|V_w sin(gamma)| > V_R``.
     """
     speed = finite("speed", speed, "m/s")
     velocity = positive("velocity", velocity, "m/s")
@@ -138,52 +143,53 @@ def angle_from_speed(
 def angle_in_plane(
     speed: ArrayLike, velocity: ArrayLike, attitude: ArrayLike, plane: str
 ) -> FloatArray:
-    """Return the angle [rad] of a wind [m/s] that meets a flight along its attitude [rad].
+    """Return the wind angle of attack [rad] in a plane, of a wind [m/s] along it.
 
-    In yaw the wind comes across, at right angles. Raise `InputError` as `angle_from_speed`.
+    In pitch the wind is along the flight, which climbs at its attitude [rad]; in yaw it is across,
+    at right angles. Raise `InputError` as `angle_from_speed`.
     """
     return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)
 
 
-def along_and_across(heading: float, attitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return the sines of both wind angles over V_w/V_R: in pitch, and in yaw from the right.
+def sines_by_heading(heading: float, attitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return the sines of the wind angles in pitch and in yaw, divided by V_w/V_R.
 
     `heading`: direction [rad] from which a horizontal wind blows, clockwise from that of the
-    flight: pi is a tail wind, pi/2 one from the right. `attitude`: attitudes of flights above the
-    horizontal [rad], of the shape of both.
+    flight: pi is a tail wind, pi/2 a wind from the right. `attitude`: attitudes of flights above
+    the horizontal [rad]. Both results have the shape of `attitude`.
     """
-    parts = -np.cos(heading) * np.sin(attitude), np.sin(heading) + 0.0 * np.asarray(attitude)
-    along, across = (np.where(np.abs(one) < _AXIS, 0.0, one) for one in parts)
+    components = -np.cos(heading) * np.sin(attitude), np.sin(heading) + 0.0 * np.asarray(attitude)
+    along, across = (np.where(np.abs(sine) < _AXIS_ROUNDING, 0.0, sine) for sine in components)
     return along, across
 
 
-def angles_of_vector(
+def angles_from_vector_size(
     peak: ArrayLike, heading: float, attitude: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the wind angles [rad] in pitch and in yaw of winds whose vectors have a size.
+    """Return the wind angles [rad] in pitch and in yaw of winds by the size of their vector.
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
-    `peak`: sizes [rad] of the vector of both angles; with a sign, the wind blows the other way.
-    `heading`, `attitude`: as of `along_and_across`; peaks and attitudes broadcast. `InputError` for
-    numbers that are not finite, a wind along a level flight, which has no angle, and a vector that
-    no wind slower than the flight makes.
+    `peak`: sizes [rad] of the vector of both angles; a negative size reverses the wind. `heading`,
+    `attitude`: as in `sines_by_heading`; peaks and attitudes broadcast. `InputError` for numbers
+    that are not finite, for a wind along a level flight, which has no wind angle, and for a vector
+    that no wind slower than the flight makes.
     """
     size, gamma = np.broadcast_arrays(finite("peak", peak, "rad"), directions("attitude", attitude))
-    along, across = along_and_across(number("heading", heading, directions, "rad"), gamma)
+    along, across = sines_by_heading(number("heading", heading, directions, "rad"), gamma)
     if np.any((along == 0.0) & (across == 0.0)):
         raise InputError("a wind along a level flight has no wind angle; give another heading")
     sines = np.stack([along, across])
-    most = (1.0 - _AXIS) / np.abs(sines).max(axis=0)
-    ratio = np.minimum(np.abs(size) / np.hypot(along, across), most)
-    for _ in range(_STEPS):  # Newton on |alpha(r)|^2 = peak^2, which is convex in r
+    max_ratio = (1.0 - _AXIS_ROUNDING) / np.abs(sines).max(axis=0)
+    ratio = np.minimum(np.abs(size) / np.hypot(along, across), max_ratio)
+    for _ in range(_NEWTON_ITERATIONS):  # Newton on |alpha(r)|^2 = peak^2, which is convex in r
         angles = np.arcsin(ratio * sines)
         slope = np.sum(angles * sines / np.sqrt(1.0 - (ratio * sines) ** 2), axis=0)
-        over = np.sum(angles**2, axis=0) - size**2
-        step = np.divide(over, slope, out=np.zeros(size.shape), where=size != 0.0)
-        ratio = np.minimum(ratio - 0.5 * step, most)
-    axis = (along == 0.0) | (across == 0.0)  # of one plane alone, to the last digit
-    pitch, yaw = np.where(axis, np.sign(sines) * np.abs(size), np.arcsin(ratio * sines))
+        excess = np.sum(angles**2, axis=0) - size**2
+        step = np.divide(excess, slope, out=np.zeros(size.shape), where=size != 0.0)
+        ratio = np.minimum(ratio - 0.5 * step, max_ratio)
+    single_plane = (along == 0.0) | (across == 0.0)  # exact in a single plane
+    pitch, yaw = np.where(single_plane, np.sign(sines) * np.abs(size), np.arcsin(ratio * sines))
     if not np.allclose(np.hypot(pitch, yaw), np.abs(size), rtol=1e-9, atol=0.0):
         raise NotKnownError(
             "peak must be an angle that a wind slower than the flight makes; got"
@@ -195,33 +201,33 @@ def angles_of_vector(
 def angles_from_speed(
     speed: float, velocity: float, attitude: float, heading: float
 ) -> tuple[float, float]:
-    """Return the wind angles [rad] in pitch and in yaw of a horizontal wind [m/s], eq (B1e).
+    """Return the wind angles [rad] in pitch and in yaw of a horizontal wind, eq (B1e).
 
     `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`,
-    `heading`: as of `along_and_across`. `InputError` as `angle_from_speed`.
+    `heading`: as in `sines_by_heading`. `InputError` as `angle_from_speed`.
     """
-    parts = along_and_across(number("heading", heading, directions, "rad"), float(attitude))
+    sines = sines_by_heading(number("heading", heading, directions, "rad"), float(attitude))
     wind = number("speed", speed, unit="m/s")
-    pitch, yaw = (float(angle_from_speed(wind * one, velocity, np.pi / 2)) for one in parts)
+    pitch, yaw = (float(angle_from_speed(wind * sine, velocity, np.pi / 2)) for sine in sines)
     if (size := np.degrees(np.hypot(pitch, yaw))) >= 90.0:
         raise NotKnownError(f"speed must make a vector of angles below 90 deg; got {size:.4g} deg")
     return pitch, yaw
 
 
 def within_linear(angles: ArrayLike) -> BoolArray:
-    """Whether angles of attack [rad] are at most `MAX_LINEAR_ANGLE`, in their shape."""
+    """Return whether angles of attack [rad] are at most `MAX_LINEAR_ANGLE`, in their shape."""
     return np.abs(np.asarray(angles)) <= MAX_LINEAR_ANGLE * (1.0 + _RELATIVE_ROUNDING)
 
 
 def beyond_linear(angle: float, subject: str = WIND) -> str:
-    """Sentence why nothing is known at an angle of attack [rad]; empty up to `MAX_LINEAR_ANGLE`."""
+    """Return why nothing is known at an angle of attack [rad]; "" up to `MAX_LINEAR_ANGLE`."""
     if within_linear(angle):
         return ""
     return f"{subject} {np.degrees(abs(float(angle))):.4g} deg, and {BEYOND_LINEAR}"
 
 
 def linear_notes(angle: float, subject: str = WIND) -> tuple[str, ...]:
-    """Notes on an angle of attack [rad]: that nothing is known at it, or that it is doubtful."""
+    """Return notes on an angle of attack [rad]: no validity of linear theory, or doubtful."""
     if beyond := beyond_linear(angle, subject):
         return (beyond,)
     if doubtfully_linear(angle):
@@ -230,7 +236,7 @@ def linear_notes(angle: float, subject: str = WIND) -> tuple[str, ...]:
 
 
 def doubtfully_linear(angle: float) -> bool:
-    """Whether an angle of attack [rad] is above `MAX_CERTAIN_ANGLE`."""
+    """Return whether an angle of attack [rad] is above `MAX_CERTAIN_ANGLE`."""
     return abs(float(angle)) > MAX_CERTAIN_ANGLE * (1.0 + _RELATIVE_ROUNDING)
 
 
@@ -243,26 +249,26 @@ def checked_linear(angle: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class EncounteredWind:
-    """Winds that end, of vehicles on paths of constant angle: one, or a batch ``(n,)``.
+    """Winds that vehicles encounter on paths of constant angle: one wind, or a batch ``(n,)``.
 
-    A wind is known by its angle, by its speed, or is a sum of both. Its direction says which
-    fraction of either lies in pitch or along the path, and which in yaw or across.
+    A wind has an angle, a speed, or is the sum of both. Its direction gives the fractions of either
+    in pitch or along the path, and in yaw or across. It must end.
 
     Attributes
     ----------
     plane : str
         Plane of the wind angles of attack.
     path : ndarray
-        Angle of each path above the horizontal [rad], ``(n,)`` or one for all.
+        Angle of each path above the horizontal [rad], ``(n,)`` or a common scalar.
     angle, speed : History or None
-        Wind angles [rad], and wind speeds over that of the vehicle.
+        Wind angles [rad], and wind speeds over the speed of the vehicle.
     of_angle : tuple of ndarray
-        Fractions of the angle in pitch and in yaw, ``(n,)`` or one for all.
+        Fractions of the angle in pitch and in yaw, ``(n,)`` or common scalars.
     of_speed : tuple of float
         Fractions of the speed along the path, positive from behind, and across.
     flight : tuple of ndarray, optional
-        Of one wind in a flight: times [s], and there the angle of the path [rad] and the speed of
-        the vehicle over that by which `speed` is divided.
+        For a single wind: times [s] of a flight, angles of its path [rad], and speeds of the
+        vehicle over the speed by which `speed` is divided.
     """
 
     plane: str
@@ -275,24 +281,24 @@ class EncounteredWind:
 
     @property
     def history(self) -> History:
-        """A history with the breakpoints and rates of the wind; values may mix angle and speed."""
+        """History with the breakpoints and rates of the wind; values may mix angle and speed."""
         if self.angle is None or self.speed is None:
-            whole = self.angle if self.speed is None else self.speed
-            assert whole is not None
-            return whole
+            wind = self.angle if self.speed is None else self.speed
+            assert wind is not None
+            return wind
         return self.angle + self.speed
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)``.
+        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)`` each.
 
         Both are NaN where no horizontal wind along the path has the angle.
         """
-        path, in_pitch, in_yaw = (_column(x, times) for x in (self.path, *self.of_angle))
-        angle, speed = (_values(x, times) for x in (self.angle, self.speed))
+        path, in_pitch, in_yaw = (_broadcast_column(x, times) for x in (self.path, *self.of_angle))
+        angle, speed = (_history_values(x, times) for x in (self.angle, self.speed))
         if self.flight is not None:
-            time, paths, faster = self.flight
+            time, paths, speed_ratio = self.flight
             path = np.interp(times, time, paths)
-            speed = speed / np.interp(times, time, faster)
+            speed = speed / np.interp(times, time, speed_ratio)
         along, across = self.of_speed[0] * speed, self.of_speed[1] * speed
         if self.angle is not None and np.any(in_pitch):
             along = along + along_from_angle(path, in_pitch * angle)
@@ -303,27 +309,29 @@ class EncounteredWind:
         return (pitch if self.plane == "pitch" else yaw), ratio
 
     def check_possible(self) -> None:
-        """Raise `InputError` where one wind along the path has an angle that no wind makes."""
+        """Raise `InputError` if no horizontal wind on the path has the angle of a single wind."""
         times = self.history.probe_times()[np.newaxis]
         if np.any(np.isnan(self.at(times)[1])):
-            most = np.degrees(np.abs(self.of_angle[0] * _values(self.angle, times)).max())
+            largest = np.degrees(
+                np.abs(self.of_angle[0] * _history_values(self.angle, times)).max()
+            )
             paths = self.path if self.flight is None else self.flight[1]
             raise InputError(
-                f"a wind of {most:.4g} deg along the path has no dynamic pressure for a flight at"
-                f" {np.degrees(np.min(paths)):.4g} deg: no horizontal wind turns it so far"
+                f"a wind of {largest:.4g} deg along the path has no dynamic pressure for a flight"
+                f" at {np.degrees(np.min(paths)):.4g} deg: no horizontal wind turns it so far"
             )
 
     def shift(self, dt: float) -> EncounteredWind:
-        """Return the same winds, later by `dt` [s]."""
+        """Return the winds delayed by `dt` [s]."""
         return self._with(lambda x: x.shift(dt))
 
     def between(self, start: float, stop: float) -> EncounteredWind:
-        """Return the winds from a time to another [s], and none before and after."""
+        """Return the winds from a start to a stop time [s], zero before and after."""
         return self._with(lambda x: x.before(stop) - x.before(start))
 
     @property
     def calm(self) -> bool:
-        """Whether there is no wind."""
+        """Whether the wind is zero throughout."""
         return not np.any(np.isfinite(self.history.onset))
 
     def _with(self, change: Callable[[History], History]) -> EncounteredWind:
@@ -331,32 +339,32 @@ class EncounteredWind:
         return replace(self, angle=angle, speed=speed)
 
     def of(self, cases: IndexArray, count: int) -> EncounteredWind:
-        """Return the winds of some cases of a batch of so many."""
+        """Return the winds of selected cases of a batch of `count`."""
 
-        def some(x: FloatArray) -> FloatArray:
+        def selected(x: FloatArray) -> FloatArray:
             return x[cases] if np.size(x) > 1 else x
 
         def winds(x: History | None) -> History | None:
-            return None if x is None or not x.batch else x.some(cases, (count,))
+            return None if x is None or not x.batch else x.cases(cases, (count,))
 
         return replace(
             self,
-            path=some(self.path),
+            path=selected(self.path),
             angle=winds(self.angle) or self.angle,
             speed=winds(self.speed) or self.speed,
-            of_angle=(some(self.of_angle[0]), some(self.of_angle[1])),
+            of_angle=(selected(self.of_angle[0]), selected(self.of_angle[1])),
         )
 
 
-def _column(x: Any, times: FloatArray) -> FloatArray:
-    """Return numbers ``(n,)`` with an axis for each further one of the times."""
+def _broadcast_column(x: Any, times: FloatArray) -> FloatArray:
+    """Return numbers ``(n,)`` with trailing axes for those of the times."""
     return np.reshape(x, (-1,) + (1,) * (times.ndim - 1))
 
 
-def _values(history: History | None, times: FloatArray) -> FloatArray:
-    """Return values of histories at times ``(n, ...)``; zeros without one."""
+def _history_values(history: History | None, times: FloatArray) -> FloatArray:
+    """Return values of histories at times ``(n, ...)``; zeros for None."""
     if history is None:
         return np.zeros(times.shape)
     flat = times.reshape(len(times), -1)
-    found = np.real(pieces.value(history.pieces, flat if history.batch else flat[0]))
-    return np.asarray(found).reshape(-1, *times.shape[1:])
+    values = np.real(pieces.value(history.pieces, flat if history.batch else flat[0]))
+    return np.asarray(values).reshape(-1, *times.shape[1:])

@@ -142,7 +142,7 @@ def availability(
     capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
     trusted = fraction("confidence", confidence)
     if utc_offset is not None:
-        soundings = soundings.local(utc_offset)
+        soundings = soundings.with_utc_offset(utc_offset)
     judge = Judge.of(
         flight,
         soundings,

@@ -15,8 +15,8 @@ from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.winds.histories import History
-from tvclin.winds.soundings.archive import Soundings, gathered
-from tvclin.winds.soundings.profile import checked_flight, longest_run
+from tvclin.winds.soundings.archive import Soundings, gather
+from tvclin.winds.soundings.profile import checked_flight, longest_interval
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 Winds = tuple[FloatArray, FloatArray]
@@ -116,7 +116,7 @@ class KnownWinds:
 
     def some(self, index: NDArray[np.intp]) -> KnownWinds:
         """Return those of some soundings."""
-        offsets, levels = gathered(self.offsets, index)
+        offsets, levels = gather(self.offsets, index)
         marked = np.zeros(self.height.size, dtype=bool)
         marked[self.gaps] = True
         height, east, north = (one[levels] for one in (self.height, self.east, self.north))
@@ -162,7 +162,7 @@ class KnownWinds:
         steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
         ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
         for i in np.flatnonzero(steep.any(axis=1)).tolist():
-            run = longest_run(np.interp(height[i], path.height, path.time), ~steep[i])
+            run = longest_interval(np.interp(height[i], path.height, path.time), ~steep[i])
             ends[i] = np.nan
             if run.start < run.stop:
                 low, high = height[i, run.start], height[i, run.stop - 1]

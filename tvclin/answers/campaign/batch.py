@@ -71,12 +71,12 @@ class Batch:
         """The first case, no longer as a batch."""
         shape = (self.count,)
         return Batch(
-            self.plant.one(0, shape),
-            self.wind.one(0, shape),
+            self.plant.case(0, shape),
+            self.wind.case(0, shape),
             {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
             1,
             chosen(self.vehicle, 0, shape),
-            None if self.flexible is None else self.flexible.some(0, shape),
+            None if self.flexible is None else self.flexible.cases(0, shape),
             {name: value[:1] for name, value in self.values.items()},
         )
 

@@ -34,7 +34,7 @@ from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, met_by, winds_of
+from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, wind_for_vehicle, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
@@ -97,7 +97,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
     vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
-    wind = met_by(document, wind, vehicle, plane)
+    wind = wind_for_vehicle(document, wind, vehicle, plane)
     nozzle = nozzle_of(document)
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     return Campaign(

@@ -37,7 +37,7 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
     if campaign.law == AUTOPILOT:
         own[AUTOPILOT] = Autopilot(**batch.first.gains)
     own["rate_limit"] = campaign.hardware["rate_limit"]
-    law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
+    law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.max_angle, **own)
     return with_filters(law, campaign.asked)
 
 

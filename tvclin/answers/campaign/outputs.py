@@ -136,8 +136,8 @@ def _least(
     reach = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     both = max(one / most for one, most in zip(each.values(), reach.tolist(), strict=True))
     if len(batch.parts) > 1:
-        pitch, yaw = (one.one(0, shape) for one in batch.plants.values())
-        needs = vector_need(pitch, yaw, batch.vectors.one(0, shape), stop, np.ones(1))
+        pitch, yaw = (one.case(0, shape) for one in batch.plants.values())
+        needs = vector_need(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
         both = max(both, vector(needs))
     return {name: both} | {of: each[plane] for plane, of in in_planes(name).items()}
 

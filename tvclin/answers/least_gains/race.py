@@ -34,7 +34,7 @@ def stopped(winds: tuple[History, ...], stops: int) -> History:
     one = reduce(add, (wind * row for wind, row in zip(winds, np.eye(len(winds)), strict=True)))
     times = np.linspace(one.onset, one.end, stops + 2)[1:]
     whole = one.before(times)
-    return whole.some(np.arange(times.size), times.shape)
+    return whole.cases(np.arange(times.size), times.shape)
 
 
 def needs(question: Question, points: FloatArray, goal: float, clean: int) -> FloatArray:

@@ -76,7 +76,7 @@ def least_gain_schedule(
             f" {plants.batch}"
         )
     each = tuple(
-        least_deflection_gains(plants.one(k, plants.batch), winds, **options)
+        least_deflection_gains(plants.case(k, plants.batch), winds, **options)
         for k in range(when.size)
     )
     a0, a1, b0 = (

@@ -16,7 +16,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import ShapedWind, part_in
+from tvclin.winds.shaped import ShapedWind, component_in
 from tvclin.winds.soundings.profile import WindProfile
 
 
@@ -98,9 +98,9 @@ class FlightWinds:
     def _blows(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
         """A pulse with the angles at which a vehicle meets it and its gust."""
         if self.peak_speed is not None:
-            pulse = pulse.of_speed(self.peak_speed, vehicle, self.case.plane)
+            pulse = pulse.with_speed(self.peak_speed, vehicle, self.case.plane)
         if self.gust_speed is not None:
-            pulse = pulse.gust_of_speed(self.gust_speed, vehicle, self.case.plane)
+            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, self.case.plane)
         return pulse
 
     def _met(self, pulse: ShapedWind) -> WindOf:
@@ -113,7 +113,7 @@ class FlightWinds:
             if case.planes != BOTH:
                 return blows.in_plane(case.plane, attitude).history({})
             peaks = blows.peaks(attitude)
-            return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
+            return PlaneWind(**{plane: component_in(blows, peaks, plane) for plane in PLANES})
 
         return met
 

@@ -34,9 +34,9 @@ from tvclin.winds.wind_file import (
     GUST_TABLE,
     SOUNDING,
     SOUNDING_TABLE,
-    is_gust_alone,
-    met_by,
+    is_wind_from_gust,
     peak_speed_of,
+    wind_for_vehicle,
     wind_tables,
     winds_of,
 )
@@ -77,7 +77,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
     """Return the wind of a study as its vehicle meets it, with its gust."""
     wind, plane = winds_of(document, folder)[0], subject.get("plane", "pitch")
-    return met_by(document, wind, subject["vehicle"], plane)
+    return wind_for_vehicle(document, wind, subject["vehicle"], plane)
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:
@@ -153,7 +153,7 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityAske
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:
     """The speed [m/s] of [gust]; None where it has an angle."""
-    on_top = "gust" in document and not is_gust_alone(document)
+    on_top = "gust" in document and not is_wind_from_gust(document)
     return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed") if on_top else None
 
 

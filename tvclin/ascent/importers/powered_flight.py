@@ -18,7 +18,7 @@ from tvclin.base.errors import InputError, between, number, positive, whole_numb
 from tvclin.base.lines import plural
 from tvclin.base.sheet import Column
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
-from tvclin.winds.soundings.wind_table import LAND
+from tvclin.winds.soundings.wind_table import SITE_ELEVATIONS
 
 _BURNING = 0.05
 """Part of the largest thrust, below which the motor is taken as burnt out."""
@@ -345,7 +345,7 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
             f"{source} has altitudes above the ground, and winds are above the sea: give ground,"
             " the elevation of the launch site in m (0 at the sea)"
         )
-    site = number("ground", ground, between(*LAND), "m")
+    site = number("ground", ground, between(*SITE_ELEVATIONS), "m")
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
 
 

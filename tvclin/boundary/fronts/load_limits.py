@@ -255,8 +255,8 @@ def limits_of(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLim
     known = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, known.deflection, ratio, rate)
     poles = unstable_poles(plant)
-    blind = 0.0 if wind.one_sign else None
-    if wind.one_sign and poles.size and not np.imag(poles[0]):
+    blind = 0.0 if wind.constant_sign else None
+    if wind.constant_sign and poles.size and not np.imag(poles[0]):
         blind = abs(float(forecast_free_limit(plant, wind).deflection))
     least_deflection = known.certificate.dual
     if np.isfinite(rate):

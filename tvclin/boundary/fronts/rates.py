@@ -255,7 +255,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
         )
     unlimited = optimum_deflection(plant, wind, start)
     blind: float | None = 0.0
-    if not wind.one_sign:
+    if not wind.constant_sign:
         blind = None
     elif unlimited.peak > 0.0:
         blind = abs(float(forecast_free_limit(plant, wind).deflection))

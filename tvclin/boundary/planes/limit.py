@@ -129,9 +129,9 @@ def plane_limit(
     every = np.broadcast_to(K, shape).ravel()
     found = []
     for case in range(every.size):
-        first = plant.one(case, shape)
-        plants = first, yaw_plant.one(case, shape) if yaw_plant else first
-        pair = Pair(plants, wind.one(case, shape))
+        first = plant.case(case, shape)
+        plants = first, yaw_plant.case(case, shape) if yaw_plant else first
+        pair = Pair(plants, wind.case(case, shape))
         found.append(_alone(pair, stop, float(every[case]), switch))
     names = [one.name for one in fields(PlaneLimit)][:-1]
     numbers = {n: np.reshape([getattr(one, n) for one in found], shape) for n in names}

@@ -35,7 +35,7 @@ from tvclin.boundary.planes.unforeseen import unforeseen
 from tvclin.boundary.stops import Stop
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-from tvclin.winds.plane_wind import unit
+from tvclin.winds.plane_wind import unit_vector
 
 _GRID, _ROUNDS = 65, 10
 """Points of a grid that is laid into one cell of the one before: after 10 rounds, to rounding."""
@@ -107,7 +107,7 @@ def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> lis
 def _turns_level(pair: Pair, K: float) -> None:
     """Raise `InputError` for a wind that turns where b1 is below zero."""
     falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
-    if any(falling) and K > 0.0 and not pair.wind.one_direction:
+    if any(falling) and K > 0.0 and not pair.wind.unidirectional:
         raise InputError(
             "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
             " when the wind is over; take dead_band=0, or what each plane requires by itself"
@@ -122,7 +122,7 @@ def _turning(
     held, time, status = _left(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
-        notes += [] if pair.wind.one_direction else [TURNS]
+        notes += [] if pair.wind.unidirectional else [TURNS]
         notes += [] if shape is stop else [POLYGON]
     modes = max(one.size for one in pair.poles)
     needs = {
@@ -192,14 +192,14 @@ def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:
 
 def _line(pair: Pair) -> tuple[Plant, History] | None:
     """The plant and the scalar wind of one direction and one sign; None for all others."""
-    if not pair.wind.one_direction:
+    if not pair.wind.unidirectional:
         return None
     wind, angle = pair.wind, pair.wind.direction
     alone = [not np.isfinite(one.onset) for one in (wind.yaw, wind.pitch)]
     if not (pair.equal or any(alone)):
         return None
     scalar = wind.component(angle)
-    if not scalar.one_sign:
+    if not scalar.constant_sign:
         return None
     return pair.plants[1 if alone[1] and not pair.equal else 0], scalar
 
@@ -211,7 +211,7 @@ def _straight(
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
     required = open_loop_requirements(plant, wind, 1.0, boundary)
     needs = {name: float(size) for name, size in required.items()}
-    direction = complex(unit(pair.wind.direction))
+    direction = complex(unit_vector(pair.wind.direction))
     held = boundary.deflection * direction
     gauges = stop.gauge([direction, -direction])
     one_way, both_ways = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())

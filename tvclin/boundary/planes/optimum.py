@@ -25,7 +25,7 @@ from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop, Vectors
 from tvclin.linear.plant import Plant
-from tvclin.winds.plane_wind import PlaneWind, unit
+from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
 _CELLS = 500
 _THINNEST = 1e-8
@@ -116,7 +116,7 @@ def least_in_planes(pair: Pair, stop: Stop, left: float | None = None) -> PlaneO
     if left is not None:
         asked = np.concatenate([pair.left_at(plane, left) for plane in (0, 1)])
         return _answer(pair, *_solved(_Moments(pair, stop, asked), left))
-    if pair.equal and pair.wind.one_direction and isinstance(stop, CircularStop):
+    if pair.equal and pair.wind.unidirectional and isinstance(stop, CircularStop):
         return _along_a_line(pair)
     start = np.asarray([float(pair.wind.onset)])
     moments = _Moments(
@@ -135,7 +135,7 @@ def _along_a_line(pair: Pair) -> PlaneOptimum:
     onset = float(pair.wind.onset)
     best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
     times = np.append(onset, best.switch_times)
-    return _answer(pair, times, best.deflection(times) * unit(direction), best.certificate)
+    return _answer(pair, times, best.deflection(times) * unit_vector(direction), best.certificate)
 
 
 def _answer(

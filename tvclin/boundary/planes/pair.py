@@ -78,7 +78,7 @@ class Pair:
     def _ahead(self, both: PlaneWind) -> tuple[Ahead, Ahead]:
         """The discounted future in each plane, at its fast pole."""
         (p, *_), (r, *_) = self.poles
-        return both.pitch.future_of(p), both.yaw.future_of(r)
+        return both.pitch.remaining_integral_of(p), both.yaw.remaining_integral_of(r)
 
     def held(self, t: FloatArray) -> Vectors:
         """Return what must be held from the times `t` [s] on: discounted means of trim, eq (4b)."""
@@ -95,12 +95,12 @@ class Pair:
     def of_modes(self, plane: int, t: FloatArray) -> FloatArray:
         """Return the same, -B K1 W, for every mode of one plane, ``(N, n)``."""
         wind = (self.wind.pitch, self.wind.yaw)[plane]
-        return self._strengths[plane][:, np.newaxis] * wind.future(self.poles[plane], t)
+        return self._strengths[plane][:, np.newaxis] * wind.remaining_integral(self.poles[plane], t)
 
     def left_at(self, plane: int, t: float) -> FloatArray:
         """Return what every mode of one plane asks for when trim is left at `t` [s], ``(N,)``."""
         trim, poles = (self.trim.pitch, self.trim.yaw)[plane], self.poles[plane]
-        return poles * np.asarray(trim.future(poles, np.asarray([t])))[:, 0]
+        return poles * np.asarray(trim.remaining_integral(poles, np.asarray([t])))[:, 0]
 
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
         """Return vectors times e^(-p time), each part with the fast pole of its plane."""

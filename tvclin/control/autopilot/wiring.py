@@ -292,7 +292,7 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     h, T = (np.broadcast_to(array, batch) for array in (period, delay))
 
     def open_steps(delays: FloatArray, cases: IndexArray) -> LinearSystem:
-        vehicles, laws = (system.some(cases, batch) for system in (vehicle, law))
+        vehicles, laws = (system.cases(cases, batch) for system in (vehicle, law))
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:

@@ -94,9 +94,9 @@ class Batch:
         )
         return replace(
             self,
-            plant=self.plant.some(fleet, own),
+            plant=self.plant.cases(fleet, own),
             hardware=self.hardware.some(fleet, own, where, self.shape),
-            wind=self.wind.some(winds, self.wind.batch),
+            wind=self.wind.cases(winds, self.wind.batch),
             laws=replace(self.laws, which=self.laws.which[where]),
             limit=some(self.limit, self.shape, where),
             shape=where.shape,

@@ -54,7 +54,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
     N = steps.joint.shape[2]
-    plant = batch.plant.system.some(np.arange(int(np.prod(own))), own)
+    plant = batch.plant.system.cases(np.arange(int(np.prod(own))), own)
     now = _at_rest(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
     now.piece[:] = (knots[met] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
@@ -83,7 +83,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     They are of a whole sample, and of its parts before and after a late command.
     """
     hardware, every = batch.hardware, np.arange(int(np.prod(own)))
-    plant = batch.plant.system.some(every, own)
+    plant = batch.plant.system.cases(every, own)
     length, delay = (_spread(a, own) for a in (hardware.length, hardware.delay))
     late, rest = delay_parts(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
@@ -91,7 +91,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     pace = np.minimum(_spread(quickness(hardware.actuator), own), _AT_ONCE)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(hardware.actuator), own), lengths)
     short = lengths[:, 1:] / substeps
-    moving = plant_with_actuator(batch.plant, hardware.actuator).some(every, own)
+    moving = plant_with_actuator(batch.plant, hardware.actuator).cases(every, own)
     n = len(plant.states)
     joint = joint_steps(moving, n, lengths[:, 1:], terms)
     return Steps(

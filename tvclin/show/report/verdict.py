@@ -110,7 +110,7 @@ def basis(found: Findings) -> Line:
         *significant("basis.peak_deg", np.degrees(_blows(s).peak), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
-        f"{_blows(s).gust_words}.",
+        f"{_blows(s).gust_text}.",
         *_meets_the_stop(found),
     )
     if s.required_deflection and s.governs != BOUNDARY and asked(found) is None:

@@ -27,39 +27,48 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason
 from tvclin.base.text import MISSING_NUMBERS, Text
-from tvclin.winds.soundings.archive import TOO_FEW, Collected, Wanted
-from tvclin.winds.soundings.levels import Faults, Found, Levels, faults, geometric, towards
+from tvclin.winds.soundings.archive import TOO_FEW, SoundingCollection, SoundingFilter
+from tvclin.winds.soundings.levels import (
+    Faults,
+    Levels,
+    SoundingEntry,
+    geometric,
+    level_faults,
+    wind_components,
+)
 
 _HEADER_LINE = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
-_WHOLE = re.compile(r"-?\d+")
+_INTEGER = re.compile(r"-?\d+")
 HEIGHT, DIRECTION, SPEED = slice(16, 21), slice(40, 45), slice(46, 51)
-_WIDTH = 51
-BLANK = (33, 39, 45)
-"""Between the last columns nothing stands, counted from 0."""
-_DERIVED_NUMBERS = 6
-"""Whole numbers behind the count of levels in a header of derived parameters, at the least."""
+"""Columns of height, wind direction and wind speed, from 0."""
+_MIN_LINE_WIDTH = 51
+"""Smallest width of a line that has all fields."""
+BLANK_COLUMNS = (33, 39, 45)
+"""Columns between the last fields, from 0, that must be blank."""
+_MIN_DERIVED_NUMBERS = 6
+"""Smallest number of integers after the count of levels in a header of derived parameters."""
 _HEADER_BYTES = re.compile(rb"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b")
-BEGINS = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
-_WIDEST = 60
+HEADER_START = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
+_MAX_LINE_WIDTH = 60
 _PRESSURE = slice(9, 15)
-_DERIVED = "-drvd"
-_AT_ONCE = 100_000
-"""Levels that are looked at together."""
-_MOST = 1_000_000
-"""Levels of one sounding, at the most; the finest have some ten thousand."""
-_LONGEST = 1000
-"""Bytes of a line, at the most; those of IGRA have 71 and less."""
-_TOLD = 1 << 22
-"""Bytes between two words on how far it is."""
-_NO_HOUR, _NO_TIME = 99, b"9999"
+_DERIVED_SUFFIX = "-drvd"
+_LEVELS_PER_BLOCK = 100_000
+"""Levels that are checked together."""
+_MAX_LEVELS = 1_000_000
+"""Largest number of levels of a sounding; the finest have some ten thousand."""
+_MAX_LINE_BYTES = 1000
+"""Largest number of bytes of a line; lines of IGRA have at most 71."""
+_PROGRESS_BYTES = 1 << 22
+"""Bytes between two calls of `progress`."""
+_MISSING_HOUR, _MISSING_RELEASE = 99, b"9999"
 
 Progress = Callable[[int, int], None]
-_APART = 1e6
-"""m between the heights of one sounding and those of the next, where all stand in one row."""
+_SOUNDING_SPACING = 1e6
+"""Offset [m] between the heights of successive soundings, so that one row holds all."""
 
 
-def soundings_in(text: Text) -> list[Found]:
-    """Return the soundings of a station file."""
+def soundings_in(text: Text) -> list[SoundingEntry]:
+    """Return the soundings of a station file, one entry for each header."""
     headers = [i for i, line in enumerate(text.lines) if line.startswith("#")]
     if not headers:
         raise text.error(1, "an IGRA file begins each sounding with a line # and the station")
@@ -68,13 +77,13 @@ def soundings_in(text: Text) -> list[Found]:
 
 
 def is_derived(header: str) -> bool:
-    """Whether a header is that of derived parameters, with numbers in place of sources."""
+    """Return whether a header announces derived parameters, with numbers in place of sources."""
     match = _HEADER_LINE.match(header)
     words = header[match.end() :].split() if match is not None else []
-    return len(words) >= _DERIVED_NUMBERS and all(_WHOLE.fullmatch(word) for word in words)
+    return len(words) >= _MIN_DERIVED_NUMBERS and all(_INTEGER.fullmatch(word) for word in words)
 
 
-def derived(name: str) -> InputError:
+def derived_error(name: str) -> InputError:
     """Return the error about a file of derived parameters."""
     return InputError(
         f"{name} holds derived parameters of IGRA in other columns; take the file that ends in"
@@ -82,16 +91,16 @@ def derived(name: str) -> InputError:
     )
 
 
-def _station_sounding(text: Text, first: int, end: int) -> Found:
+def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
     match = _HEADER_LINE.match(text.lines[first])
     if is_derived(text.lines[first]):
-        raise derived(text.source)
+        raise derived_error(text.source)
     if match is None:
         raise text.error(first + 1, "the header of an IGRA sounding is not in its columns")
     station, year, month, day, hour, count = match.groups()
     time = f"{year}-{month}-{day} {hour}"
     title = f"{station}, {time} UTC"
-    return Found(lambda: _station_levels(text, first, end, title, int(count)), time=time)
+    return SoundingEntry(lambda: _station_levels(text, first, end, title, int(count)), time=time)
 
 
 def _station_levels(text: Text, first: int, end: int, title: str, count: int) -> Levels:
@@ -101,11 +110,13 @@ def _station_levels(text: Text, first: int, end: int, title: str, count: int) ->
             first + 1, f"{count} levels are announced and {line.size} follow; the file is cut short"
         )
     rows = [text.lines[i - 1] for i in line]
-    good = [len(row) >= _WIDTH and all(row[i] == " " for i in BLANK) for row in rows]
+    good = [
+        len(row) >= _MIN_LINE_WIDTH and all(row[i] == " " for i in BLANK_COLUMNS) for row in rows
+    ]
     text.require(
         np.array(good, dtype=bool), line, lambda _: "a level is cut short or not in its columns"
     )
-    return Levels.blowing(
+    return Levels.from_direction(
         text=text,
         line=line,
         speed=_station_column(text, "WSPD", [row[SPEED] for row in rows], line) / 10,
@@ -121,40 +132,42 @@ def _station_column(text: Text, name: str, cells: list[str], line: IntArray) -> 
     return text.numbers(name, cells, line)
 
 
-def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -> Collected:
-    """Return the wanted soundings of a station file, plain or in a zip."""
-    if _DERIVED in path.name.lower():
-        raise derived(called(path))
-    stream = _Stream(called(path), wanted)
+def read_station(
+    path: Path, accepted: SoundingFilter, progress: Progress | None = None
+) -> SoundingCollection:
+    """Return the soundings of a station file, plain or in a zip, that pass a filter."""
+    if _DERIVED_SUFFIX in path.name.lower():
+        raise derived_error(called(path))
+    stream = _StationStream(called(path), accepted)
     with _opened(path) as (file, total):
-        done = told = 0
+        position = reported = 0
         for line in _lines(file, called(path)):
             stream.take(line)
-            done += len(line)
-            if progress is not None and done - told > _TOLD:
-                progress(told := done, max(total, done))
+            position += len(line)
+            if progress is not None and position - reported > _PROGRESS_BYTES:
+                progress(reported := position, max(total, position))
         stream.end()
         if progress is not None:
-            progress(done, done)
+            progress(position, position)
     if not stream.headers:
-        stream.found.count("station files without a header", stream.name)
-    return stream.found
+        stream.collection.count("station files without a header", stream.name)
+    return stream.collection
 
 
 def is_station(path: Path) -> bool:
-    """Whether a file looks like one of a station: a zip, or a text that begins with a header."""
+    """Return whether a file is a station file: a zip, or a text that begins with a header."""
     if path.suffix.lower() == ".zip":
         return True
     try:
         with path.open("rb") as file:
-            return BEGINS.match(file.read(200).removeprefix(b"\xef\xbb\xbf")) is not None
+            return HEADER_START.match(file.read(200).removeprefix(b"\xef\xbb\xbf")) is not None
     except OSError:
         return False
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
-    """The file, and how many bytes there are."""
+    """Open a station file, and give its size [bytes]."""
     import zipfile
     from io import BufferedReader
 
@@ -163,16 +176,18 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
             with path.open("rb") as file:
                 yield file, path.stat().st_size
             return
-        with zipfile.ZipFile(path) as packed:
-            texts = [one for one in packed.infolist() if one.filename.lower().endswith(".txt")]
+        with zipfile.ZipFile(path) as archive:
+            texts = [
+                entry for entry in archive.infolist() if entry.filename.lower().endswith(".txt")
+            ]
             if len(texts) != 1:
                 raise InputError(
                     f"{called(path)} must hold one .txt, as a station file does; got {len(texts)}"
                 )
-            if _DERIVED in texts[0].filename.lower():
-                raise derived(called(texts[0].filename))
-            with packed.open(texts[0]) as inner:
-                yield BufferedReader(inner, 1 << 20), texts[0].file_size  # type: ignore[type-var]
+            if _DERIVED_SUFFIX in texts[0].filename.lower():
+                raise derived_error(called(texts[0].filename))
+            with archive.open(texts[0]) as member:
+                yield BufferedReader(member, 1 << 20), texts[0].file_size  # type: ignore[type-var]
     except (zipfile.BadZipFile, RuntimeError):
         raise _no_zip(called(path)) from None
     except OSError as error:
@@ -180,11 +195,11 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
 
 
 def _lines(file: IO[bytes], name: str) -> Iterator[bytes]:
-    """Yield the lines of a file, of which none may be longer than a line can be."""
+    """Yield the lines of a file; `InputError` for a line longer than `_MAX_LINE_BYTES`."""
     try:
-        for number, line in enumerate(iter(partial(file.readline, _LONGEST), b""), start=1):
-            if len(line) == _LONGEST:
-                raise InputError(f"{name}, line {number}: it has {_LONGEST} bytes or more")
+        for number, line in enumerate(iter(partial(file.readline, _MAX_LINE_BYTES), b""), start=1):
+            if len(line) == _MAX_LINE_BYTES:
+                raise InputError(f"{name}, line {number}: it has {_MAX_LINE_BYTES} bytes or more")
             yield line
     except (InputError, OSError):
         raise
@@ -197,69 +212,69 @@ def _no_zip(name: str) -> InputError:
 
 
 @dataclass
-class _Stream:
-    """Lines, one after the other, gathered until there are enough to be looked at together."""
+class _StationStream:
+    """Parser of a station file, line by line, with checks in blocks of levels."""
 
     name: str
-    wanted: Wanted
-    found: Collected = field(default_factory=Collected)
+    accepted: SoundingFilter
+    collection: SoundingCollection = field(default_factory=SoundingCollection)
     number: int = 0
     headers: int = 0
-    takes: bool = False
+    accepting: bool = False
     announced: int = 0
     lines: list[bytes] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
     heads: list[tuple[Any, int, int, int]] = field(default_factory=list)
 
     def take(self, line: bytes) -> None:
-        """Take the next line."""
+        """Parse the next line."""
         self.number += 1
-        if line[:1] == b"#" or (self.number == 1 and BEGINS.match(line[3:])):
+        if line[:1] == b"#" or (self.number == 1 and HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))
-        elif self.takes and not line.isspace():
-            if len(self.lines) > _AT_ONCE + _MOST:
-                raise InputError(f"{self.name}, line {self.number}: more than {_MOST} levels")
+        elif self.accepting and not line.isspace():
+            if len(self.lines) > _LEVELS_PER_BLOCK + _MAX_LEVELS:
+                raise InputError(f"{self.name}, line {self.number}: more than {_MAX_LEVELS} levels")
             self.lines.append(line)
             self.numbers.append(self.number)
 
     def _head(self, line: bytes) -> None:
-        if len(self.lines) > _AT_ONCE:
+        if len(self.lines) > _LEVELS_PER_BLOCK:
             self.end()
-        self.takes = False
+        self.accepting = False
         self.headers += 1
         match = _HEADER_BYTES.match(line)
         if self.headers == 1 and is_derived(line.decode("latin-1").strip()):
-            raise derived(self.name)
+            raise derived_error(self.name)
         if match is None:
             said = f"{self.name}, line {self.number}"
-            self.found.count("headers not in their columns, left out", said)
+            self.collection.count("headers not in their columns, left out", said)
             return
         station, *date, hour, release, count = match.groups()
-        time = self._time("-".join(part.decode() for part in date), int(hour), release)
-        if time is not None and self.wanted.takes(station.decode(), time):
-            self.takes = True
-            self.found.stations.setdefault(station.decode(), called(self.name))
+        time = self._time("-".join(number.decode() for number in date), int(hour), release)
+        if time is not None and self.accepted.accepts(station.decode(), time):
+            self.accepting = True
+            self.collection.stations.setdefault(station.decode(), called(self.name))
             self.heads.append((time, self.number, int(count), len(self.lines)))
 
     def _time(self, date: str, hour: int, release: bytes) -> Any:
-        """The nominal time; that of release, or noon, where there is none. None for no date."""
+        """Return the nominal time; without an hour that of release, or noon; None for no date."""
         note, minutes = "", 60 * hour
-        if hour == _NO_HOUR:
-            known = release.isdigit() and release != _NO_TIME and int(release) % 100 < 60
-            minutes = 60 * int(release[:2]) + int(release[2:]) if known else 720
-            of = "that of release" if known else "noon"
-            note = f"soundings without an hour, for which {of} is taken"
+        if hour == _MISSING_HOUR:
+            released = release.isdigit() and release != _MISSING_RELEASE and int(release) % 100 < 60
+            minutes = 60 * int(release[:2]) + int(release[2:]) if released else 720
+            source = "that of release" if released else "noon"
+            note = f"soundings without an hour, for which {source} is taken"
         try:
             time = np.datetime64(date, "m") + np.timedelta64(minutes, "m")
         except ValueError:
-            self.found.count("headers with an impossible date", f"line {self.number}")
+            self.collection.count("headers with an impossible date", f"line {self.number}")
             return None
-        if note and self.wanted.takes(None, time):
-            self.found.count(note, f"line {self.number}")
+        if note and self.accepted.accepts(None, time):
+            self.collection.count(note, f"line {self.number}")
         return time
 
     def end(self) -> None:
-        """Look at what was gathered."""
+        """Check the collected levels, and add their soundings to the collection."""
         if not self.heads:
             return
         starts = np.array([*(head[3] for head in self.heads), len(self.lines)])
@@ -273,22 +288,22 @@ class _Stream:
                     " is cut short"
                 )
         times = np.array([head[0] for head in self.heads], dtype="datetime64[m]")
-        collected(self.found, rows, times, why)
+        collect_levels(self.collection, rows, times, why)
         self.lines, self.numbers, self.heads = [], [], []
 
 
 def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
-    """The levels of some soundings, of their lines."""
-    whole = np.array(lines or [b""], dtype=f"S{_WIDEST}")[: len(lines)]
-    letters = whole.view(np.uint8).reshape(len(lines), _WIDEST)
-    good = np.all(letters[:, BLANK] == ord(" "), axis=1)
+    """Return the levels of soundings from their lines."""
+    characters = np.array(lines or [b""], dtype=f"S{_MAX_LINE_WIDTH}")[: len(lines)]
+    letters = characters.view(np.uint8).reshape(len(lines), _MAX_LINE_WIDTH)
+    valid = np.all(letters[:, BLANK_COLUMNS] == ord(" "), axis=1)
     pressure, height, direction, speed = (
-        _numbers(letters[:, columns], good) for columns in (_PRESSURE, HEIGHT, DIRECTION, SPEED)
+        _numbers(letters[:, columns], valid) for columns in (_PRESSURE, HEIGHT, DIRECTION, SPEED)
     )
     return Rows(
         sounding=np.repeat(np.arange(counts.size), counts),
         line=numbers,
-        broken=~good,
+        broken=~valid,
         pressure=pressure,
         height=height,
         speed=speed / 10.0,
@@ -296,12 +311,14 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     )
 
 
-def _numbers(letters: NDArray[np.uint8], good: BoolArray) -> FloatArray:
-    """Whole numbers in their columns, NaN where missing; clears `good` for what is none."""
+def _numbers(letters: NDArray[np.uint8], valid: BoolArray) -> FloatArray:
+    """Return integers in their columns, NaN where missing; clear `valid` for malformed ones."""
     digit = (letters >= ord("0")) & (letters <= ord("9"))
     minus = letters == ord("-")
-    begins = digit[:, 1:] >= digit[:, :-1]  # no digit is followed by another letter
-    good &= digit[:, -1] & begins.all(axis=1) & (digit | minus | (letters == ord(" "))).all(axis=1)
+    unbroken = digit[:, 1:] >= digit[:, :-1]  # no digit is followed by another letter
+    valid &= (
+        digit[:, -1] & unbroken.all(axis=1) & (digit | minus | (letters == ord(" "))).all(axis=1)
+    )
     powers = 10.0 ** np.arange(letters.shape[1] - 1, -1, -1)
     values = np.where(digit, letters - np.uint8(ord("0")), np.uint8(0)) @ powers
     values = np.where(minus.any(axis=1), -values, values)
@@ -310,10 +327,11 @@ def _numbers(letters: NDArray[np.uint8], good: BoolArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Levels of some soundings in the order of the file, each array ``(m,)``; NaN where missing.
+    """Levels of several soundings in the order of the file, arrays ``(m,)``; NaN where missing.
 
-    `sounding`: which sounding, rising. `line`: line in the file. `broken`: not in its columns.
-    `pressure`, `height`, `speed`, `direction`: [Pa], geopotential [m], [m/s], from where [rad].
+    `sounding`: index of the sounding, ascending. `line`: line in the file. `broken`: whether the
+    line is malformed. `pressure`, `height`, `speed`, `direction`: [Pa], geopotential [m], [m/s],
+    direction from which the wind blows [rad].
     """
 
     sounding: IntArray
@@ -325,73 +343,83 @@ class Rows:
     direction: FloatArray
 
 
-def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: list[str]) -> None:
-    """Add soundings to what was found; `why` says what is already wrong with each."""
-    bad = np.array([bool(reason) for reason in why], dtype=bool)
-    wrongs: Faults = [(rows.broken, lambda _: "a level is cut short or not in its columns")]
-    wrongs += faults(height=rows.height, speed=rows.speed, direction=rows.direction)
-    for wrong, say in wrongs:
-        for i in np.flatnonzero(wrong).tolist():
+def collect_levels(
+    collection: SoundingCollection, rows: Rows, times: NDArray[np.datetime64], why: list[str]
+) -> None:
+    """Add soundings to a collection; `why` has the reason why each is already invalid, or ""."""
+    invalid = np.array([bool(reason) for reason in why], dtype=bool)
+    checks: Faults = [(rows.broken, lambda _: "a level is cut short or not in its columns")]
+    checks += level_faults(height=rows.height, speed=rows.speed, direction=rows.direction)
+    for failed, message in checks:
+        for i in np.flatnonzero(failed).tolist():
             sounding = int(rows.sounding[i])
-            if not bad[sounding]:
-                bad[sounding], why[sounding] = True, f"line {rows.line[i]}: {say(i)}"
-    good = ~bad[rows.sounding]
-    east, north = towards(rows.speed, rows.direction)
-    blows = good & ~np.isnan(east + north)
-    kept = np.flatnonzero(blows & ~np.isnan(rows.height))
-    kept, twice, sunk = _above_previous(rows.sounding[kept], rows.height[kept], kept)
-    mostly = np.bincount(sunk, minlength=bad.size) > np.bincount(
-        rows.sounding[kept], minlength=bad.size
+            if not invalid[sounding]:
+                invalid[sounding], why[sounding] = True, f"line {rows.line[i]}: {message(i)}"
+    valid = ~invalid[rows.sounding]
+    east, north = wind_components(rows.speed, rows.direction)
+    has_wind = valid & ~np.isnan(east + north)
+    ascending = np.flatnonzero(has_wind & ~np.isnan(rows.height))
+    ascending, repeated, sunk = _above_previous(
+        rows.sounding[ascending], rows.height[ascending], ascending
     )
-    for i in np.flatnonzero(mostly & ~bad).tolist():
-        bad[i], why[i] = True, "more than half of its levels lie below the one before"
-    placed, height = _placed(rows, np.flatnonzero(blows & np.isnan(rows.height)))
-    index = np.concatenate([kept, placed])
-    level = np.concatenate([rows.height[kept], height])
+    descending = np.bincount(sunk, minlength=invalid.size) > np.bincount(
+        rows.sounding[ascending], minlength=invalid.size
+    )
+    for i in np.flatnonzero(descending & ~invalid).tolist():
+        invalid[i], why[i] = True, "more than half of its levels lie below the one before"
+    interpolated, height = _interpolated_levels(
+        rows, np.flatnonzero(has_wind & np.isnan(rows.height))
+    )
+    index = np.concatenate([ascending, interpolated])
+    level = np.concatenate([rows.height[ascending], height])
     order = np.lexsort((index, level, rows.sounding[index]))  # where two are at one height
     index, level = index[order], level[order]
     sounding = rows.sounding[index]
-    new = np.append(True, (np.diff(level) > 0.0) | (np.diff(sounding) > 0))[: index.size]
-    index, level, sounding = (one[new] for one in (index, level, sounding))
-    counts = np.bincount(sounding, minlength=bad.size)
-    for i in np.flatnonzero((counts < 2) & ~bad).tolist():
-        bad[i], why[i] = True, TOO_FEW
-    use = ~bad[sounding]
-    left = int(np.sum(blows & np.isnan(rows.height))) - placed.size
-    found.count("levels with a wind and a pressure, placed in its logarithm", times=placed.size)
-    found.count("levels with a wind but without a height, left out", times=left)
-    found.count("levels of a height that was there already, left out", times=twice)
-    found.count("levels where the balloon sank, left out", times=sunk.size)
-    made = geometric(level[use]), east[index[use]], north[index[use]]
-    found.pieces.append((*made, np.where(bad, 0, counts), times))
-    found.why.extend(why)
+    distinct = np.append(True, (np.diff(level) > 0.0) | (np.diff(sounding) > 0))[: index.size]
+    index, level, sounding = (array[distinct] for array in (index, level, sounding))
+    counts = np.bincount(sounding, minlength=invalid.size)
+    for i in np.flatnonzero((counts < 2) & ~invalid).tolist():
+        invalid[i], why[i] = True, TOO_FEW
+    usable = ~invalid[sounding]
+    omitted = int(np.sum(has_wind & np.isnan(rows.height))) - interpolated.size
+    collection.count(
+        "levels with a wind and a pressure, placed in its logarithm", times=interpolated.size
+    )
+    collection.count("levels with a wind but without a height, left out", times=omitted)
+    collection.count("levels of a height that was there already, left out", times=repeated)
+    collection.count("levels where the balloon sank, left out", times=sunk.size)
+    levels = geometric(level[usable]), east[index[usable]], north[index[usable]]
+    collection.pieces.append((*levels, np.where(invalid, 0, counts), times))
+    collection.why.extend(why)
 
 
 def _above_previous(
     sounding: IntArray, height: FloatArray, index: IndexArray
 ) -> tuple[IndexArray, int, IntArray]:
-    """Levels above all before them; how many stand twice; and of which soundings the others are."""
-    above = height + _APART * sounding
-    highest = np.maximum.accumulate(np.concatenate([[-np.inf], above]))[:-1]
-    twice, sunk = above == highest, above < highest
-    return index[~(twice | sunk)], int(twice.sum()), sounding[sunk]
+    """Return the levels above all before them, repeats, and descents' soundings."""
+    stacked = height + _SOUNDING_SPACING * sounding
+    highest = np.maximum.accumulate(np.concatenate([[-np.inf], stacked]))[:-1]
+    repeated, sunk = stacked == highest, stacked < highest
+    return index[~(repeated | sunk)], int(repeated.sum()), sounding[sunk]
 
 
-def _placed(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
-    """Of levels without a height those that lie between two with one, and their heights [m]."""
+def _interpolated_levels(rows: Rows, index: IndexArray) -> tuple[IndexArray, FloatArray]:
+    """Return the levels without a height between two with a height, and their heights [m]."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        up = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
-    base = np.flatnonzero(~np.isnan(up + rows.height))
-    base = _above_previous(rows.sounding[base], up[base], base)[0]
+        log_pressure = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
+    base = np.flatnonzero(~np.isnan(log_pressure + rows.height))
+    base = _above_previous(rows.sounding[base], log_pressure[base], base)[0]
     base = _above_previous(rows.sounding[base], rows.height[base], base)[0]
-    index = index[~np.isnan(up[index])]
+    index = index[~np.isnan(log_pressure[index])]
     if not base.size or not index.size:
         return index[:0], np.empty(0)
-    place, key = (up[i] + 100.0 * rows.sounding[i] for i in (index, base))
-    after = np.searchsorted(key, place)
+    position, key = (log_pressure[i] + 100.0 * rows.sounding[i] for i in (index, base))
+    after = np.searchsorted(key, position)
     inside = (after > 0) & (after < key.size)
     low, high = base[np.maximum(after - 1, 0)], base[np.minimum(after, key.size - 1)]
-    same = (rows.sounding[low] == rows.sounding[index]) & (
+    in_sounding = (rows.sounding[low] == rows.sounding[index]) & (
         rows.sounding[high] == rows.sounding[index]
     )
-    return index[inside & same], np.interp(place, key, rows.height[base])[inside & same]
+    return index[inside & in_sounding], np.interp(position, key, rows.height[base])[
+        inside & in_sounding
+    ]

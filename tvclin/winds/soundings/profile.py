@@ -39,106 +39,118 @@ from tvclin.base.errors import (
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import Piecewise
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.pulses import SampledWind, straight_lines
+from tvclin.winds.pulses import SampledWind, piecewise_linear
 from tvclin.winds.wind_angles import angle_from_speed
 
-_FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
-_FAR = 1e9
+_FLIGHT_ARRAYS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
+_MAX_FLIGHT_NUMBER = 1e9
 RANGES = {"height": (-1e4, 1e6, "m"), "east": (-1e3, 1e3, "m/s"), "north": (-1e3, 1e3, "m/s")}
-"""What can be meant, generously."""
-_THINNEST, _THICKEST = 1e-3, 1e6
+"""Smallest and largest value, with its unit, of each array of a profile."""
+_MIN_THICKNESS, _MAX_THICKNESS = 1e-3, 1e6
+"""Smallest and largest thickness [m] of a running mean."""
 
 
-class Flown(Protocol):
-    """A flight as arrays over its time, each of the shape ``(n,)``."""
+class FlightPath(Protocol):
+    """Flight as arrays over its time, each of the shape ``(n,)``."""
 
     @property
     def time(self) -> Any:
-        """[s]."""
+        """Time [s], ``(n,)``."""
 
     @property
     def height(self) -> Any:
-        """[m]."""
+        """Height [m], ``(n,)``."""
 
     @property
     def speed(self) -> Any:
-        """[m/s]."""
+        """Speed relative to the air [m/s], ``(n,)``."""
 
     @property
     def flight_path_angle(self) -> Any:
-        """[rad]."""
+        """Flight path angle [rad], ``(n,)``."""
 
 
-def angles_along(
-    flight: Flown, height: FloatArray, wind: FloatArray, plane: str, largest: float | None = None
+def wind_angles_along(
+    flight: FlightPath,
+    height: FloatArray,
+    wind: FloatArray,
+    plane: str,
+    largest: float | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and wind angles [rad] of a flight through a wind [m/s] over heights [m].
 
-    The flight is straight between its times. In yaw the wind meets it at right angles. With a
-    `largest` angle [rad], the longest time that stays below it alone.
+    The flight is linear between its times. In yaw the wind is at right angles to it. With a
+    `largest` angle [rad] only the longest interval below it is returned.
     """
     time, path, speed, climb = checked_flight(flight)
-    low, high = max(height[0], path[0]), min(height[-1], path[-1])
-    if not low < high:
+    bottom, top = max(height[0], path[0]), min(height[-1], path[-1])
+    if not bottom < top:
         raise InputError(
             f"the flight does not reach the wind: it goes from {path[0]:.6g} to {path[-1]:.6g} m,"
             f" and the wind is known from {height[0]:.6g} to {height[-1]:.6g} m"
         )
-    met = np.concatenate([height, path])
-    met = np.unique(np.concatenate([met[(met > low) & (met < high)], [low, high]]))
-    when, known = np.interp(met, path, time), np.interp(met, height, wind)
-    apart = np.append(True, np.diff(when) > 0.0)
-    when, known = when[apart], known[apart]
-    angle = np.pi / 2 if plane == "yaw" else np.interp(when, time, climb)
-    flown = np.interp(when, time, speed)
-    sine = np.abs(known * np.sin(angle)) / flown
+    heights = np.concatenate([height, path])
+    heights = np.unique(
+        np.concatenate([heights[(heights > bottom) & (heights < top)], [bottom, top]])
+    )
+    times, wind_speed = np.interp(heights, path, time), np.interp(heights, height, wind)
+    distinct = np.append(True, np.diff(times) > 0.0)
+    times, wind_speed = times[distinct], wind_speed[distinct]
+    angle = np.pi / 2 if plane == "yaw" else np.interp(times, time, climb)
+    flight_speed = np.interp(times, time, speed)
+    sine = np.abs(wind_speed * np.sin(angle)) / flight_speed
     if largest is not None:
-        flat = longest_run(when, sine <= np.sin(largest))
-        if flat.stop - flat.start < 2:
+        interval = longest_interval(times, sine <= np.sin(largest))
+        if interval.stop - interval.start < 2:
             raise InputError(
                 f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
                 " of which linear aerodynamics says nothing"
             )
-        angle = np.broadcast_to(angle, when.shape)
-        return when[flat], angle_from_speed(known[flat], flown[flat], angle[flat])
-    if np.any(sine >= 1.0):
-        slow = met[apart][sine >= 1.0]
-        raise InputError(
-            f"the wind is faster than the flight can meet, first at {slow[0]:.6g} m; leave out the"
-            f" slow part of the flight with profile.between({slow[-1]:.6g}, ...)"
+        angle = np.broadcast_to(angle, times.shape)
+        return times[interval], angle_from_speed(
+            wind_speed[interval], flight_speed[interval], angle[interval]
         )
-    return when, angle_from_speed(known, flown, angle)
+    if np.any(sine >= 1.0):
+        unreachable = heights[distinct][sine >= 1.0]
+        raise InputError(
+            f"the wind is faster than the flight can meet, first at {unreachable[0]:.6g} m; leave"
+            f" out the slow part of the flight with profile.between({unreachable[-1]:.6g}, ...)"
+        )
+    return times, angle_from_speed(wind_speed, flight_speed, angle)
 
 
-def longest_run(times: FloatArray, good: BoolArray) -> slice:
-    """Return the places of the longest time in which all is good."""
+def longest_interval(times: FloatArray, good: BoolArray) -> slice:
+    """Return the slice of the longest interval of time in which all elements are good."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
-    return max(runs, key=lambda one: times[one.stop - 1] - times[one.start], default=slice(0, 0))
+    return max(runs, key=lambda run: times[run.stop - 1] - times[run.start], default=slice(0, 0))
 
 
-def checked_flight(flight: Flown) -> list[FloatArray]:
-    """Return the four arrays of a flight; `InputError` where they are none, or do not ascend."""
+def checked_flight(flight: FlightPath) -> list[FloatArray]:
+    """Return the four arrays of a flight; `InputError` if malformed or not ascending."""
     try:
-        given = {name: getattr(flight, name) for name in _FIELDS}
+        values = {name: getattr(flight, name) for name in _FLIGHT_ARRAYS}
     except AttributeError:
         raise InputError(
-            f"flight must have arrays {', '.join(_FIELDS)} (see steady_climb); got"
+            f"flight must have arrays {', '.join(_FLIGHT_ARRAYS)} (see steady_climb); got"
             f" {type(flight).__name__}"
         ) from None
-    arrays = [within(name, given[name], -_FAR, _FAR, unit) for name, unit in _FIELDS.items()]
+    arrays = [
+        within(name, values[name], -_MAX_FLIGHT_NUMBER, _MAX_FLIGHT_NUMBER, unit)
+        for name, unit in _FLIGHT_ARRAYS.items()
+    ]
     directions("flight_path_angle", arrays[3])
     shape = arrays[0].shape
     if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
         raise InputError(
-            f"{', '.join(_FIELDS)} of a flight must be arrays of one length, two or more; got"
-            f" {', '.join(str(array.shape) for array in arrays)}"
+            f"{', '.join(_FLIGHT_ARRAYS)} of a flight must be arrays of one length, two or more;"
+            f" got {', '.join(str(array.shape) for array in arrays)}"
         )
     for name, array in zip(("time", "height"), arrays, strict=False):
-        wrong = np.diff(array) <= 0.0
-        if np.any(wrong):
+        descending = np.diff(array) <= 0.0
+        if np.any(descending):
             raise InputError(
-                f"{name} of a flight must ascend; it does not at index {wrong.argmax()}"
+                f"{name} of a flight must ascend; it does not at index {descending.argmax()}"
             )
     positive("speed", arrays[2], "m/s")
     return arrays
@@ -146,7 +158,7 @@ def checked_flight(flight: Flown) -> list[FloatArray]:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class WindProfile(Carded):
-    """The horizontal wind over height, straight between its levels.
+    """Horizontal wind over height, linear between its levels.
 
     Parameters
     ----------
@@ -155,9 +167,9 @@ class WindProfile(Carded):
     east, north : array_like
         Wind towards east and north [m/s], shape ``(n,)``.
     source : str
-        Where it comes from.
+        Origin of the data.
     notes : tuple of str
-        What a reader should know: gaps bridged, levels left out, heights converted.
+        Remarks: gaps bridged, levels omitted, heights converted.
 
     Raises
     ------
@@ -184,10 +196,10 @@ class WindProfile(Carded):
                     f" levels; got {name} of shape {array.shape}"
                 )
         if np.any(np.diff(self.height) <= 0.0):
-            late = int(np.argmax(np.diff(self.height) <= 0.0)) + 1
+            index = int(np.argmax(np.diff(self.height) <= 0.0)) + 1
             raise InputError(
-                f"height must ascend; got {self.height[late]:.6g} m at index {late} after"
-                f" {self.height[late - 1]:.6g} m"
+                f"height must ascend; got {self.height[index]:.6g} m at index {index} after"
+                f" {self.height[index - 1]:.6g} m"
             )
         text("source", self.source)
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
@@ -203,7 +215,7 @@ class WindProfile(Carded):
         return np.hypot(self.east, self.north)
 
     def in_plane(self, azimuth: float) -> FloatArray:
-        """Return the wind along a direction of flight [m/s] at the levels: positive, a tail wind.
+        """Return the wind component along a direction of flight [m/s], positive a tail wind.
 
         Parameters
         ----------
@@ -214,7 +226,7 @@ class WindProfile(Carded):
         return np.asarray(self.east * np.sin(angle) + self.north * np.cos(angle))
 
     def cross_plane(self, azimuth: float) -> FloatArray:
-        """Return the wind across a direction of flight [m/s]: positive, from the right.
+        """Return the wind component across a direction of flight [m/s], positive from the right.
 
         Parameters
         ----------
@@ -232,19 +244,19 @@ class WindProfile(Carded):
         InputError
             For heights beyond the levels.
         """
-        wanted = finite("height", height, "m")
-        if np.any((wanted < self.height[0]) | (wanted > self.height[-1])):
+        heights = finite("height", height, "m")
+        if np.any((heights < self.height[0]) | (heights > self.height[-1])):
             raise InputError(
                 f"height must be between {self.height[0]:.6g} and {self.height[-1]:.6g} m, where"
-                f" the wind is known; got {wanted.min():.6g} to {wanted.max():.6g} m"
+                f" the wind is known; got {heights.min():.6g} to {heights.max():.6g} m"
             )
         return (
-            np.asarray(np.interp(wanted, self.height, self.east)),
-            np.asarray(np.interp(wanted, self.height, self.north)),
+            np.asarray(np.interp(heights, self.height, self.east)),
+            np.asarray(np.interp(heights, self.height, self.north)),
         )
 
     def between(self, low: float, high: float) -> Self:
-        """Return the part between two heights [m], which become its first and last level.
+        """Return the profile between two heights [m], which become its first and last level.
 
         Raises
         ------
@@ -260,9 +272,9 @@ class WindProfile(Carded):
         return self._changed(height, *self.at(height), note)
 
     def __sub__(self, other: object) -> WindProfile:
-        """Return what is left of the wind if another is taken out of it, where both are known.
+        """Return the difference to another profile, at the heights of both.
 
-        A flight path that is biased for the other wind leaves this to the nozzle.
+        A flight path that is biased for the other wind encounters this difference.
 
         Raises
         ------
@@ -279,24 +291,24 @@ class WindProfile(Carded):
                 f" {other.height[-1]:.6g} m, and the other one from {self.height[0]:.6g} to"
                 f" {self.height[-1]:.6g} m: no height is in both"
             )
-        every = np.union1d(self.height, other.height)
-        height = every[(every >= low) & (every <= high)]
+        heights = np.union1d(self.height, other.height)
+        height = heights[(heights >= low) & (heights <= high)]
         east, north = (a - b for a, b in zip(self.at(height), other.at(height), strict=True))
-        out = f"without the wind of {other.source}" if other.source else "a mean wind taken out"
-        return self._changed(height, east, north, out)
+        note = f"without the wind of {other.source}" if other.source else "a mean wind taken out"
+        return self._changed(height, east, north, note)
 
     def smoothed(self, thickness: float) -> Self:
         """Return the running mean over layers of a thickness [m] about each level.
 
-        Near the ends the layer is cut to what is known. The mean is that of the straight lines,
-        exactly; between the levels the new profile is straight again.
+        Near the ends the layer is cut to the known heights. The mean of the linear profile is
+        exact; between the levels the new profile is linear again.
 
         Raises
         ------
         InputError
             For a thickness below a millimetre or beyond 1000 km.
         """
-        half = number("thickness", thickness, between(_THINNEST, _THICKEST), "m") / 2
+        half = number("thickness", thickness, between(_MIN_THICKNESS, _MAX_THICKNESS), "m") / 2
         low = np.maximum(self.height - half, self.height[0])
         high = np.minimum(self.height + half, self.height[-1])
         east, north = (
@@ -306,8 +318,8 @@ class WindProfile(Carded):
         note = f"running mean over {2.0 * half:.6g} m"
         return self._changed(self.height, east, north, note)
 
-    def to_wind(self, flight: Flown, *, azimuth: float, plane: str = "pitch") -> SampledWind:
-        """Return the wind angle over time that a flight through the profile meets, eq (B1e).
+    def to_wind(self, flight: FlightPath, *, azimuth: float, plane: str = "pitch") -> SampledWind:
+        """Return the wind angle over time along a flight through the profile, eq (B1e).
 
         Parameters
         ----------
@@ -323,9 +335,9 @@ class WindProfile(Carded):
         Returns
         -------
         SampledWind
-            In the flight's time, with knots where the flight meets a level of the profile and at
-            the flight's own times. Where profile and flight have no height in common it is zero,
-            which nobody has measured: the wind is unknown there, not calm.
+            Wind over the flight's time, with knots at the levels of the profile and at the flight's
+            own times. Where profile and flight have no height in common it is zero, which is not a
+            measurement: the wind is unknown there, not calm.
 
         Raises
         ------
@@ -340,24 +352,24 @@ class WindProfile(Carded):
         """
         one_of("plane", plane, ("pitch", "yaw"))
         wind = self.in_plane(azimuth) if plane == "pitch" else self.cross_plane(azimuth)
-        time, angle = angles_along(flight, self.height, wind, plane)
+        time, angle = wind_angles_along(flight, self.height, wind, plane)
         return SampledWind(time=time, angle=angle)
 
-    def to_winds(self, flight: Flown, *, azimuth: float) -> PlaneWind:
-        """Return the wind angles in both planes that a flight through the profile meets.
+    def to_winds(self, flight: FlightPath, *, azimuth: float) -> PlaneWind:
+        """Return the wind angles in both planes along a flight through the profile.
 
         Parameters
         ----------
         flight : NominalFlight, Climb, or anything like them
-            As of `to_wind`.
+            As in `to_wind`.
         azimuth : float
             Direction of flight [rad], from north, clockwise.
 
         Returns
         -------
         PlaneWind
-            In pitch with the sine of the flight path angle, eq (B1e), in yaw without. A wind that
-            blows in one plane alone is zero in the other.
+            Pitch with the sine of the flight path angle, eq (B1e), yaw without it. A wind in a
+            single plane is zero in the other.
 
         Raises
         ------
@@ -365,10 +377,12 @@ class WindProfile(Carded):
             As `to_wind`; of a wind that is zero in both planes.
         """
         planes = {"pitch": self.in_plane(azimuth), "yaw": self.cross_plane(azimuth)}
-        met = [angles_along(flight, self.height, wind, plane) for plane, wind in planes.items()]
-        if not any(np.any(angle) for _, angle in met):
+        samples = [
+            wind_angles_along(flight, self.height, wind, plane) for plane, wind in planes.items()
+        ]
+        if not any(np.any(angle) for _, angle in samples):
             raise InputError("the wind must blow along the flight; it is zero throughout there")
-        pitch, yaw = (Piecewise(straight_lines(*one)) for one in met)
+        pitch, yaw = (Piecewise(piecewise_linear(*sample)) for sample in samples)
         return PlaneWind(pitch=pitch, yaw=yaw)
 
     def to_rocketpy(self) -> dict[str, list[tuple[float, float]]]:
@@ -384,28 +398,28 @@ class WindProfile(Carded):
         return replace(self, height=height, east=east, north=north, notes=notes)
 
     def _integral(self, wind: FloatArray, height: FloatArray) -> FloatArray:
-        """Integrate a component from the lowest level to heights, straight lines exactly."""
+        """Return the integral of a component from the lowest level to heights [m^2/s]."""
         widths = np.diff(self.height)
-        whole = np.concatenate([[0.0], np.cumsum(widths * (wind[1:] + wind[:-1]) / 2)])
+        cumulative = np.concatenate([[0.0], np.cumsum(widths * (wind[1:] + wind[:-1]) / 2)])
         level = np.clip(np.searchsorted(self.height, height, side="right") - 1, 0, widths.size - 1)
-        above, here = height - self.height[level], np.interp(height, self.height, wind)
-        return np.asarray(whole[level] + above * (wind[level] + here) / 2)
+        offset, value = height - self.height[level], np.interp(height, self.height, wind)
+        return np.asarray(cumulative[level] + offset * (wind[level] + value) / 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Climb:
-    """A flight as `WindProfile.to_wind` asks for it; every array has the shape ``(n,)``.
+    """Flight with the arrays that `WindProfile.to_wind` takes, each of the shape ``(n,)``.
 
     Attributes
     ----------
     time : ndarray
-        [s], ascending.
+        Time [s], ascending.
     height : ndarray
         Geometric height above the sea [m], ascending.
     speed : ndarray
-        [m/s].
+        Speed relative to the air [m/s].
     flight_path_angle : ndarray
-        [rad].
+        Flight path angle [rad].
 
     Raises
     ------
@@ -425,14 +439,14 @@ class Climb:
 
 
 def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) -> Climb:
-    """Return the climb of a vehicle that keeps its speed and its flight path angle.
+    """Return the climb of a vehicle at constant speed and flight path angle.
 
     Parameters
     ----------
     vehicle : Vehicle
         One vehicle; its attitude is the flight path angle, as in the nominal flight.
     height : float
-        Where it is [m above the sea] at its own time (zero where it has none).
+        Height above the sea [m] at the vehicle's own time (zero where it has none).
     start, stop : float
         First and last time [s].
 
@@ -460,10 +474,10 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     if not rate > 0.0:
         raise InputError(f"vehicle must climb; its height changes by {rate:.6g} m/s")
     time = np.array([begin, end])
-    own = 0.0 if vehicle.time is None else float(vehicle.time)
+    vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
     return Climb(
         time=time,
-        height=number("height", height, unit="m") + rate * (time - own),
+        height=number("height", height, unit="m") + rate * (time - vehicle_time),
         speed=np.full(2, float(vehicle.velocity)),
         flight_path_angle=np.full(2, float(vehicle.attitude)),
     )

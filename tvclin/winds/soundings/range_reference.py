@@ -32,32 +32,34 @@ _FIELDS = (
     "skew_speed",
     "count",
 )
-_SYMMETRIC = 1e-3
-_LARGEST = 1e6
-_RAREST = 1e-6
-"""Percentiles are asked for from here to as far below 100; no table of soundings says more."""
+_MIN_SKEWNESS = 1e-3
+"""Skewness below which the distribution counts as normal."""
+_MAX_NUMBER = 1e6
+"""Largest number of a table."""
+_MIN_PERCENTILE = 1e-6
+"""Distance of a percentile from 0 and from 100, beyond the resolution of any table."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class RangeReference:
-    """The wind of one month above a site, as statistics of many soundings; all arrays ``(n,)``.
+    """Wind statistics of one month above a site, from many soundings; all arrays ``(n,)``.
 
     Attributes
     ----------
     site, month : str
-        As in the table.
+        Names in the table.
     height : ndarray
         Geometric height above the sea [m], ascending.
     mean_east, sd_east, mean_north, sd_north : ndarray
         Mean and standard deviation of the wind towards east and north [m/s].
     correlation : ndarray
-        Of the two components.
+        Correlation of the two components.
     mean_speed, sd_speed, skew_speed : ndarray
         Mean [m/s], standard deviation [m/s] and skewness of the wind speed.
     count : ndarray
-        How many soundings there are.
+        Number of soundings.
     source : str
-        The file.
+        Name of the file.
     """
 
     site: str
@@ -78,19 +80,21 @@ class RangeReference:
         return f"RangeReference({self.site}, {self.month}, {self.height.size} levels)"
 
     def speed(self, percentile: float) -> FloatArray:
-        """Return the wind speed [m/s] that a percentile of soundings stays below.
+        """Return the wind speed [m/s] at a percentile of soundings, ``(n,)``.
 
-        At each height by itself: the Pearson type III distribution with the mean, the standard
-        deviation and the skewness of the table, and zero where that is negative.
+        Each height has its own Pearson type III distribution with the mean, the standard deviation
+        and the skewness of the table, truncated at zero.
         """
         return np.maximum(
-            _pearson(_part(percentile), self.skew_speed) * self.sd_speed + self.mean_speed, 0.0
+            _pearson_quantile(_probability(percentile), self.skew_speed) * self.sd_speed
+            + self.mean_speed,
+            0.0,
         )
 
     def component(self, percentile: float, azimuth: float) -> FloatArray:
-        """Return the wind towards an azimuth [rad] that a percentile stays below [m/s].
+        """Return the wind component towards an azimuth [rad] at a percentile [m/s], ``(n,)``.
 
-        At each height by itself: the component of a bivariate normal wind.
+        Each height has its own bivariate normal distribution.
         """
         from scipy.special import ndtri  # late: import time
 
@@ -99,12 +103,15 @@ class RangeReference:
         covariance = self.correlation * self.sd_east * self.sd_north
         variance = (s * self.sd_east) ** 2 + (c * self.sd_north) ** 2 + 2 * s * c * covariance
         mean = s * self.mean_east + c * self.mean_north
-        return np.asarray(mean + ndtri(_part(percentile)) * np.sqrt(np.maximum(variance, 0.0)))
+        return np.asarray(
+            mean + ndtri(_probability(percentile)) * np.sqrt(np.maximum(variance, 0.0))
+        )
 
     def profile(self, percentile: float, azimuth: float) -> WindProfile:
-        """Return the wind that blows towards an azimuth [rad] with `speed` at every height.
+        """Return the wind towards an azimuth [rad] with a percentile's `speed` at every height.
 
-        No sounding is like that: it is an envelope of speeds, whose shear is that of a mean.
+        It is an envelope of speeds, whose shear is that of a mean, and not a wind that was
+        measured.
         """
         speed, angle = self.speed(percentile), bearing("azimuth", azimuth)
         return WindProfile(
@@ -117,7 +124,7 @@ class RangeReference:
 
 
 def read_range_reference(path: str | PathLike[str]) -> tuple[RangeReference, ...]:
-    """Return the months (and the year) of a Range Reference Atmosphere's table of winds.
+    """Return the months (and the year) of the wind table of a Range Reference Atmosphere.
 
     Parameters
     ----------
@@ -140,7 +147,7 @@ def read_range_reference(path: str | PathLike[str]) -> tuple[RangeReference, ...
 def worst_month(
     months: Sequence[RangeReference], percentile: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return heights [m], and at each the largest speed [m/s] of all months at a percentile.
+    """Return heights [m], and the largest speed [m/s] of all months at a percentile.
 
     Raises
     ------
@@ -170,41 +177,42 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
     table = {
         name: text.numbers(name, [row[i] for row in rows], line) for i, name in enumerate(_FIELDS)
     }
-    _check(text, line, table)
+    _check_rows(text, line, table)
     table["height"] = 1e3 * table["height"]
     site = " ".join(station[1].split())
     return RangeReference(site=site, month=month[1], source=text.source, **table)
 
 
-def _check(text: Text, line: IntArray, table: dict[str, FloatArray]) -> None:
-    whole = ~np.isnan(np.sum(list(table.values()), axis=0))
-    text.require(whole, line, lambda _: "a number is missing")
-    small = np.max(np.abs(list(table.values())), axis=0) <= _LARGEST
-    text.require(small, line, lambda _: f"a number is beyond {_LARGEST:g}")
+def _check_rows(text: Text, line: IntArray, table: dict[str, FloatArray]) -> None:
+    complete = ~np.isnan(np.sum(list(table.values()), axis=0))
+    text.require(complete, line, lambda _: "a number is missing")
+    bounded = np.max(np.abs(list(table.values())), axis=0) <= _MAX_NUMBER
+    text.require(bounded, line, lambda _: f"a number is beyond {_MAX_NUMBER:g}")
     spread = np.min([table[name] for name in _FIELDS if name.startswith("sd")], axis=0)
     text.require(spread >= 0.0, line, lambda _: "a standard deviation must not be negative")
     within = np.abs(table["correlation"]) <= 1.0
     text.require(within, line, lambda _: "the correlation must be between -1 and 1")
-    rises = np.append(True, np.diff(table["height"]) > 0.0)
-    text.require(rises, line, lambda _: "heights must ascend")
+    ascending = np.append(True, np.diff(table["height"]) > 0.0)
+    text.require(ascending, line, lambda _: "heights must ascend")
 
 
-def _part(percentile: float) -> float:
-    part = number("percentile", percentile)
-    if not _RAREST <= part <= 100.0 - _RAREST:
+def _probability(percentile: float) -> float:
+    value = number("percentile", percentile)
+    if not _MIN_PERCENTILE <= value <= 100.0 - _MIN_PERCENTILE:
         raise InputError(
-            f"percentile must be above 0 and below 100, by {_RAREST:g} or more; got {part:g}"
+            f"percentile must be above 0 and below 100, by {_MIN_PERCENTILE:g} or more; got"
+            f" {value:g}"
         )
-    return part / 100
+    return value / 100
 
 
-def _pearson(part: float, skew: FloatArray) -> FloatArray:
-    """Return the quantile of the Pearson type III distribution of mean 0 and deviation 1."""
+def _pearson_quantile(probability: float, skew: FloatArray) -> FloatArray:
+    """Return the quantile of the Pearson type III distribution of zero mean and unit deviation."""
     from scipy.special import gammaincinv, ndtri  # late: import time
 
-    even = np.abs(skew) < _SYMMETRIC
-    size = np.where(even, 1.0, np.abs(skew))
+    symmetric = np.abs(skew) < _MIN_SKEWNESS
+    size = np.where(symmetric, 1.0, np.abs(skew))
     shape = 4.0 / size**2
-    wanted = np.where(skew > 0.0, part, 1.0 - part)
-    gamma = np.sign(skew) * (gammaincinv(shape, wanted) - shape) / np.sqrt(shape)
-    return np.where(even, ndtri(part), gamma)
+    upper_probability = np.where(skew > 0.0, probability, 1.0 - probability)
+    gamma = np.sign(skew) * (gammaincinv(shape, upper_probability) - shape) / np.sqrt(shape)
+    return np.where(symmetric, ndtri(probability), gamma)

@@ -1,4 +1,4 @@
-"""The wind lists of RocketPy's custom atmosphere, in Python or JSON: nothing is executed."""
+"""Wind lists of RocketPy's custom atmosphere, in Python or JSON; no code is executed."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.text import Text
-from tvclin.winds.soundings.levels import Found, Levels, levels_in_words
+from tvclin.winds.soundings.levels import Levels, SoundingEntry, count_of_levels
 
 _LISTS = ("wind_u", "wind_v")
 
 
-def soundings_in(text: Text) -> list[Found]:
+def soundings_in(text: Text) -> list[SoundingEntry]:
     """Return the sounding of the lists wind_u and wind_v of (height m, m/s)."""
-    return [Found(lambda: _read(text))]
+    return [SoundingEntry(lambda: _read(text))]
 
 
 def _read(text: Text) -> Levels:
-    found = _lists(text)
-    (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *found[name]) for name in _LISTS)
+    lists = _lists(text)
+    (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *lists[name]) for name in _LISTS)
     height = np.unique(np.concatenate([z_u, z_v]))
     low, high = max(z_u[0], z_v[0]), min(z_u[-1], z_v[-1])
     common = height[(height >= low) & (height <= high)]
@@ -35,38 +35,38 @@ def _read(text: Text) -> Levels:
         height=common,
         east=np.interp(common, z_u, u),
         north=np.interp(common, z_v, v),
-        notes=(f"{levels_in_words(cut)} that only one list reaches left out",) if cut else (),
+        notes=(f"{count_of_levels(cut)} that only one list reaches left out",) if cut else (),
     )
 
 
 def _lists(text: Text) -> dict[str, tuple[int, Any]]:
-    """Return for each list the line where it stands and its value."""
+    """Return line and value of each list, by its name."""
     content = "\n".join(text.lines)
     try:
         table = json.loads(content)
-        found = {name: (1, table[name]) for name in _LISTS if name in table}
+        lists = {name: (1, table[name]) for name in _LISTS if name in table}
     except (ValueError, TypeError, RecursionError):
-        found = _assigned(text, content)
+        lists = _assigned(text, content)
     for name in _LISTS:
-        if name not in found:
+        if name not in lists:
             raise InputError(
                 f"{text.source} must hold lists wind_u and wind_v of (height m, m/s); {name} is"
                 " missing"
             )
-    return found
+    return lists
 
 
 def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about escapes in strings that nobody asks for
+            warnings.simplefilter("ignore")  # about escapes in strings of no interest
             nodes = list(ast.walk(ast.parse(content)))
     except SyntaxError as error:
         raise text.error(error.lineno or 1, f"neither JSON nor Python: {error.msg}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text.source} is neither JSON nor Python") from None
-    found: dict[str, tuple[int, Any]] = {}
-    others: dict[str, ast.expr] = {}
+    lists: dict[str, tuple[int, Any]] = {}
+    expressions: dict[str, ast.expr] = {}
     for node in nodes:
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
@@ -76,16 +76,16 @@ def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
             case _:
                 continue
         if name in _LISTS and isinstance(value, ast.List | ast.Tuple):
-            found[name] = (value.lineno, _literal(text, name, value))
+            lists[name] = (value.lineno, _literal(text, name, value))
         elif name in _LISTS:
-            others[name] = value
-    for name in others.keys() - found.keys():
+            expressions[name] = value
+    for name in expressions.keys() - lists.keys():
         raise text.error(
-            others[name].lineno,
-            f"{name} is given as {shown(ast.unparse(others[name]))} and no list: write its numbers"
-            " as a list of (height m, m/s)",
+            expressions[name].lineno,
+            f"{name} is given as {shown(ast.unparse(expressions[name]))} and no list: write its"
+            " numbers as a list of (height m, m/s)",
         )
-    return found
+    return lists
 
 
 def _literal(text: Text, name: str, value: ast.expr) -> Any:

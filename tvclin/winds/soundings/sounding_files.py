@@ -20,11 +20,11 @@ from tvclin.base.files import called, exists
 from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, sheet_in
 from tvclin.base.text import Text, read_lines
 from tvclin.winds.soundings import igra, rocketpy, synthetic, wind_table, wyoming
-from tvclin.winds.soundings.archive import Collected, Soundings, Wanted, minutes
+from tvclin.winds.soundings.archive import SoundingCollection, SoundingFilter, Soundings, to_minutes
 from tvclin.winds.soundings.igra import is_station, read_station
-from tvclin.winds.soundings.levels import Found, profile_of
+from tvclin.winds.soundings.levels import SoundingEntry, profile_of
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.wind_table import Reading
+from tvclin.winds.soundings.wind_table import TableOptions
 
 READERS = {
     "csv": wind_table.soundings_in,
@@ -35,18 +35,19 @@ READERS = {
     "synthetic": synthetic.soundings_in,
 }
 _TABLES = ("csv", "openrocket")
-_SHOWN = 5
+_MAX_LISTED_TIMES = 5
+"""Largest number of times of soundings that a message lists."""
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
-_Reader = Callable[[Path], tuple[Text, list[Found]]]
+_Reader = Callable[[Path], tuple[Text, list[SoundingEntry]]]
 
-_NAMED = re.compile(
+_DATE_IN_NAME = re.compile(
     r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?:[-_T. ]?(\d\d)(?:\d\d)?)?(?!\d)"
 )
-"""A date, and an hour or noon, in the name of a file: 2024-02-15_12, 2024021512, 2024-02-15."""
-_WRITTEN = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
-_LOOKED_AT = 50
-"""Lines below a header, in which a time may stand."""
+"""Date, and hour or noon, in the name of a file: 2024-02-15_12, 2024021512, 2024-02-15."""
+_TIME_IN_LINE = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
+_MAX_TIME_LINES = 50
+"""Lines below a header that are searched for a time."""
 _NO_TIME = (
     "no date in it: name the file by it, as 2024-02-15_12.csv, list the dates (--dates), or take"
     " the files in their order (--in-order)"
@@ -62,7 +63,7 @@ def read_sounding(
     units: str | None = None,
     above_ground: float | None = None,
 ) -> WindProfile:
-    """Return the wind profile in a file.
+    """Return the wind profile of a sounding file.
 
     Parameters
     ----------
@@ -97,33 +98,33 @@ def read_sounding(
         unknown, numbers out of range, and heights out of order; the message names the line.
     """
     text = read_lines(path)
-    found = soundings_in(text, format, units, above_ground)
-    return profile_of(_chosen(text, found, time).levels())
+    entries = soundings_in(text, format, units, above_ground)
+    return profile_of(_entry_at(text, entries, time).levels())
 
 
 def soundings_in(
     text: Text, format: str | None, units: str | None, above_ground: float | None
-) -> list[Found]:
-    """Return the soundings of a text; the other arguments as of `read_sounding`."""
-    name = recognised(text) if format is None else one_of("format", format, READERS)
+) -> list[SoundingEntry]:
+    """Return the soundings of a text; parameters as in `read_sounding`."""
+    name = recognised_format(text) if format is None else one_of("format", format, READERS)
     if name in _TABLES:
-        reading = Reading.of(units, above_ground, assumed=name == "openrocket")
+        reading = TableOptions.of(units, above_ground, assumed=name == "openrocket")
         return wind_table.soundings_in(text, reading)
     if units is not None or above_ground is not None:
-        raise no_table(text.source, name)
+        raise not_a_table_error(text.source, name)
     return READERS[name](text)
 
 
-def no_table(source: str, name: str) -> InputError:
-    """Return the error about units or a site of a file whose format says both itself."""
+def not_a_table_error(source: str, name: str) -> InputError:
+    """Return the error about units or a site elevation for a format that has its own."""
     return InputError(
         "units and above_ground (--units, --above-ground) are for tables of the formats"
         f" {' and '.join(_TABLES)}; {source} is of the format {name}"
     )
 
 
-def recognised(text: Text) -> str:
-    """Return the format of a file by its content; `InputError` for none that is known."""
+def recognised_format(text: Text) -> str:
+    """Return the format of a file by its content; `InputError` for an unknown format."""
     content = "\n".join(text.lines[:200])
     if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
         return "igra"
@@ -138,7 +139,7 @@ def recognised(text: Text) -> str:
         return "rocketpy"
     if synthetic.HEADING in map(str.strip, text.lines):
         return "synthetic"
-    if wind_table.head_line(text) is not None:
+    if wind_table.header_index(text) is not None:
         return "csv"
     raise InputError(
         f"{text.source} is in no format that is recognised; a table needs a header such as"
@@ -148,17 +149,17 @@ def recognised(text: Text) -> str:
     )
 
 
-def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
-    known = [one.time for one in found if one.time]
+def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
+    times = [entry.time for entry in entries if entry.time]
     if time is None:
-        note = f"the first of {len(found)} soundings in the file; choose another by its time"
-        return found[0].noted(note) if len(found) > 1 else found[0]
-    for one in found:
-        if isinstance(time, str) and one.time == time:
-            return one
-    there = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
-    more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
-    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {there}{more}")
+        note = f"the first of {len(entries)} soundings in the file; choose another by its time"
+        return entries[0].with_note(note) if len(entries) > 1 else entries[0]
+    for entry in entries:
+        if isinstance(time, str) and entry.time == time:
+            return entry
+    listed = ", ".join(repr(name) for name in times[:_MAX_LISTED_TIMES]) or "none"
+    more = f" and {len(times) - _MAX_LISTED_TIMES} more" if len(times) > _MAX_LISTED_TIMES else ""
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {listed}{more}")
 
 
 def read_soundings(
@@ -201,15 +202,15 @@ def read_soundings(
     utc_offset : float
         Local time less UTC [h], by which months and years are counted.
     format, units, above_ground : optional
-        Of files of one sounding, as of `read_sounding`.
+        Options for files of one sounding, as in `read_sounding`.
     progress : callable, optional
-        Is told how much is read, and how much there is: bytes of one station file, or files.
+        Called with the amount read and the total: bytes of one station file, or files.
 
     Returns
     -------
     Soundings
-        In the order of their times, each once. What cannot be used says why and where; what was
-        left out is counted in the notes.
+        In the order of their times, without repetitions. An unusable sounding has its reason and
+        line; omissions are counted in the notes.
 
     Raises
     ------
@@ -222,49 +223,53 @@ def read_soundings(
     >>> tv.read_soundings("tests/soundings/igra.txt")
     Soundings(2 of USM00074794 from 2024-02-15 to 2024-02-16)
     """
-    _check_rows(months=months, years=years)
-    wanted = Wanted.of(months, years, station, utc_offset)
+    _check_sequences(months=months, years=years)
+    sounding_filter = SoundingFilter.of(months, years, station, utc_offset)
     if progress is not None:
         callable_for("progress", progress, "of how much is read and how much there is")
-    listed = {} if dates is None else _listed(a_path("dates", dates))
+    times_by_name = {} if dates is None else _times_by_name(a_path("dates", dates))
     files = [file for file in _files(source) if dates is None or file != Path(dates)]
-    given = None if times is None else minutes("times", times)
-    if given is not None and given.shape != (len(files),):
-        raise InputError(f"times must hold one for each of {len(files)} files; got {given.shape}")
-    if flag("in_order", in_order) and given is not None:
+    checked_times = None if times is None else to_minutes("times", times)
+    if checked_times is not None and checked_times.shape != (len(files),):
+        raise InputError(
+            f"times must hold one for each of {len(files)} files; got {checked_times.shape}"
+        )
+    if flag("in_order", in_order) and checked_times is not None:
         raise InputError("give times or in_order=True, not both")
 
-    soundings = _reader(format, units, above_ground)
-    found = Collected()
+    read_entries = _entry_reader(format, units, above_ground)
+    collection = SoundingCollection()
     for i, file in enumerate(files):
         day = _FIRST_DAY + np.timedelta64(i, "D") if in_order else None
         if is_station(file):
             if (units, above_ground) != (None, None):
-                raise no_table(called(file), "igra")
-            found.add(read_station(file, wanted, progress if len(files) == 1 else None))
+                raise not_a_table_error(called(file), "igra")
+            collection.add(
+                read_station(file, sounding_filter, progress if len(files) == 1 else None)
+            )
         else:
-            own = listed.get(file.name) if given is None else given[i]
-            _add_single(found, file, soundings, wanted, own, day)
+            time = times_by_name.get(file.name) if checked_times is None else checked_times[i]
+            _add_single(collection, file, read_entries, sounding_filter, time, day)
         if progress is not None and len(files) > 1:
             progress(i + 1, len(files))
-    if not found.pieces and not found.stations and found.counted:
-        remark, (count, where) = next(iter(found.counted.items()))
+    if not collection.pieces and not collection.stations and collection.counted:
+        remark, (count, where) = next(iter(collection.counted.items()))
         raise InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
-    return found.soundings(wanted.utc_offset)
+    return collection.soundings(sounding_filter.utc_offset)
 
 
-def _check_rows(**given: Any) -> None:
-    """Raise `InputError` for an array without axes, which is no row of numbers."""
-    for name, value in given.items():
+def _check_sequences(**arguments: Any) -> None:
+    """Raise `InputError` for an array without axes in place of a row of numbers."""
+    for name, value in arguments.items():
         if isinstance(value, np.ndarray) and not value.ndim:
             raise InputError(f"{name} must be a row of whole numbers; got {shown(value)}")
 
 
-def _listed(path: Path) -> dict[str, Any]:
-    """Times of files by their names."""
+def _times_by_name(path: Path) -> dict[str, Any]:
+    """Return times [UTC] by the names of files, from a list of dates."""
 
     def fit(headings: Headings) -> float:
-        return float([one.text for one in headings] == ["file", "time"])
+        return float([heading.text for heading in headings] == ["file", "time"])
 
     sheet = sheet_in(read_lines(path, "a list of dates"), fit, "names file,time")
     try:
@@ -276,29 +281,29 @@ def _listed(path: Path) -> dict[str, Any]:
 
 
 def _files(source: Any) -> list[Path]:
-    """All files that are meant."""
+    """Return all files of a source: files themselves, and those inside folders."""
     several = not isinstance(source, str | PathLike) and isinstance(source, Iterable)
-    if isinstance(source, np.ndarray):  # one without axes is iterable, and cannot be iterated over
+    if isinstance(source, np.ndarray):  # without axes it is iterable, but iteration fails
         several = source.ndim > 0
-    asked = [a_path("source", one) for one in (source if several else [source])]
+    paths = [a_path("source", item) for item in (source if several else [source])]
     files = []
-    for one in asked:
-        if not exists(one):
-            raise InputError(f"{called(one)} does not exist; load it down from its archive first")
-        inside = sorted(one.iterdir()) if one.is_dir() else [one]
+    for item in paths:
+        if not exists(item):
+            raise InputError(f"{called(item)} does not exist; load it down from its archive first")
+        inside = sorted(item.iterdir()) if item.is_dir() else [item]
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
     if not files:
         raise InputError(f"source must name files or folders with files; got {shown(source)}")
     return files
 
 
-def _reader(format: str | None, units: str | None, above_ground: float | None) -> _Reader:
-    """Return what reads the text of a file and its soundings; arguments as of `read_sounding`."""
+def _entry_reader(format: str | None, units: str | None, above_ground: float | None) -> _Reader:
+    """Return the function that reads the text and the soundings of a file; as `read_sounding`."""
     if format is not None:
         one_of("format", format, READERS)
-    Reading.of(units, above_ground, assumed=False)
+    TableOptions.of(units, above_ground, assumed=False)
 
-    def read(file: Path) -> tuple[Text, list[Found]]:
+    def read(file: Path) -> tuple[Text, list[SoundingEntry]]:
         text = read_lines(file)
         return text, soundings_in(text, format, units, above_ground)
 
@@ -306,64 +311,70 @@ def _reader(format: str | None, units: str | None, above_ground: float | None) -
 
 
 def _add_single(
-    found: Collected,
+    collection: SoundingCollection,
     file: Path,
-    soundings: _Reader,
-    wanted: Wanted,
-    given: Any,
-    day: Any,
+    read_entries: _Reader,
+    sounding_filter: SoundingFilter,
+    given_time: Any,
+    default_time: Any,
 ) -> None:
-    """Add the soundings of a file of its own; a page that says there is none is no sounding."""
+    """Add the soundings of a file to the collection; a page without a sounding is counted."""
     name = called(file.name)
     try:
-        text, those = soundings(file)
+        text, entries = read_entries(file)
     except InputError as error:
-        found.count("files without a sounding, left out", str(error))
+        collection.count("files without a sounding, left out", str(error))
         return
-    for one in those:
-        time = _time(text, one, file, given if len(those) == 1 else None)
-        if time is None and day is not None and len(those) == 1:
-            time = day
-            found.count("files without a date, taken in their order as one a day")
+    for entry in entries:
+        time = _entry_time(text, entry, file, given_time if len(entries) == 1 else None)
+        if time is None and default_time is not None and len(entries) == 1:
+            time = default_time
+            collection.count("files without a date, taken in their order as one a day")
         if time is None:
-            found.count(f"files with {_NO_TIME}", name)
-        elif wanted.takes(None, time):
-            _add(found, one, time, name, wanted)
+            collection.count(f"files with {_NO_TIME}", name)
+        elif sounding_filter.accepts(None, time):
+            _add_entry(collection, entry, time, name, sounding_filter)
 
 
-def _add(found: Collected, one: Found, time: Any, name: str, wanted: Wanted) -> None:
-    when = np.array([time])
+def _add_entry(
+    collection: SoundingCollection,
+    entry: SoundingEntry,
+    time: Any,
+    name: str,
+    sounding_filter: SoundingFilter,
+) -> None:
+    times = np.array([time])
     try:
-        profile = profile_of(one.levels())
+        profile = profile_of(entry.levels())
     except InputError as error:
-        found.pieces.append(([], [], [], np.array([0]), when))
-        found.why.append(str(error))
+        collection.pieces.append(([], [], [], np.array([0]), times))
+        collection.why.append(str(error))
         return
     number = re.search(r": (\w+) .*Observations", profile.source)
     if number is not None:
-        if wanted.station not in (None, number[1]):
+        if sounding_filter.station not in (None, number[1]):
             return
-        found.stations.setdefault(number[1], name)
-    found.pieces.append(
-        (profile.height, profile.east, profile.north, np.array([profile.height.size]), when)
+        collection.stations.setdefault(number[1], name)
+    collection.pieces.append(
+        (profile.height, profile.east, profile.north, np.array([profile.height.size]), times)
     )
-    found.why.append("")
+    collection.why.append("")
 
 
-def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
-    """The time [UTC]: the user's, that of the list, of the first level, or of the file's name."""
-    if given is not None:
-        return given
-    if one.time:
-        return np.datetime64(one.time.replace(" ", "T"), "m")
-    header = wind_table.head_line(text)
-    below = text.lines[header + 1 :][:_LOOKED_AT] if header is not None else ()
-    for line in below:
-        written = _WRITTEN.search(line)
-        if written:
-            return np.datetime64(f"{written[1]}T{written[2]}", "m")
-    named = _NAMED.search(file.stem)
+def _entry_time(text: Text, entry: SoundingEntry, file: Path, given_time: Any) -> Any:
+    """Return the time [UTC]: given, of the entry, of its first lines, or of the file's name."""
+    if given_time is not None:
+        return given_time
+    if entry.time:
+        return np.datetime64(entry.time.replace(" ", "T"), "m")
+    header = wind_table.header_index(text)
+    lines = text.lines[header + 1 :][:_MAX_TIME_LINES] if header is not None else ()
+    for line in lines:
+        match = _TIME_IN_LINE.search(line)
+        if match:
+            return np.datetime64(f"{match[1]}T{match[2]}", "m")
+    date = _DATE_IN_NAME.search(file.stem)
     try:
-        return np.datetime64("{}-{}-{}T{}".format(*named.groups("12")), "m") if named else None
+        return np.datetime64("{}-{}-{}T{}".format(*date.groups("12")), "m") if date else None
     except ValueError:
         return None

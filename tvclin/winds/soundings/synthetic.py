@@ -25,15 +25,16 @@ from tvclin.base.errors import (
 from tvclin.base.files import tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.base.text import Text
-from tvclin.winds.soundings.levels import Found, Levels
+from tvclin.winds.soundings.levels import Levels, SoundingEntry
 from tvclin.winds.soundings.profile import WindProfile
 
 _FLANK_PIECES = 32
-"""A flank of a gust has so many straight pieces; they miss the cosine by 6e-4 of the gust."""
+"""Linear pieces of a flank of a gust; they miss the cosine by 6e-4 of the gust."""
 _MIN_BLEND, _MAX_BLEND = 1e-3, 1e6
-_LAYER = 1000.0
-_EXPONENT = 0.7
-_WIND = FileTable(
+"""Smallest and largest blend [m] of a gust."""
+_SHEAR_LAYER, _SHEAR_EXPONENT = 1000.0, 0.7
+"""Reference thickness [m] and exponent of the power law of shear."""
+_SYNTHETIC_TABLE = FileTable(
     "[synthetic]",
     {
         **dict.fromkeys(("height", "thickness", "peak_height"), "length"),
@@ -41,7 +42,7 @@ _WIND = FileTable(
         "direction": "angle",
     },
 )
-_GUST = FileTable(
+_GUST_TABLE = FileTable(
     "[[gust]]",
     {
         **dict.fromkeys(("base", "blend", "thickness"), "length"),
@@ -49,7 +50,8 @@ _GUST = FileTable(
         "direction": "angle",
     },
 )
-HEADING = _WIND.heading
+HEADING = _SYNTHETIC_TABLE.heading
+"""Heading of the table by which such a file is recognised."""
 
 
 def add_gust(
@@ -61,22 +63,22 @@ def add_gust(
     thickness: float,
     azimuth: float,
 ) -> WindProfile:
-    """Return a profile with a discrete gust added: half cosines up and down, level between.
+    """Return a profile with a discrete gust added: half cosines up and down, constant between.
 
         w = (amplitude/2) (1 - cos(pi (h - base)/blend)),    base <= h <= base + blend
 
     Parameters
     ----------
     profile : WindProfile
-        The wind without the gust.
+        Profile without the gust.
     base : float
-        Height [m] where the gust begins.
+        Height [m] of the lower end of the gust.
     amplitude : float
-        Of the gust [m/s].
+        Amplitude of the gust [m/s].
     blend : float
-        Distance [m] over which it rises, and over which it falls; positive.
+        Height interval [m] of the rise, and of the fall; positive.
     thickness : float
-        Of the layer [m] in which it has its amplitude, zero or positive.
+        Thickness [m] of the layer with the full amplitude, zero or positive.
     azimuth : float
         Direction [rad] towards which the gust blows, from north, clockwise.
 
@@ -87,8 +89,8 @@ def add_gust(
 
     Notes
     -----
-    The shape is that of `LayeredGust`, over height. No size is suggested: see the criteria that
-    you design to.
+    The shape is that of `LayeredGust`, over height. The package suggests no size: it is given by
+    the design criteria.
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     low, angle = number("base", base, unit="m"), bearing("azimuth", azimuth)
@@ -137,9 +139,9 @@ def power_law_shear(change: ArrayLike, thickness: ArrayLike) -> FloatArray:
     over intervals below 1 km go with the 0.7 power of the interval.
     """
     change, layer = nonnegative("change", change, "m/s"), nonnegative("thickness", thickness, "m")
-    if np.any(layer > _LAYER):
-        raise InputError(f"thickness must be at most {_LAYER:g} m; got {layer.max():.6g} m")
-    return np.asarray(change * (layer / _LAYER) ** _EXPONENT)
+    if np.any(layer > _SHEAR_LAYER):
+        raise InputError(f"thickness must be at most {_SHEAR_LAYER:g} m; got {layer.max():.6g} m")
+    return np.asarray(change * (layer / _SHEAR_LAYER) ** _SHEAR_EXPONENT)
 
 
 def synthetic_profile(
@@ -151,24 +153,24 @@ def synthetic_profile(
     change: ArrayLike,
     azimuth: float,
 ) -> WindProfile:
-    """Return a wind that builds up to an envelope at one height, and dies down above it.
+    """Return a wind that reaches an envelope at one height, with shear above and below it.
 
     Parameters
     ----------
     height, speed : array_like
         The envelope: heights [m], ascending, and wind speeds [m/s], ``(n,)``.
     peak_height : float
-        Where the wind reaches the envelope [m].
+        Height [m] at which the wind reaches the envelope.
     thickness, change : array_like
-        The shear: by how much the speed [m/s] falls below that of the envelope over layers of
-        a thickness [m], both positive and ascending, ``(m,)``. It holds below and above.
+        Shear: decrease of the speed [m/s] below that of the envelope over layers of a thickness
+        [m], both positive and ascending, ``(m,)``. It applies below and above.
     azimuth : float
         Direction [rad] towards which the wind blows, from north, clockwise.
 
     Returns
     -------
     WindProfile
-        It ends where the table does, or where the speed has fallen to zero.
+        Profile up to the end of the table of shear, or to the heights of zero speed.
 
     Raises
     ------
@@ -177,29 +179,32 @@ def synthetic_profile(
 
     Notes
     -----
-    Envelope and shear are yours: the package brings none.
+    The package has no envelopes or shears of its own.
     """
     z, w = finite("height", height, "m"), nonnegative("speed", speed, "m/s")
     layer, drop = positive("thickness", thickness, "m"), positive("change", change, "m/s")
     _ascending("height and speed", z, w, z)
     _ascending("thickness and change", layer, drop, layer, drop)
-    at, angle = number("peak_height", peak_height, unit="m"), bearing("azimuth", azimuth)
-    if not z[0] <= at <= z[-1]:
+    centre, angle = number("peak_height", peak_height, unit="m"), bearing("azimuth", azimuth)
+    if not z[0] <= centre <= z[-1]:
         raise InputError(
-            f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got {at:.6g} m"
+            f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got"
+            f" {centre:.6g} m"
         )
-    peak = float(np.interp(at, z, w))
+    peak = float(np.interp(centre, z, w))
     layer, drop = np.append(0.0, layer), np.append(0.0, drop)
-    calm = np.interp(peak, drop, layer)  # the last layer, where the table does not reach zero
-    away = np.append(layer[layer < calm], calm)
-    speeds = np.maximum(peak - np.interp(away, layer, drop), 0.0)
-    heights = np.concatenate([at - away[:0:-1], at + away])
-    both = np.concatenate([speeds[:0:-1], speeds])
+    distance_to_calm = np.interp(
+        peak, drop, layer
+    )  # the last layer, where the table does not reach zero
+    distances = np.append(layer[layer < distance_to_calm], distance_to_calm)
+    speeds = np.maximum(peak - np.interp(distances, layer, drop), 0.0)
+    heights = np.concatenate([centre - distances[:0:-1], centre + distances])
+    profile_speeds = np.concatenate([speeds[:0:-1], speeds])
     return WindProfile(
         height=heights,
-        east=both * np.sin(angle),
-        north=both * np.cos(angle),
-        source=f"synthetic profile with {peak:.6g} m/s at {at:.6g} m",
+        east=profile_speeds * np.sin(angle),
+        north=profile_speeds * np.cos(angle),
+        source=f"synthetic profile with {peak:.6g} m/s at {centre:.6g} m",
     )
 
 
@@ -212,20 +217,22 @@ def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: Float
         raise InputError(f"{names} must ascend")
 
 
-def soundings_in(text: Text) -> list[Found]:
-    """Return the wind of [synthetic], with each [[gust]], as `synthetic_profile` and `add_gust`.
+def soundings_in(text: Text) -> list[SoundingEntry]:
+    """Return the wind of [synthetic] with each [[gust]], by `synthetic_profile` and `add_gust`.
 
     Directions are those from which they blow.
     """
-    return [Found(lambda: _read(text))]
+    return [SoundingEntry(lambda: _synthetic_levels(text))]
 
 
-def _read(text: Text) -> Levels:
+def _synthetic_levels(text: Text) -> Levels:
     document = tables_of("\n".join(text.lines), text.source)
-    known(f"table in {text.source}", document, [_WIND.name, _GUST.name])
-    profile = synthetic_profile(**_towards(_WIND, _WIND.one(document)))
-    for one in _GUST.each(document):
-        profile = add_gust(profile, **_towards(_GUST, one))
+    known(f"table in {text.source}", document, [_SYNTHETIC_TABLE.name, _GUST_TABLE.name])
+    profile = synthetic_profile(
+        **_values_with_azimuth(_SYNTHETIC_TABLE, _SYNTHETIC_TABLE.one(document))
+    )
+    for gust in _GUST_TABLE.each(document):
+        profile = add_gust(profile, **_values_with_azimuth(_GUST_TABLE, gust))
     return Levels(
         text=text,
         line=np.ones(profile.height.size, dtype=np.int64),
@@ -237,16 +244,16 @@ def _read(text: Text) -> Levels:
     )
 
 
-def _towards(table: FileTable, given: dict[str, Any]) -> dict[str, Any]:
-    """What a table gives, in SI units, with the azimuth that its direction blows towards."""
-    known(f"key in {table.heading}", given, table.keys)
-    found: dict[str, Any] = {}
-    for key, value in given.items():
+def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any]:
+    """Return the values of a table in SI units, with the azimuth towards which it blows."""
+    known(f"key in {table.heading}", row, table.keys)
+    values: dict[str, Any] = {}
+    for key, value in row.items():
         name, factor = table.keys[key]
-        if name in found:
+        if name in values:
             raise InputError(f"{name} is given twice in {table.heading}; keep one")
-        found[name] = finite(f"{key} in {table.heading}", value) * factor
-    missing = [table.spelled(name) for name in table.quantities if name not in found]
+        values[name] = finite(f"{key} in {table.heading}", value) * factor
+    missing = [table.spelled(name) for name in table.quantities if name not in values]
     if missing:
         raise InputError(f"{table.heading} needs {', '.join(missing)}")
-    return {"azimuth": found.pop("direction") - np.pi, **found}
+    return {"azimuth": values.pop("direction") - np.pi, **values}

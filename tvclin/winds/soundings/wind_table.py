@@ -1,4 +1,9 @@
-"""Tables of a wind over height whose names carry units, as height_m,speed_kt,direction_deg."""
+"""Tables of a wind over height with units in the header, as height_m,speed_kt,direction_deg.
+
+A column is recognised by the words of its name, which also give its unit and the reference of a
+height (sea or ground). Speed and direction or the components east and north are read; if both are
+present, they are compared.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +21,7 @@ from tvclin.base.sheet import Heading, Headings, Sheet, head_of, sheet_in
 from tvclin.base.text import Text
 from tvclin.base.units import DEGREE
 from tvclin.base.written_units import WRITTEN, unit_of
-from tvclin.winds.soundings.levels import Found, Levels, towards
+from tvclin.winds.soundings.levels import Levels, SoundingEntry, wind_components
 
 _NAMES = {
     **dict.fromkeys(("geopotential height", "height", "altitude", "alt"), "height"),
@@ -25,7 +30,7 @@ _NAMES = {
     **dict.fromkeys(("east", "eastward", "zonal", "u"), "east"),
     **dict.fromkeys(("north", "northward", "meridional", "v"), "north"),
 }
-"""Words of names, without a wind before them, and the quantities that they name."""
+"""Quantities by the words of names, without a leading "wind"."""
 _KINDS = {"height": "length", "direction": "angle"} | dict.fromkeys(
     ("speed", "east", "north"), "speed"
 )
@@ -38,30 +43,34 @@ _QUALIFIERS = {
     "north": {"component", "wind"},
     "speed": set[str](),
 }
-_SPELLED = {
+_UNIT_SPELLINGS = {
     "length": "m, km, ft",
     "speed": "m_per_s, kt, km_per_h, ft_per_s, mph",
     "angle": "deg, rad",
 }
-_MISSING = (999.0, 9999.0, 99999.0, 999.9, 9999.9, -999.0, -999.9)
-"""Numbers that no wind has in any unit, and that stand for a missing one."""
+_MISSING_VALUES = (999.0, 9999.0, 99999.0, 999.9, 9999.9, -999.0, -999.9)
+"""Numbers that stand for a missing value, and are no wind in any unit."""
 _PAIRS = (("speed", "direction"), ("east", "north"))
-_ABSOLUTE, _RELATIVE = 1.0, 0.1
-"""Components beside speed and direction agree within so many m/s and this part of the speed."""
-LAND = (-450.0, 9000.0)
-"""Elevations of land [m], from the shore of the Dead Sea to the highest mountain."""
-_ASSUMED = {"length": 1.0, "speed": 1.0, "angle": DEGREE}
+_MAX_DIFFERENCE, _MAX_RELATIVE_DIFFERENCE = 1.0, 0.1
+"""Difference [m/s] of components from speed and direction, and a further one over the speed."""
+SITE_ELEVATIONS = (-450.0, 9000.0)
+"""Smallest and largest elevation of a site [m], from the Dead Sea to the highest mountain."""
+_DEFAULT_UNITS = {"length": 1.0, "speed": 1.0, "angle": DEGREE}
 """Units of OpenRocket's table of winds, to SI."""
-_IN_WORDS = {"length": "altitudes in m", "speed": "speeds in m/s", "angle": "directions in deg"}
+_DEFAULT_UNIT_TEXTS = {
+    "length": "altitudes in m",
+    "speed": "speeds in m/s",
+    "angle": "directions in deg",
+}
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a user says of a table of winds.
+class TableOptions:
+    """Units and site elevation of a table of winds, as the user gives them.
 
     `units`: factors to SI, by kind of quantity, of columns whose names have no unit. `ground`:
-    elevation of the site [m] where heights are above the ground. `assumed`: whether a unit that is
-    given nowhere is that of OpenRocket.
+    elevation of the site [m] for heights above the ground. `assumed`: whether columns without any
+    unit have the units of OpenRocket.
     """
 
     units: dict[str, float] = field(default_factory=dict)
@@ -69,25 +78,29 @@ class Reading:
     assumed: bool = False
 
     @classmethod
-    def of(cls, units: str | None, above_ground: float | None, *, assumed: bool) -> Reading:
-        """Return the reading of units as "ft,mph", and of an elevation [m]; None where not said."""
-        found: dict[str, float] = {}
+    def of(cls, units: str | None, above_ground: float | None, *, assumed: bool) -> TableOptions:
+        """Return the options for units as "ft,mph" and an elevation [m]; None for the default."""
+        factors: dict[str, float] = {}
         for word in () if units is None else a_text("units", units).split(","):
-            fits = [(k, u) for k in _SPELLED if (u := unit_of(word, WRITTEN[k])) and not u.mangled]
-            if not fits or fits[0][0] in found:
+            fits = [
+                (k, u)
+                for k in _UNIT_SPELLINGS
+                if (u := unit_of(word, WRITTEN[k])) and not u.mangled
+            ]
+            if not fits or fits[0][0] in factors:
                 raise InputError(
                     "units must name those of heights, speeds and directions, each once, such as"
                     f" ft,mph or m,kt,deg; got {shown(units)}"
                 )
-            found[fits[0][0]] = fits[0][1].factor
+            factors[fits[0][0]] = fits[0][1].factor
         if above_ground is not None:
-            above_ground = number("above_ground", above_ground, between(*LAND), "m")
-        return cls(found, above_ground, assumed)
+            above_ground = number("above_ground", above_ground, between(*SITE_ELEVATIONS), "m")
+        return cls(factors, above_ground, assumed)
 
 
 @dataclass(frozen=True)
 class _Column:
-    """A column of a known quantity: its unit [SI], None without a known one, and its reference."""
+    """Column of a wind table: quantity, factor to SI (None for an unknown unit) and reference."""
 
     heading: Heading
     quantity: str
@@ -98,54 +111,56 @@ class _Column:
     unnamed: bool
 
 
-def soundings_in(text: Text, reading: Reading = Reading()) -> list[Found]:
+def soundings_in(text: Text, reading: TableOptions = TableOptions()) -> list[SoundingEntry]:
     """Return the sounding of a table with units in its header."""
-    return [Found(lambda: _read(text, reading))]
+    return [SoundingEntry(lambda: _read(text, reading))]
 
 
-def head_line(text: Text) -> int | None:
-    """Return the index of the line that names a height and more, or None."""
-    head = head_of(text, _fit)
+def header_index(text: Text) -> int | None:
+    """Return the index of the line that names a height and a wind, or None."""
+    head = head_of(text, _header_score)
     return None if head is None else head[0]
 
 
-def _fit(headings: Headings) -> float:
-    """The known columns of a line with a height; one without a known unit counts a third."""
-    found: dict[str, float] = {}
-    for column in filter(None, map(_known, headings)):
+def _header_score(headings: Headings) -> float:
+    """Return the number of wind columns of a line with a height; a third without known unit."""
+    weights: dict[str, float] = {}
+    for column in filter(None, map(_wind_column, headings)):
         weight = 1.0 if column.factor is not None else 1 / 3
-        found[column.quantity] = max(weight, found.get(column.quantity, 0.0))
-    return sum(found.values()) if "height" in found else 0.0
+        weights[column.quantity] = max(weight, weights.get(column.quantity, 0.0))
+    return sum(weights.values()) if "height" in weights else 0.0
 
 
-def _known(heading: Heading) -> _Column | None:
-    """The column of a name; None for what is no height and no wind."""
+def _wind_column(heading: Heading) -> _Column | None:
+    """Return the column of a name; None for a name that is no height and no wind."""
     words = heading.words
     while words and words[0] == "wind":
         words = words[1:]
     for size in (2, 1):
-        first, rest = " ".join(words[:size]), words[size:]
+        first, qualifiers = " ".join(words[:size]), words[size:]
         if first in _NAMES and len(words) >= size:
             quantity = _NAMES[first]
-            unit = [word for word in rest if word not in _QUALIFIERS[quantity]]
-            found = unit_of(" ".join(unit), WRITTEN[_KINDS[quantity]]) if unit else None
+            unit = [word for word in qualifiers if word not in _QUALIFIERS[quantity]]
+            known_unit = unit_of(" ".join(unit), WRITTEN[_KINDS[quantity]]) if unit else None
             return _Column(
                 heading,
                 quantity,
-                found.factor if found is not None and not found.mangled else None,
+                known_unit.factor if known_unit is not None and not known_unit.mangled else None,
                 first.startswith("geopotential"),
-                not _SEA.isdisjoint(rest),
-                not _GROUND.isdisjoint(rest),
+                not _SEA.isdisjoint(qualifiers),
+                not _GROUND.isdisjoint(qualifiers),
                 not unit,
             )
     return None
 
 
-def _read(text: Text, reading: Reading) -> Levels:
+def _read(text: Text, reading: TableOptions) -> Levels:
     sheet = sheet_in(
-        text, _fit, "names with a height; write one such as height_m,speed_m_per_s,direction_deg"
+        text,
+        _header_score,
+        "names with a height; write one such as height_m,speed_m_per_s,direction_deg",
     )
-    columns, assumed = _chosen(sheet, reading)
+    columns, assumed = _selected_columns(sheet, reading)
     notes = [*sheet.notes]
     if assumed:
         notes.append(
@@ -157,9 +172,9 @@ def _read(text: Text, reading: Reading) -> Levels:
         values["height"] = values["height"] + reading.ground
         notes.append(f"heights above the ground, at {reading.ground:g} m: above the sea")
     if len(values) == 5:
-        _compare(sheet, values, notes)
-    made: Callable[..., Levels] = Levels.blowing if "speed" in values else Levels
-    return made(
+        _compare_components(sheet, values, notes)
+    make: Callable[..., Levels] = Levels.from_direction if "speed" in values else Levels
+    return make(
         text=text,
         line=sheet.line,
         **values,
@@ -169,37 +184,42 @@ def _read(text: Text, reading: Reading) -> Levels:
     )
 
 
-def _chosen(sheet: Sheet, reading: Reading) -> tuple[dict[str, _Column], list[str]]:
-    """The columns to read by quantity, with their factors, and in words what is assumed."""
-    known = [column for column in map(_known, sheet.headings) if column is not None]
+def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _Column], list[str]]:
+    """Return the columns to read by quantity, with their factors, and texts of assumed units."""
+    candidates = [column for column in map(_wind_column, sheet.headings) if column is not None]
     units = reading.units
     if reading.assumed:
-        units = _ASSUMED | units
+        units = _DEFAULT_UNITS | units
     elif units:
         units = {"angle": DEGREE} | units
     usable: dict[str, list[_Column]] = {}
-    for column in _of_reference(sheet, known, reading.ground):
+    for column in _by_reference(sheet, candidates, reading.ground):
         factor = units.get(_KINDS[column.quantity]) if column.unnamed else column.factor
         if factor is not None:
             usable.setdefault(column.quantity, []).append(replace(column, factor=factor))
     for quantity, columns in usable.items():
         if len(columns) > 1:
-            both = " and ".join(called(column.heading.text) for column in columns)
-            raise sheet.error(f"{quantity} is given twice, as {both}; keep one")
+            names = " and ".join(called(column.heading.text) for column in columns)
+            raise sheet.error(f"{quantity} is given twice, as {names}; keep one")
     pairs = [pair for pair in _PAIRS if all(name in usable for name in pair)]
     if "height" not in usable or not pairs:
-        raise _incomplete(sheet, known, list(usable))
-    found = {name: usable[name][0] for name in ("height", *(n for pair in pairs for n in pair))}
-    of_file = {_KINDS[name] for name, column in found.items() if column.unnamed}
-    words = [word for kind, word in _IN_WORDS.items() if kind in of_file - reading.units.keys()]
-    if "length" in of_file and reading.ground is None:
-        words.append("altitudes above the sea")
-    return found, words
+        raise _missing_columns_error(sheet, candidates, list(usable))
+    selected = {name: usable[name][0] for name in ("height", *(n for pair in pairs for n in pair))}
+    unnamed = {_KINDS[name] for name, column in selected.items() if column.unnamed}
+    texts = [
+        text for kind, text in _DEFAULT_UNIT_TEXTS.items() if kind in unnamed - reading.units.keys()
+    ]
+    if "length" in unnamed and reading.ground is None:
+        texts.append("altitudes above the sea")
+    return selected, texts
 
 
-def _of_reference(sheet: Sheet, known: list[_Column], ground: float | None) -> list[_Column]:
-    """The columns but for heights above another reference; `ground`: the site's elevation [m]."""
-    heights = [column for column in known if column.quantity == "height"]
+def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None) -> list[_Column]:
+    """Return the columns except heights above another reference.
+
+    `ground`: elevation of the site [m], None for heights above the sea.
+    """
+    heights = [column for column in candidates if column.quantity == "height"]
     above_sea = [column for column in heights if not column.ground]
     names = ", ".join(called(column.heading.text) for column in heights)
     if heights and ground is None and not above_sea:
@@ -212,21 +232,23 @@ def _of_reference(sheet: Sheet, known: list[_Column], ground: float | None) -> l
     dropped = above_sea if ground is not None and len(above_sea) < len(heights) else ()
     if ground is None:
         dropped = [column for column in heights if column.ground]
-    return [column for column in known if column not in dropped]
+    return [column for column in candidates if column not in dropped]
 
 
-def _incomplete(sheet: Sheet, known: list[_Column], usable: list[str]) -> InputError:
-    for column in known:
+def _missing_columns_error(
+    sheet: Sheet, candidates: list[_Column], usable: list[str]
+) -> InputError:
+    for column in candidates:
         if column.factor is None and column.quantity not in usable:
             name, kind = column.quantity, _KINDS[column.quantity]
-            spelled = ", ".join(f"{name}_{unit}" for unit in _SPELLED[kind].split(", "))
-            more = (
+            spelled = ", ".join(f"{name}_{unit}" for unit in _UNIT_SPELLINGS[kind].split(", "))
+            hint = (
                 ", or give the units of a file that names none (units, --units ft,mph; those of"
                 " OpenRocket's winds: format openrocket, --winds-format openrocket)"
             )
             return sheet.error(
                 f"{shown(column.heading.text)} has no known unit; write {spelled}"
-                f"{more * column.unnamed}"
+                f"{hint * column.unnamed}"
             )
     return sheet.error(
         "the header must name a height and either speed and direction or east and north, with"
@@ -235,33 +257,33 @@ def _incomplete(sheet: Sheet, known: list[_Column], usable: list[str]) -> InputE
 
 
 def _values(sheet: Sheet, column: _Column, notes: list[str]) -> FloatArray:
-    """The numbers of a column in SI units, NaN where one is missing."""
+    """Return the numbers of a column in SI units, NaN for missing values."""
     assert column.factor is not None
     heading = column.heading
     values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
-    missing = np.isin(values, _MISSING) & (column.quantity != "height")
+    missing = np.isin(values, _MISSING_VALUES) & (column.quantity != "height")
     if np.any(missing):
         number = f"{values[np.argmax(missing)]:g}"
         notes.append(f"{number} in {called(heading.text)} taken for a missing value")
     return column.factor * np.where(missing, np.nan, values)
 
 
-def _compare(sheet: Sheet, values: dict[str, FloatArray], notes: list[str]) -> None:
-    """Take components that stand beside speed and direction away, if these say the same."""
+def _compare_components(sheet: Sheet, values: dict[str, FloatArray], notes: list[str]) -> None:
+    """Remove components given besides speed and direction, if they agree with these."""
     east, north = (values.pop(name) for name in _PAIRS[1])
-    own = towards(values["speed"], values["direction"])
-    off = np.hypot(east - own[0], north - own[1])
-    good = ~(off > _ABSOLUTE + _RELATIVE * values["speed"])
+    expected = wind_components(values["speed"], values["direction"])
+    difference = np.hypot(east - expected[0], north - expected[1])
+    agrees = ~(difference > _MAX_DIFFERENCE + _MAX_RELATIVE_DIFFERENCE * values["speed"])
     sheet.text.require(
-        good,
+        agrees,
         sheet.line,
         lambda i: (
-            f"speed and direction give {own[0][i]:.4g} m/s towards the east and {own[1][i]:.4g}"
-            f" towards the north, and the components are {east[i]:.4g} and {north[i]:.4g}; keep the"
-            " right pair of columns"
+            f"speed and direction give {expected[0][i]:.4g} m/s towards the east and"
+            f" {expected[1][i]:.4g} towards the north, and the components are {east[i]:.4g} and"
+            f" {north[i]:.4g}; keep the right pair of columns"
         ),
     )
-    largest = np.nanmax(off, initial=0.0)
+    largest = np.nanmax(difference, initial=0.0)
     notes.append(
         f"speed and direction read; the components beside them differ by up to {largest:.2g} m/s"
     )

@@ -1,4 +1,4 @@
-"""The text lists of the University of Wyoming, as plain text or as the page that was saved."""
+"""Text lists of the University of Wyoming, as plain text or as a saved page."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ import numpy as np
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.text import Text
 from tvclin.base.units import UNITS
-from tvclin.winds.soundings.levels import Found, Levels
+from tvclin.winds.soundings.levels import Levels, SoundingEntry
 
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
 _SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}
 _UNIT_WORDS = {"SKNT": ("knot", "knots", "kt", "kts"), "SPED": ("m/s",)}
 _TITLE = re.compile(r"(.*Observations.* at (\d\d) ?(?:Z|UTC) (\d\d) (\w{3}) (\d{4}))")
-_LONG = 300
+_MAX_TITLE_WIDTH = 300
 
 
-def soundings_in(text: Text) -> list[Found]:
-    """Return the soundings of a text list: one below each header PRES HGHT ..."""
+def soundings_in(text: Text) -> list[SoundingEntry]:
+    """Return the soundings of a text list, one below each header PRES HGHT ..."""
     headers = [i for i, line in enumerate(text.lines) if re.search(r"\bPRES\s+HGHT\b", line)]
     if not headers:
         raise text.error(1, "a Wyoming list needs a header PRES HGHT ... DRCT and SKNT or SPED")
-    return [_found(text, header) for header in headers]
+    return [_list_entry(text, header) for header in headers]
 
 
-def _found(text: Text, header: int) -> Found:
+def _list_entry(text: Text, header: int) -> SoundingEntry:
     title, time = "", ""
     for line in text.lines[max(header - 6, 0) : header]:
-        match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_LONG]).strip())
+        match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_MAX_TITLE_WIDTH]).strip())
         if match and match[4] in _MONTHS:
             title = match[1]
             time = f"{match[5]}-{_MONTHS.index(match[4]) + 1:02d}-{match[3]} {match[2]}"
-    return Found(lambda: _read(text, header, title), time=time)
+    return SoundingEntry(lambda: _read(text, header, title), time=time)
 
 
 def _read(text: Text, header: int, title: str) -> Levels:
@@ -55,7 +55,7 @@ def _read(text: Text, header: int, title: str) -> Levels:
     height, direction, speed = (
         _column(text, name, fields[name], line) for name in ("HGHT", "DRCT", speeds[0])
     )
-    return Levels.blowing(
+    return Levels.from_direction(
         text=text,
         line=line,
         speed=_SPEEDS[speeds[0]] * speed,
@@ -67,19 +67,19 @@ def _read(text: Text, header: int, title: str) -> Levels:
 
 
 def _collapsed(header: str) -> bool:
-    """Whether no two blanks follow each other, as between the columns of a list."""
+    """Return whether no two blanks follow each other, as they do between columns of a list."""
     return re.search(r"\S\s{2,}\S", header) is None
 
 
 def _fields(header: str) -> dict[str, slice]:
-    """Where each column stands: up to the end of its name, from the end of the name before."""
+    """Return the columns of each field: from the end of the name before to the end of its own."""
     names = list(re.finditer(r"\S+", header))
-    begins = [0, *(name.end() for name in names)]
-    return {name[0]: slice(begin, name.end()) for begin, name in zip(begins, names, strict=False)}
+    starts = [0, *(name.end() for name in names)]
+    return {name[0]: slice(start, name.end()) for start, name in zip(starts, names, strict=False)}
 
 
 def _after_units(text: Text, header: int, speed: str) -> int:
-    """Return the index of the first level, below the units and the line drawn under them."""
+    """Return the index of the first level, below the line of units and the rule."""
     i = header + 1
     while i < len(text.lines) and re.match(r"\s*(-{5,}|hPa\b)", text.lines[i]):
         words = text.lines[i].split()
