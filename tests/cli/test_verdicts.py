@@ -6,11 +6,15 @@ pressure of a head wind, by `solve_ivp` of the linear equations in `tests/answer
 
 import json
 import re
+from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from tvclin.base.quantities import satisfaction, sufficiency, survival
+import tvclin as tv
+from tvclin.answers.glossary import TERMS
+from tvclin.base.quantities import QUANTITIES, satisfaction, sufficiency, survival
 from tvclin.cli.app import app
 
 WIND = ("--wind", "triangular", "--duration", "7.5", "--peak-deg", "5")
@@ -65,6 +69,26 @@ def test_json_has_the_required_deflection_under_one_name(command) -> None:
     document = json.loads(run(command, "configuration-i", *WIND, *limit, "--json").stdout)
     found = document.get("verdict", document) if command == "study" else document
     assert found["required_deflection_deg"] == pytest.approx(0.412, abs=5e-4)
+
+
+def test_the_front_door_of_python_has_the_digits_of_the_shell_and_plants_say_what_they_are() -> (
+    None
+):
+    vehicle, peak = tv.load_vehicle("configuration-i"), np.radians(5.0)
+    study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=peak, limit=np.radians(0.4))
+    found = json.loads(run("study", "configuration-i", *WIND, *LIMIT, "--json").stdout)["verdict"]
+    assert found["required_deflection_deg"] == np.degrees(study.required_deflection)
+    assert (study.sufficient, found["sufficient"]) == (False, False)
+    for function in (tv.required_deflection, tv.is_sufficient, tv.boundary_limit, tv.size):
+        assert NOMINAL in " ".join(str(function.__doc__).split("\n\n")[1].split())
+
+
+def test_each_quantity_has_one_sentence_in_code_and_on_the_page_of_conventions() -> None:
+    page = Path("docs/conventions.md").read_text(encoding="utf-8")
+    table = page[page.index("| quantity | definition |") :].split("\n\n")[0].splitlines()[2:]
+    rows = dict(row.strip("| ").split(" | ") for row in table)
+    assert rows == QUANTITIES
+    assert QUANTITIES.items() <= TERMS.items()
 
 
 def test_answers_have_three_words_each() -> None:

@@ -1,13 +1,14 @@
-"""What the symbols and the terms of a study mean, each in one line."""
+"""Symbols, quantities and terms of a study, each in one line."""
 
 from tvclin.base.lines import Table, quantities
+from tvclin.base.quantities import QUANTITIES, WIND_KNOWN
 
 SYMBOLS = {
     "beta": "unstable pole on a fixed path: without control the error grows as exp(beta t), eq"
     " (B4)",
-    "B": "trim deflection per wind angle, eq (2)",
+    "B": "static trim per wind angle, eq (2)",
     "K": "dead band: trim up to K times the limit, then the whole limit; K = 1 needs no forecast",
-    "y_BR": "boundary limit: the least limit that survives, over ideal trim",
+    "y_BR": f"boundary limit: {QUANTITIES['boundary limit']}",
     "K1": "fraction of the wind that counts with drift, eq (15b); below 1, for the vehicle moves"
     " with the wind",
     "C1": "rate at which the flight path follows the attitude, eq (B7)",
@@ -16,7 +17,7 @@ SYMBOLS = {
 }
 """The symbols that a study prints."""
 
-TERMS = {
+TERMS = QUANTITIES | {
     "deflection": "angle of the engine from its nominal position",
     "limit": "the largest deflection of the engine, its stop",
     "wind angle": "angle of attack that the wind alone makes: its speed across the path over the"
@@ -24,10 +25,13 @@ TERMS = {
     "trim": "the deflection that cancels the moment of the wind at every instant",
     "survive": "the deflection cancels what the wind excites of the unstable modes; the attitude"
     " may still drift",
-    "required": "the least limit that survives: the largest of the requirements computed here",
-    "boundary": "the least limit with which a control with dead band survives, condition (4b)",
-    "minimum": "the least limit of all controls that know the whole wind beforehand, appendix C",
-    "no forecast": "a lower bound of the limit for all laws that do not know when the wind stops",
+    "boundary": "the limit with which a control with dead band survives, condition (4b)",
+    "minimum": f"the {WIND_KNOWN}: {QUANTITIES[WIND_KNOWN]}",
+    "nominal": "of the dynamic pressure of the flight without wind",
+    "encountered": "of the dynamic pressure of the velocity through the air, wind included",
+    "SUFFICIENT": "the limit is at least what is required; NOT KNOWN where validity ends",
+    "MET": "a criterion is satisfied",
+    "SURVIVED": "a flight with the limit comes back",
     "drift": "the flight path turns with the side force, so the vehicle moves with the wind",
     "fixed-path": "model without drift: the flight path stays nominal",
     "drift-exact": "model with drift, eq (B7): a fast unstable pole and a slow one",

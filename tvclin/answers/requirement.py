@@ -77,7 +77,10 @@ def required_deflection(
     *,
     whole: History | None = None,
 ) -> RequiredDeflection:
-    """Return the deflection limit that a control needs in a wind of one sign.
+    """Return the required deflection [rad] of linear theory in a wind of one sign.
+
+    It is at nominal dynamic pressure; the verdict on a vehicle, in the wind's own angle and dynamic
+    pressure, is that of a `Study`.
 
     Parameters
     ----------
@@ -162,7 +165,9 @@ def required_deflection(
 
 
 def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
-    """Return whether a deflection limit is at least what a control needs.
+    """Return whether a limit is at least the required deflection of linear theory.
+
+    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
 
     Parameters
     ----------
@@ -187,8 +192,8 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
     if beyond := beyond_linear(float(np.max(np.abs(wind.peak)))):
         warnings.warn(beyond, stacklevel=2)
-    enough = np.asarray(covers(capability, needed))
-    return enough if enough.ndim else bool(enough)
+    sufficient = np.asarray(covers(capability, needed))
+    return sufficient if sufficient.ndim else bool(sufficient)
 
 
 def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
@@ -199,8 +204,9 @@ def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
 def survivable_peak(
     plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0
 ) -> Any:
-    """Return the largest peak [rad] of a wind of this shape that a given limit survives.
+    """Return the largest peak [rad] of a wind of this shape that a limit survives in linear theory.
 
+    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
     The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind, and at
     most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a peak of 30
     deg may survive more, or not.

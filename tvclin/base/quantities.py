@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 QUANTITIES = {
-    "static trim": "the largest |B alpha_w| at nominal dynamic pressure, without drift",
+    "static trim": "the largest size of B alpha_w at nominal dynamic pressure, without drift",
     "trim along the path": "the largest deflection of ideal trim, unlimited, with drift, at the"
     " dynamic pressure encountered",
     "boundary limit": "y(K) of eq (4b) at nominal dynamic pressure, a ratio to static trim",

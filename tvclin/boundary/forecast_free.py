@@ -81,6 +81,8 @@ def forecast_free_limit(
 ) -> ForecastFreeLimit:
     """Return the least deflection of any law that does not know when the wind will stop.
 
+    It is the lower bound without a forecast, by linear theory at nominal dynamic pressure.
+
     Parameters
     ----------
     plant : Plant

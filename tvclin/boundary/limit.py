@@ -87,6 +87,9 @@ def boundary_limit(
 ) -> BoundaryLimit:
     """Return the boundary limit of a plant in any wind of one sign.
 
+    It is y(K) of eq (4b) by linear theory at nominal dynamic pressure, a ratio to static trim, and
+    no verdict.
+
     Parameters
     ----------
     plant : Plant

@@ -60,7 +60,10 @@ def size(
     stop: Stop | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
-    """Return the deflection that each wind needs at each flight time.
+    """Return the required deflection [rad] of each wind at each flight time.
+
+    A wind that is an angle is at nominal dynamic pressure; `tvclin size` adds that in a head and in
+    a tail wind, on which its verdict rests.
 
     Parameters
     ----------

@@ -86,6 +86,8 @@ def optimum_deflection(
 ) -> Optimum:
     """Return the deflection of least peak that leaves no growing exponential (appendix C).
 
+    Its peak is the lower bound with the wind known, by linear theory at nominal dynamic pressure.
+
     Parameters
     ----------
     plant : Plant
