@@ -74,7 +74,7 @@ def test_a_flight_that_overflows_has_diverged(configuration_i) -> None:
     times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
     wind, ratio = np.full(times.shape, 0.05), np.ones(times.shape)
     limits = np.array([[1e-4]])
-    assert time_varying.diverging_limits(equations, times, wind, ratio, limits).all()
+    assert time_varying.LimitedFlights(equations, times, wind, ratio).diverge(limits).all()
 
 
 def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
@@ -154,7 +154,7 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
 
     limits = edge * np.array([[0.998, 1.002]])
     times, angles, ratio = time_varying.over_steps(equations, FlightWind(wind), 4)
-    diverged = time_varying.diverging_limits(equations, times, angles, ratio, limits)
+    diverged = time_varying.LimitedFlights(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
 
 

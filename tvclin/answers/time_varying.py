@@ -16,9 +16,11 @@ requires; with one unstable mode the demand at the onset is the minimum peak of 
 With several unstable modes no control needs less than the minimum over all of them
 (`varying_minimum`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
 
-min(trim, demand) is sufficient on a fixed path, and where trim meets the limit once and the path is
-slow. Else the limited law itself is flown (`kernels.limited_trim`) with many limits, and what is
-required lies above all of them with which a flight diverges.
+Required with K = 1 is the smallest limit from which on every limit survives, for the ideal trim law
+in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
+path, and where trim meets the limit once and the path is slow; it is required as long as trim meets
+it to one side alone. Else the limited law itself is flown (`LimitedFlights`) with many limits, and
+what is required lies above all of them with which a flight diverges.
 
 The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
 `STEP` taken here.
@@ -36,7 +38,7 @@ from tvclin.answers.varying_equations import Equations
 from tvclin.answers.varying_minimum import minimum_peaks
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
-from tvclin.kernels import limited_trim as flights
+from tvclin.kernels import limited_trim
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import run
 from tvclin.winds.histories import History
@@ -44,18 +46,19 @@ from tvclin.winds.wind_angles import EncounteredWind
 
 STEP = 0.1
 """Length of a step times the fastest rate of vehicle and wind."""
-_FLIGHT_PARTS = 4
+FLIGHT_PARTS = 4
 """Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
 _GAIN = 10.0
 """Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
 _FLIGHT_MARGIN = 1.005
 """A flight with so many times the limit of both curves shows whether they are sufficient."""
-_UNLIMITED_OVER_TRIM = 1.0 + 1e-3
-"""Over the largest trim, a limit that the law never meets."""
+LOWEST_FLOWN = 0.5
+"""In winds of two signs, flights are tried from this fraction of the largest min(trim, demand) on:
+with less the attitude leaves the linear range."""
 _MIN_LIMIT = 1e-12
 """A limit [rad] in place of zero."""
-_EVEN_STEP = 0.25
-"""Length of an even step, through winds whose breakpoints are not ends of steps."""
+_EVEN_STEP = 0.125
+"""Length of an even step times the fastest rate, through winds whose breakpoints are not ends."""
 _SLOWEST = 0.25
 """The slowest rate [1/s] that sets even steps."""
 _STEPS_TOGETHER = 5_000
@@ -144,10 +147,13 @@ def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
     return np.concatenate(rows, axis=1)
 
 
-def even_steps(motion: Motion, span: tuple[float, float]) -> FloatArray:
-    """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``."""
+def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
+    """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``.
+
+    `parts`: into how many each step is divided.
+    """
     count = max(np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _SLOWEST) / _EVEN_STEP), 32)
-    ends = np.linspace(*span, min(int(count), _MAX_STEPS) + 1)
+    ends = np.linspace(*span, min(int(count), _MAX_STEPS) * parts + 1)
     return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
 
 
@@ -239,7 +245,7 @@ def varying_requirement(
     never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
     if dead_band == 1.0:
         limit, time = found.limit_of_trim_law(paired)
-        required = _of_flights(motion, equations, encountered, found, np.maximum(limit, minimum))
+        required = _of_flights(motion, equations, encountered, found, limit, minimum)
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = found.limit_of_dead_band(dead_band)
@@ -287,59 +293,95 @@ def _of_flights(
     encountered: Encounter,
     found: Curves,
     limit: FloatArray,
+    minimum: FloatArray,
 ) -> FloatArray:
     """Return the required deflection [rad] with K = 1, where need be by flights of the law."""
-    if not equations.drifts:
-        return limit
+    signs = found.reaches_both_sides(limit)
     known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
-    times, wind, ratio = over_steps(motion, encountered, _FLIGHT_PARTS)
-    finer = motion.over(times)
-    largest = np.maximum(found.largest_trim, np.abs(found.demand[:, -1, 2])) * _UNLIMITED_OVER_TRIM
-    low = np.maximum(limit, _MIN_LIMIT)
-
-    def diverged(limits: FloatArray, cases: IndexArray) -> BoolArray:
-        some = finer.of(cases)
-        return diverging_limits(some, times[cases], wind[cases], ratio[cases], limits)
-
-    every = np.flatnonzero(known)
-    flown = known & (equations.quick_path | found.meets_again(limit))
-    flown[every] |= diverged(_FLIGHT_MARGIN * low[every, np.newaxis], every)[:, 0]
+    if not np.any(known & (signs | equations.drifts)):
+        return np.maximum(limit, minimum)
+    times, wind, ratio = over_steps(motion, encountered, FLIGHT_PARTS)
+    flights = LimitedFlights(motion.over(times), times, wind, ratio)
+    low = np.maximum(np.maximum(limit, minimum), _MIN_LIMIT)
+    flown = known & signs
+    if equations.drifts:
+        every = np.flatnonzero(known)
+        flown |= known & (equations.quick_path | found.meets_again(limit))
+        flown[every] |= flights.diverge(_FLIGHT_MARGIN * low[every, np.newaxis], every)[:, 0]
+    required = np.maximum(limit, minimum)
     which = np.flatnonzero(flown)
-    if not which.size:
-        return limit
-    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
-
-    required = limit.copy()
-    high = np.maximum(largest, low)
-    for case in which[:, np.newaxis]:  # one by one: the scan of many depends on all of them
-
-        def lost(limits: FloatArray, case: IndexArray = case) -> BoolArray:
-            return diverged(limits.T, case).T
-
-        edge, never = edges_above_losses(lost, low[case], high[case])
-        required[case] = np.where(never, np.inf, np.maximum(edge, limit[case]))
+    if which.size:
+        bottom = np.maximum(np.where(signs, LOWEST_FLOWN * limit, limit), minimum)
+        required[which] = flights.of(which).requirement(bottom[which], found.highest_limit[which])
     return required
 
 
-def diverging_limits(
-    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray, limits: FloatArray
-) -> BoolArray:
-    """Return with which limits ``(n, tries)`` [rad] flights of the ideal trim law diverge.
+@dataclass(frozen=True, eq=False)
+class LimitedFlights:
+    """Flights of the ideal trim law with deflection limits, one wind each ``(n,)``.
 
-    `times`, `wind`, `ratio`: as of `curves`.
+    `equations`, `times`, `wind`, `ratio`: as of `curves`, at `FLIGHT_PARTS` times as many steps.
     """
-    order = equations.nominal.shape[-2]
-    diverged = np.zeros(limits.shape, dtype=bool)
-    columns = _columns(equations, times, wind, ratio)
-    work = wind.shape[1] * limits.size
-    run(
-        flights.limited_trim,
-        (*columns, _GAIN, np.require(limits, float, ["C", "W"]), diverged),
-        len(limits),
-        flights.PLAIN * work * order,
-        flights.COMPILED * work * order,
-    )
-    return diverged
+
+    equations: Equations
+    times: FloatArray
+    wind: FloatArray
+    ratio: FloatArray
+
+    def of(self, cases: IndexArray) -> LimitedFlights:
+        """Return the flights through some of the winds."""
+        times = self.times if len(self.times) == 1 else self.times[cases]
+        return LimitedFlights(self.equations.of(cases), times, self.wind[cases], self.ratio[cases])
+
+    def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
+        """Return with which limits ``(k, tries)`` [rad] the flights through k winds diverge."""
+        some = self if isinstance(cases, slice) else self.of(cases)
+        order, diverged = some.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
+        columns = _columns(some.equations, some.times, some.wind, some.ratio)
+        work = some.wind.shape[1] * limits.size * order
+        run(
+            limited_trim.limited_trim,
+            (*columns, _GAIN, np.require(limits, float, ["C", "W"]), diverged),
+            len(limits),
+            limited_trim.PLAIN * work,
+            limited_trim.COMPILED * work,
+        )
+        return diverged
+
+    def requirement(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the smallest limits [rad] from which on all survive, at least `low`, ``(n,)``.
+
+        Infinite where flights with `high` [rad] diverge too, with which the law should never be
+        limited.
+        """
+        from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+
+        bottom = np.maximum(low, _MIN_LIMIT)
+        top, required = np.maximum(high, bottom), np.empty(bottom.shape)
+        for case in np.arange(bottom.size)[:, np.newaxis]:  # the scan of many depends on all
+
+            def diverge(limits: FloatArray, case: IndexArray = case) -> BoolArray:
+                return self.diverge(limits.T, case).T
+
+            edge, never = edges_above_losses(diverge, bottom[case], top[case])
+            required[case] = np.where(never, np.inf, np.maximum(edge, low[case]))
+        return required
+
+    def survive(self, limit: FloatArray, high: FloatArray) -> BoolArray:
+        """Return whether flights survive with limits [rad] and all above, up to `high`, ``(n,)``.
+
+        Above the first, limits are tried every `STRIDE`, as by `requirement`.
+        """
+        from tvclin.flights.closed_loop.edges import STRIDE
+
+        low = np.maximum(limit, _MIN_LIMIT)
+        span = np.log(np.maximum(high / low, 1.0))
+        survives = ~self.diverge(low[:, np.newaxis])[:, 0]
+        for case in np.flatnonzero(survives & (span > 0.0))[:, np.newaxis]:
+            count = int(np.ceil(span[case[0]] / STRIDE))
+            tried = low[case] * np.exp(span[case] * np.arange(1, count + 1) / count)
+            survives[case] = not np.any(self.diverge(tried[np.newaxis], case))
+        return survives
 
 
 def curves(equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray) -> Curves:

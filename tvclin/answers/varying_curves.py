@@ -20,6 +20,13 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.numerics.searches import roots_between
 
+_BOTH_SIDES_FRACTION = 0.95
+"""A law that is limited to one side alone requires at least what trim and demand say: where trim to
+the other is below this fraction of that, no flight requires less than the same fraction."""
+_UNLIMITED_OVER_TRIM = 1.0 + 1e-3
+"""Over the largest trim, a limit that the law never meets."""
+_SLOPE_FRACTION = 4.0 / 27.0
+"""Largest value in a step of Hermite's cubics of a slope of one, over the length of the step."""
 _HEIGHT_TOLERANCE = 1e-9
 """Relative distance from the largest trim so far at which trim counts as a new height."""
 _OPPOSITE_FRACTION = 1e-6
@@ -52,17 +59,13 @@ class Curves:
     def trim_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the trim [rad] of cases at positions in steps: 2.5 is the middle of the third."""
         step, u = self._step(position)
-        a, b, c = np.moveaxis(self.trim[case, step], -1, 0)
-        return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
+        return _parabola(self.trim[case, step], u)
 
     def demand_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the demand [rad] there, by Hermite's cubic of its values and slopes."""
         step, u = self._step(position)
         length = self.times[case, step, 2] - self.times[case, step, 0]
-        a, b = self.demand[case, step, 0], self.demand[case, step, 2]
-        s, e = (length * self.demand_slope[case, step, j] for j in (0, 1))
-        bend, turn = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
-        return np.asarray(a + u * (s + u * (bend + u * turn)))
+        return _cubic(self.demand[case, step], self.demand_slope[case, step], length, u)
 
     def time_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the times [s] there."""
@@ -90,7 +93,22 @@ class Curves:
     @property
     def largest_trim(self) -> FloatArray:
         """Trim along the path: largest size of the deflection of ideal trim [rad], ``(n,)``."""
-        return np.asarray(np.abs(np.concatenate([self.trim, self._summits], -1)).max(axis=(1, 2)))
+        high, low = self._trim_extremes
+        return np.asarray(np.maximum(high, -low))
+
+    @property
+    def highest_limit(self) -> FloatArray:
+        """A limit [rad] that the law never meets, ``(n,)``."""
+        largest = np.maximum(self.largest_trim, np.abs(self.demand[:, -1, 2]))
+        return np.asarray(largest * _UNLIMITED_OVER_TRIM)
+
+    @cached_property
+    def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
+        """Largest and smallest deflection of ideal trim [rad], ``(n,)`` each."""
+        return (
+            np.maximum(self.trim.max(axis=(1, 2)), self._summits.max(axis=1)),
+            np.minimum(self.trim.min(axis=(1, 2)), self._summits.min(axis=1)),
+        )
 
     @cached_property
     def _vertex(self) -> FloatArray:
@@ -101,31 +119,36 @@ class Curves:
             u = (3.0 * a + c - 4.0 * b) / (4.0 * bend)
         return np.where((u > 0.0) & (u < 1.0), u, 0.5)
 
-    @property
+    @cached_property
     def _summits(self) -> FloatArray:
-        """Trim [rad] where its parabola turns in each step, ``(n, S, 1)``."""
-        cases, steps = np.indices(self.trim.shape[:2])
-        summits = self.trim_at(cases.ravel(), (steps + self._vertex).ravel())
-        return summits.reshape(*cases.shape, 1)
+        """Trim [rad] where its parabola turns in each step, ``(n, S)``."""
+        return _parabola(self.trim, self._vertex)
 
     def of(self, cases: IndexArray) -> Curves:
         """Return the curves of some cases."""
         return Curves(*(getattr(self, one.name)[cases] for one in fields(self)))
 
-    def limit_of_trim_law(self, paired: BoolArray) -> tuple[FloatArray, FloatArray]:
+    def limit_of_trim_law(
+        self, paired: BoolArray, side: float | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) to either side [rad], and its time [s]: K = 1.
 
         It stands at the begin, the middle or the end of a step, where trim has its summit, or where
-        both curves cross. `paired`: where trim must never be limited, ``(n, S, 3)``. Both are
-        ``(n,)``.
+        both curves cross. `paired`: where trim must never be limited, ``(n, S, 3)``. `side`: the
+        sign of the only trim that counts. Both are ``(n,)``.
         """
-        cases, steps = np.indices(self.trim.shape[:2])
-        at_summit = self.demand_at(cases.ravel(), (steps + self._vertex).ravel())
-        trim = np.concatenate([self.trim, self._summits], axis=-1)
-        demand = np.concatenate([self.demand, at_summit.reshape(*cases.shape, 1)], axis=-1)
-        lower = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
-        never = np.concatenate([paired, paired[..., 1:2]], axis=-1)
-        lower = np.where(never, np.abs(trim), lower)
+        at_summit = _cubic(self.demand, self.demand_slope, self._lengths, self._vertex)
+        trim, demand = (
+            np.concatenate([values, at_vertex[..., np.newaxis]], axis=-1)
+            for values, at_vertex in ((self.trim, self._summits), (self.demand, at_summit))
+        )
+        if side is None:
+            lower = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
+        else:
+            lower = np.maximum(np.minimum(side * trim, side * demand), 0.0)
+        if np.any(paired):
+            never = np.concatenate([paired, paired[..., 1:2]], axis=-1)
+            lower = np.where(never, np.abs(trim), lower)
         flat = lower.reshape(len(lower), -1)
         largest = np.argmax(flat, axis=-1)
         limit = np.take_along_axis(flat, largest[:, np.newaxis], axis=-1)[:, 0]
@@ -133,7 +156,9 @@ class Curves:
         summit = self._vertex[np.arange(len(step)), step]
         at = step + np.where(place == 3, summit, 0.5 * place)
         over = self.trim - self.demand
-        case, step, half = np.nonzero(over[..., :-1] * over[..., 1:] < 0.0)
+        crossing = over[..., :-1] * over[..., 1:] < 0.0
+        crossing &= (self._largest_demand(side) > limit[:, np.newaxis])[..., np.newaxis]
+        case, step, half = np.nonzero(crossing)
         if case.size:
             rising = np.sign(over[case, step, half + 1])
             low = step + 0.5 * half
@@ -144,12 +169,27 @@ class Curves:
 
             inner = np.nextafter(low + 0.5, -np.inf)
             position = roots_between(low, inner, rises)
-            level = np.abs(self.demand_at(case, position))
+            level = self.demand_at(case, position)
+            level = np.abs(level) if side is None else side * level
             order = np.argsort(level)
             case, position, level = case[order], position[order], level[order]
             larger = level > limit[case]  # the last of equal cases, the largest, stays
             limit[case[larger]], at[case[larger]] = level[larger], position[larger]
         return limit, self.time_at(np.arange(len(limit)), at)
+
+    @property
+    def _lengths(self) -> FloatArray:
+        """Lengths of the steps [s], ``(n, S)``."""
+        return np.asarray(self.times[..., 2] - self.times[..., 0])
+
+    def _largest_demand(self, side: float | None) -> FloatArray:
+        """A bound [rad] of the demand within each step, to one side or either, ``(n, S)``."""
+        begin, end = self.demand[..., 0], self.demand[..., 2]
+        ends = np.maximum(np.abs(begin), np.abs(end))
+        if side is not None:
+            ends = np.maximum(side * begin, side * end)
+        slopes = np.abs(self.demand_slope).sum(axis=-1)
+        return np.asarray(ends + _SLOPE_FRACTION * self._lengths * slopes)
 
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
@@ -206,6 +246,25 @@ class Curves:
         """Whether trim is above a limit ``(n,)`` [rad] in more than one interval, ``(n,)``."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
         return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
+
+    def reaches_both_sides(self, limit: FloatArray) -> BoolArray:
+        """Whether trim reaches a limit ``(n,)`` [rad], or nearly so, to both sides, ``(n,)``."""
+        high, low = self._trim_extremes
+        return np.asarray(np.minimum(high, -low) > _BOTH_SIDES_FRACTION * limit) & (limit > 0.0)
+
+
+def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:
+    """Return at fractions u of steps the parabola of values ``(..., 3)`` at 0, 1/2 and 1."""
+    a, b, c = values[..., 0], values[..., 1], values[..., 2]
+    return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
+
+
+def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatArray) -> FloatArray:
+    """Return at fractions u of steps Hermite's cubic of values and slopes at their ends."""
+    a, b = values[..., 0], values[..., 2]
+    s, e = length * slopes[..., 0], length * slopes[..., 1]
+    bend, turn = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
+    return np.asarray(a + u * (s + u * (bend + u * turn)))
 
 
 def exit_samples(

@@ -150,17 +150,12 @@ def flight_requirement(
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
     whole : FlightWind, optional
-        The same with what blows to the other side, where `wind` is its part to one. A law with
-        K = 1 encounters both; the larger of both requirements counts.
+        The same with what blows to the other side, where `wind` is its part to one: what a law with
+        K = 1 encounters.
     """
     times = wind.history.probe_times(_SAMPLES_BETWEEN)
     trim = np.abs(mode.trim_per_wind(times) * wind.history(times))
-    both = whole or wind
-    trimmed = requirement_of_parts(mode, both, 1.0)
-    if whole is not None:
-        alone = requirement_of_parts(mode, wind, 1.0)
-        larger = max(trimmed, alone, key=lambda x: x[0])
-        trimmed = larger[0], trimmed[1], larger[2]
+    trimmed = requirement_of_parts(mode, whole or wind, 1.0)
     required, _, exits = np.transpose(
         [trimmed if K == 1.0 else requirement_of_parts(mode, wind, K) for K in dead_bands.tolist()]
     )
