@@ -10,8 +10,9 @@ from tests.small_launcher import sounding, write
 from tests.turns import usual
 from tvclin.answers.sizing import flight_mode
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
+from tvclin.answers.sizing.flight_requirement import FlightEquations, FlightWind
 from tvclin.answers.study_file.parse import parse_study
+from tvclin.answers.time_varying import FLIGHT_PARTS, LimitedFlights, over_steps
 
 EAST = np.radians(90.0)
 
@@ -162,10 +163,10 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
     assert sized == pytest.approx(found.need[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
-    steps = flight_steps(mode)
-    wind = tv.fly_through(sounding(), turned, azimuth=EAST).wind(steps)
-    limits = found.need[0] * np.array([[1.02, 1.2, 2.0]])
-    assert not trim_law_lost(mode, steps, wind[np.newaxis], limits).any()
+    motion, wind = FlightEquations(mode), FlightWind(met.wind, (met.wind.time, met.pressure))
+    steps = over_steps(motion, wind, FLIGHT_PARTS)
+    flights = LimitedFlights(motion.over(steps[0]), *steps)
+    assert not flights.diverge(found.need[0] * np.array([[1.02, 1.2, 2.0]])).any()
 
 
 def test_a_flight_in_which_nothing_grows_needs_nothing(flight) -> None:

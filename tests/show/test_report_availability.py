@@ -233,7 +233,7 @@ def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
     assert plan.availability is not None
     found = plan.availability.availability(plan)
     assert (found.model, found.plane, found.judge.stop) == ("drift", "both", "square")
-    assert (found.limit, found.judge.sides.gust.peak) == (np.radians(0.3), np.radians(0.5))
+    assert (found.limit, found.judge.additions.gust.peak) == (np.radians(0.3), np.radians(0.5))
 
 
 def test_a_gust_by_its_speed_is_that_of_the_study(folder) -> None:

@@ -52,12 +52,13 @@ _GAIN = 10.0
 """Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
 _FLIGHT_MARGIN = 1.005
 """A flight with so many times the limit of both curves shows whether they are sufficient."""
-LOWEST_FLOWN = 0.5
-"""In winds of two signs, flights are tried from this fraction of the largest min(trim, demand) on:
-with less the attitude leaves the linear range."""
+_LOWEST_OF_BOTH_SIDES, _LOWEST_AGAIN = 0.5, 0.9
+"""Fractions of the largest min(trim, demand) from which on flights are tried, where trim reaches it
+to both sides, or more than once while the path drifts. With less than the first the attitude leaves
+the linear range."""
 _MIN_LIMIT = 1e-12
 """A limit [rad] in place of zero."""
-_EVEN_STEP = 0.125
+_EVEN_STEP = 0.2
 """Length of an even step times the fastest rate, through winds whose breakpoints are not ends."""
 _SLOWEST = 0.25
 """The slowest rate [1/s] that sets even steps."""
@@ -296,48 +297,63 @@ def _of_flights(
     minimum: FloatArray,
 ) -> FloatArray:
     """Return the required deflection [rad] with K = 1, where need be by flights of the law."""
-    signs = found.reaches_both_sides(limit)
+    flown, lowest = decided_by_flights(equations, found, limit)
     known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
-    if not np.any(known & (signs | equations.drifts)):
-        return np.maximum(limit, minimum)
+    required = np.maximum(limit, minimum)
+    if not np.any(known & (flown | equations.drifts)):
+        return required
     times, wind, ratio = over_steps(motion, encountered, FLIGHT_PARTS)
     flights = LimitedFlights(motion.over(times), times, wind, ratio)
-    low = np.maximum(np.maximum(limit, minimum), _MIN_LIMIT)
-    flown = known & signs
     if equations.drifts:
         every = np.flatnonzero(known)
-        flown |= known & (equations.quick_path | found.meets_again(limit))
-        flown[every] |= flights.diverge(_FLIGHT_MARGIN * low[every, np.newaxis], every)[:, 0]
-    required = np.maximum(limit, minimum)
-    which = np.flatnonzero(flown)
+        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[every, np.newaxis]
+        flown[every] |= flights.diverge(tried, every)[:, 0]
+    which = np.flatnonzero(flown & known)
     if which.size:
-        bottom = np.maximum(np.where(signs, LOWEST_FLOWN * limit, limit), minimum)
-        required[which] = flights.of(which).requirement(bottom[which], found.highest_limit[which])
+        low = np.maximum(lowest, minimum)[which]
+        required[which] = flights.of(which).requirement(low, found.highest_limit[which])
     return required
+
+
+def decided_by_flights(
+    equations: Equations, found: Curves, limit: FloatArray
+) -> tuple[BoolArray, FloatArray]:
+    """Return whether flights decide what K = 1 requires, and the lowest limits to try [rad].
+
+    `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it to
+    both sides, and where the path drifts and is quick, or trim meets it more than once.
+    """
+    both, again = found.reaches_both_sides(limit), found.meets_again(limit) & equations.drifts
+    lowest = np.where(again, _LOWEST_AGAIN * limit, limit)
+    lowest = np.where(both, _LOWEST_OF_BOTH_SIDES * limit, lowest)
+    return both | again | (equations.quick_path & equations.drifts), lowest
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedFlights:
     """Flights of the ideal trim law with deflection limits, one wind each ``(n,)``.
 
-    `equations`, `times`, `wind`, `ratio`: as of `curves`, at `FLIGHT_PARTS` times as many steps.
+    `equations` to `onset`: as of `curves`, at `FLIGHT_PARTS` times as many steps.
     """
 
     equations: Equations
     times: FloatArray
     wind: FloatArray
     ratio: FloatArray
+    onset: FloatArray | None = None
 
     def of(self, cases: IndexArray) -> LimitedFlights:
         """Return the flights through some of the winds."""
+        equations = self.equations if len(self.equations.end) == 1 else self.equations.of(cases)
         times = self.times if len(self.times) == 1 else self.times[cases]
-        return LimitedFlights(self.equations.of(cases), times, self.wind[cases], self.ratio[cases])
+        onset = None if self.onset is None else self.onset[cases]
+        return LimitedFlights(equations, times, self.wind[cases], self.ratio[cases], onset)
 
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
         """Return with which limits ``(k, tries)`` [rad] the flights through k winds diverge."""
         some = self if isinstance(cases, slice) else self.of(cases)
         order, diverged = some.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
-        columns = _columns(some.equations, some.times, some.wind, some.ratio)
+        columns = _columns(some.equations, some.times, some.wind, some.ratio, some.onset)
         work = some.wind.shape[1] * limits.size * order
         run(
             limited_trim.limited_trim,
@@ -376,15 +392,23 @@ class LimitedFlights:
 
         low = np.maximum(limit, _MIN_LIMIT)
         span = np.log(np.maximum(high / low, 1.0))
+        counts = np.ceil(span / STRIDE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
-        for case in np.flatnonzero(survives & (span > 0.0))[:, np.newaxis]:
-            count = int(np.ceil(span[case[0]] / STRIDE))
-            tried = low[case] * np.exp(span[case] * np.arange(1, count + 1) / count)
-            survives[case] = not np.any(self.diverge(tried[np.newaxis], case))
+        for count in np.unique(counts[survives & (counts > 0)]).tolist():
+            cases = np.flatnonzero(survives & (counts == count))
+            parts = span[cases, np.newaxis] * np.arange(1, count + 1) / count
+            tried = low[cases, np.newaxis] * np.exp(parts)
+            survives[cases] = ~np.any(self.diverge(tried, cases), axis=1)
         return survives
 
 
-def curves(equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray) -> Curves:
+def curves(
+    equations: Equations,
+    times: FloatArray,
+    wind: FloatArray,
+    ratio: FloatArray,
+    onset: FloatArray | None = None,
+) -> Curves:
     """Return trim and demand of winds over their steps.
 
     Parameters
@@ -394,12 +418,15 @@ def curves(equations: Equations, times: FloatArray, wind: FloatArray, ratio: Flo
     times, wind, ratio : ndarray
         Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
         one, at begin, middle and end of each step, ``(n, S, 3)``.
+    onset : ndarray, optional
+        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, whose times are
+        those from there on. Zero without it.
     """
     shape, order = wind.shape, equations.nominal.shape[-2]
-    columns = _columns(equations, times, wind, ratio)
-    trim, demand = np.empty(shape), np.empty(shape)
-    slope = np.empty((*shape[:2], 2))
-    path = np.empty((shape[0], shape[1] + 1, order - 2))
+    columns = _columns(equations, times, wind, ratio, onset)
+    trim, demand = np.zeros(shape), np.zeros(shape)
+    slope = np.zeros((*shape[:2], 2))
+    path = np.zeros((shape[0], shape[1] + 1, order - 2))
     work = shape[0] * shape[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         run(
@@ -413,11 +440,16 @@ def curves(equations: Equations, times: FloatArray, wind: FloatArray, ratio: Flo
 
 
 def _columns(
-    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
+    equations: Equations,
+    times: FloatArray,
+    wind: FloatArray,
+    ratio: FloatArray,
+    onset: FloatArray | None,
 ) -> list[FloatArray]:
     """Return the arguments that both kernels share."""
     shape = wind.shape
     end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
     lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])
-    arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end
+    begin = np.zeros(shape[0]) if onset is None else onset
+    arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end, begin
     return [np.require(x, float, ["C", "W"]) for x in arrays]

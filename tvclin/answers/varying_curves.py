@@ -105,24 +105,20 @@ class Curves:
     @cached_property
     def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
         """Largest and smallest deflection of ideal trim [rad], ``(n,)`` each."""
-        return (
-            np.maximum(self.trim.max(axis=(1, 2)), self._summits.max(axis=1)),
-            np.minimum(self.trim.min(axis=(1, 2)), self._summits.min(axis=1)),
-        )
+        return self._largest(1.0), -self._largest(-1.0)
 
-    @cached_property
-    def _vertex(self) -> FloatArray:
-        """Fraction of each step at which the parabola of trim turns; one half without one."""
-        a, b, c = np.moveaxis(self.trim, -1, 0)
-        bend = a - 2.0 * b + c
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u = (3.0 * a + c - 4.0 * b) / (4.0 * bend)
-        return np.where((u > 0.0) & (u < 1.0), u, 0.5)
-
-    @cached_property
-    def _summits(self) -> FloatArray:
-        """Trim [rad] where its parabola turns in each step, ``(n, S)``."""
-        return _parabola(self.trim, self._vertex)
+    def _largest(self, side: float) -> FloatArray:
+        """The largest trim to a side [rad], ``(n,)``: of samples, or where its parabola turns."""
+        trim = self.trim
+        largest = (side * trim).max(axis=(1, 2))
+        ends = np.maximum(side * trim[..., 0], side * trim[..., 2])
+        bend = np.abs(trim[..., 0] - 2.0 * trim[..., 1] + trim[..., 2])
+        # the parabola is within an eighth of its second difference of its chords
+        bound = np.maximum(ends, side * trim[..., 1]) + 0.125 * bend
+        case, step = np.nonzero(bound > largest[:, np.newaxis])
+        summit = side * _parabola(trim[case, step], _vertex(trim[case, step]))
+        np.maximum.at(largest, case, summit)
+        return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
         """Return the curves of some cases."""
@@ -137,45 +133,38 @@ class Curves:
         both curves cross. `paired`: where trim must never be limited, ``(n, S, 3)``. `side`: the
         sign of the only trim that counts. Both are ``(n,)``.
         """
-        at_summit = _cubic(self.demand, self.demand_slope, self._lengths, self._vertex)
-        trim, demand = (
-            np.concatenate([values, at_vertex[..., np.newaxis]], axis=-1)
-            for values, at_vertex in ((self.trim, self._summits), (self.demand, at_summit))
-        )
-        if side is None:
-            lower = np.maximum(np.minimum(trim, demand), np.minimum(-trim, -demand))
-        else:
-            lower = np.maximum(np.minimum(side * trim, side * demand), 0.0)
+        lower = _smaller(self.trim, self.demand, side)
         if np.any(paired):
-            never = np.concatenate([paired, paired[..., 1:2]], axis=-1)
-            lower = np.where(never, np.abs(trim), lower)
+            lower = np.where(paired, np.abs(self.trim), lower)
         flat = lower.reshape(len(lower), -1)
         largest = np.argmax(flat, axis=-1)
         limit = np.take_along_axis(flat, largest[:, np.newaxis], axis=-1)[:, 0]
-        step, place = largest // 4, largest % 4
-        summit = self._vertex[np.arange(len(step)), step]
-        at = step + np.where(place == 3, summit, 0.5 * place)
-        over = self.trim - self.demand
-        crossing = over[..., :-1] * over[..., 1:] < 0.0
-        crossing &= (self._largest_demand(side) > limit[:, np.newaxis])[..., np.newaxis]
-        case, step, half = np.nonzero(crossing)
-        if case.size:
-            rising = np.sign(over[case, step, half + 1])
-            low = step + 0.5 * half
-
-            def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-                gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
-                return np.asarray(rising[k] * gap)
-
-            inner = np.nextafter(low + 0.5, -np.inf)
-            position = roots_between(low, inner, rises)
-            level = self.demand_at(case, position)
-            level = np.abs(level) if side is None else side * level
-            order = np.argsort(level)
-            case, position, level = case[order], position[order], level[order]
-            larger = level > limit[case]  # the last of equal cases, the largest, stays
-            limit[case[larger]], at[case[larger]] = level[larger], position[larger]
+        at = 0.5 * (largest % 3) + largest // 3
+        case, step = np.nonzero(self._largest_demand(side) > limit[:, np.newaxis])
+        summit = step + _vertex(self.trim[case, step])
+        crossed, crossing = self._crossings(case, step)
+        case, position = np.append(case, crossed), np.append(summit, crossing)
+        level = _smaller(self.trim_at(case, position), self.demand_at(case, position), side)
+        order = np.argsort(level)
+        case, position, level = case[order], position[order], level[order]
+        larger = level > limit[case]  # the last of equal cases, the largest, stays
+        limit[case[larger]], at[case[larger]] = level[larger], position[larger]
         return limit, self.time_at(np.arange(len(limit)), at)
+
+    def _crossings(self, case: IndexArray, step: IndexArray) -> tuple[IndexArray, FloatArray]:
+        """Return the cases and positions at which trim crosses the demand in some steps."""
+        over = self.trim[case, step] - self.demand[case, step]
+        which, half = np.nonzero(over[:, :-1] * over[:, 1:] < 0.0)
+        rising, low = np.sign(over[which, half + 1]), step[which] + 0.5 * half
+        case = case[which]
+
+        def rises(position: FloatArray, k: IndexArray) -> FloatArray:
+            gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
+            return np.asarray(rising[k] * gap)
+
+        if not case.size:
+            return case, low
+        return case, roots_between(low, np.nextafter(low + 0.5, -np.inf), rises)
 
     @property
     def _lengths(self) -> FloatArray:
@@ -251,6 +240,23 @@ class Curves:
         """Whether trim reaches a limit ``(n,)`` [rad], or nearly so, to both sides, ``(n,)``."""
         high, low = self._trim_extremes
         return np.asarray(np.minimum(high, -low) > _BOTH_SIDES_FRACTION * limit) & (limit > 0.0)
+
+
+def _smaller(trim: FloatArray, demand: FloatArray, side: float | None) -> FloatArray:
+    """Return min(trim, demand) to either side, or to one, as sizes; zero where signs differ."""
+    alike = trim * demand > 0.0 if side is None else np.minimum(side * trim, side * demand) > 0.0
+    return np.where(alike, np.minimum(np.abs(trim), np.abs(demand)), 0.0)
+
+
+def _vertex(values: FloatArray) -> FloatArray:
+    """Return the fraction of each step at which the parabola of values ``(..., 3)`` turns.
+
+    One half where it does not turn within the step.
+    """
+    a, b, c = values[..., 0], values[..., 1], values[..., 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = (3.0 * a + c - 4.0 * b) / (4.0 * (a - 2.0 * b + c))
+    return np.where((u > 0.0) & (u < 1.0), u, 0.5)
 
 
 def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:

@@ -29,6 +29,7 @@ def limited_trim(
     ratio: Any,
     wind: Any,
     end: Any,
+    onset: Any,
     gain: float,
     limits: Any,
     diverged: Any,
@@ -37,8 +38,8 @@ def limited_trim(
 ) -> None:
     """Write to ``diverged (n, tries)`` which flights with ``limits (n, tries)`` [rad] diverge.
 
-    `lengths` to `end` are those of `trim_and_demand`; `gain` is that of the attitude feedback over
-    trim.
+    `lengths` to `onset` are those of `trim_and_demand`; `gain` is that of the attitude feedback
+    over trim.
     """
     steps, m, tries = lengths.shape[1], equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
@@ -48,8 +49,9 @@ def limited_trim(
         for k in range(tries):
             for i in range(m):
                 states[k, i] = 0.0
-        for s in range(steps):
-            equations_at_ratio(equations, slopes, c, s, ratio[case, s], matrix)
+        for s in range(int(onset[case]), steps):
+            skipped = max(onset[case] - s, 0.0)
+            equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
             for q in range(3):
                 _feedback(matrix[q], gain, law[q])
             for k in range(tries):

@@ -35,6 +35,7 @@ def trim_and_demand(
     ratio: Any,
     wind: Any,
     end: Any,
+    onset: Any,
     trim: Any,
     demand: Any,
     demand_slope: Any,
@@ -57,6 +58,9 @@ def trim_and_demand(
         r and alpha_w [rad] there, ``(n, S, 3)``.
     end : ndarray
         p and R at the end of the last step, ``(n, m + 1)``.
+    onset : ndarray
+        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, of which the
+        length, r and alpha_w are those from there on. Before it nothing is written.
     trim, demand : ndarray
         Written: both at begin, middle and end of each step [rad], ``(n, S, 3)``.
     demand_slope : ndarray
@@ -74,13 +78,16 @@ def trim_and_demand(
         for i in range(m + 1):
             costate[steps, i] = end[case, i]
         costate[steps, m + 1] = 0.0
-        for s in range(steps - 1, -1, -1):
-            equations_at_ratio(equations, slopes, c, s, ratio[case, s], matrix)
+        begin = int(onset[case])
+        for s in range(steps - 1, begin - 1, -1):
+            skipped = max(onset[case] - s, 0.0)
+            equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
             _backwards(matrix, wind[case, s], lengths[case, s], costate, s, state, rates)
         for i in range(2, m):
-            path[case, 0, i - 2] = 0.0
-        for s in range(steps):
-            equations_at_ratio(equations, slopes, c, s, ratio[case, s], matrix)
+            path[case, begin, i - 2] = 0.0
+        for s in range(begin, steps):
+            skipped = max(onset[case] - s, 0.0)
+            equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
             h = lengths[case, s]
             _forwards(matrix, wind[case, s], h, path[case], s, state, rates)
             trim[case, s, 0] = _trim(matrix, 0, path[case, s], wind[case, s, 0])
@@ -104,16 +111,29 @@ def trim_and_demand(
 
 @bare
 def equations_at_ratio(
-    equations: Any, slopes: Any, c: int, s: int, ratio: Any, matrix: Any
+    equations: Any, slopes: Any, c: int, s: int, ratio: Any, skipped: float, matrix: Any
 ) -> None:
-    """Write [A b w] at begin, middle and end of a step, at the dynamic pressure encountered."""
-    k = s if equations.shape[1] > 1 else 0
+    """Write [A b w] at begin, middle and end of a step, at the dynamic pressure encountered.
+
+    Of a step of which a fraction is skipped they are those of the rest, by parabolas.
+    """
+    k, m = s if equations.shape[1] > 1 else 0, matrix.shape[1]
     for q in range(3):
         direct, inverse = ratio[q] - 1.0, 1.0 / ratio[q] - 1.0
-        for i in range(matrix.shape[1]):
-            for j in range(matrix.shape[2]):
+        u = skipped + 0.5 * q * (1.0 - skipped)
+        for i in range(m):
+            for j in range(m + 2):
                 change = direct * slopes[c, k, q, 0, i, j] + inverse * slopes[c, k, q, 1, i, j]
                 matrix[q, i, j] = equations[c, k, q, i, j] + change
+                if skipped > 0.0:
+                    matrix[q, i, j] = 0.0
+                    for p in range(3):
+                        change = direct * slopes[c, k, p, 0, i, j]
+                        change += inverse * slopes[c, k, p, 1, i, j]
+                        weight = 4.0 * u * (1.0 - u)
+                        if p != 1:
+                            weight = (2.0 * u - 1.0) * (u if p == 2 else u - 1.0)
+                        matrix[q, i, j] += weight * (equations[c, k, p, i, j] + change)
 
 
 @bare

@@ -78,11 +78,16 @@ def wind_triangle(
     """
     climb = np.asarray(path, dtype=float)
     forward, upward = np.cos(climb) - along, np.sin(climb)
-    in_pitch = forward**2 + upward**2
+    in_pitch = pressure_in_winds(climb, along)
     angle = np.arctan2(upward, forward) - climb
     pitch = np.arctan2(np.sin(angle), np.cos(angle))
     yaw = np.arctan2(across, np.sqrt(in_pitch))
     return np.asarray(pitch), np.asarray(yaw), np.asarray(in_pitch + np.square(across))
+
+
+def pressure_in_winds(path: ArrayLike, along: ArrayLike, across: ArrayLike = 0.0) -> FloatArray:
+    """Return q/q_n of horizontal winds; parameters as of `wind_triangle`."""
+    return np.asarray((np.cos(path) - along) ** 2 + np.sin(path) ** 2 + np.square(across))
 
 
 def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:

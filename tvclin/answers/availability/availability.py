@@ -156,7 +156,7 @@ def availability(
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
         pressure=own_sign(sign),
     )
-    needs = judge.needs(soundings, progress)
+    needs = judge.requirements(soundings, progress)
     added, told = _added(growth, needs.least, needs.most, soundings)
     needs, near = judge.decided(soundings, needs, capability - added)
     least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
@@ -215,7 +215,7 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
             f"the air turns the vehicle to the other side from {turns} s on: what is before and"
             " what is after is judged by itself, each from trim on, and the larger need counts"
         )
-    calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.tables]
+    calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.marches]
     told += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []

@@ -1,8 +1,8 @@
-"""The need of each sounding of an archive: its bounds, equal where all of its wind is known.
+"""Required deflections of the soundings of an archive: bounds, equal where all wind is known.
 
-Where a sounding does not know the wind it is taken as calm; and as blowing against the vehicle, as
+Where the wind of a sounding is not known it is taken as calm; and as against the vehicle, as
 strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
-The need lies between what these two ask for.
+What is required lies between what these two require.
 """
 
 from __future__ import annotations
@@ -14,49 +14,57 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.availability.flights import PlaneFlights, survives_all
 from tvclin.answers.availability.growth import WindGrowth
-from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines
-from tvclin.answers.availability.sides import Sides, at_most, flown_needs, in_air
-from tvclin.answers.availability.tables import FlightTables, flight_tables
+from tvclin.answers.availability.plane_march import Additions, MarchedWinds, PlaneMarch
+from tvclin.answers.availability.sounding_winds import FlightPath, KnownWinds, LineWinds
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightEquations
-from tvclin.answers.time_varying import even_steps
-from tvclin.answers.varying_equations import Equations
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 
 STOPS = ("round", "square")
-UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
+UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
     "it cannot be used",
     "it ends below the height of the largest dynamic pressure",
     "it begins above the height of the largest dynamic pressure",
     "its wind meets the flight at more than 30 deg where the dynamic pressure is largest",
     "it ends below known_to",
+    "no horizontal wind turns the flight so far as the gust",
 )
-_AT_ONCE = 200_000
-"""Levels of soundings that are looked at together."""
-_HEIGHTS = 40
-"""Of a flight, at which the strength of winds in an archive is looked at."""
+_LEVELS_TOGETHER = 60_000
+"""Levels of soundings that are marched together: their steps fill some megabytes."""
+_STRENGTH_HEIGHTS = 40
+"""Heights of a flight at which the strength of winds in an archive is computed."""
+_KNOWN_TOLERANCE = 1e-9
+"""Relative difference of requirements below which an unknown wind does not matter."""
 
 
 @dataclass(frozen=True, eq=False)
-class Needs:
-    """What soundings ask for.
+class Requirements:
+    """Deflections [rad] that soundings require.
 
-    `least` and `most` are with calm, and with a strong wind, where it is not known [rad], ``(a,
-    n)`` for azimuths and soundings; NaN where nothing can be said. Where the limit is met more than
-    once, and the law is not flown, `most` holds what a flight may need more, up to the largest
-    trim, with which the law is never limited. `known` is whether the wind is known wherever it may
-    count, ``(a, n)``. Of each sounding `why` is why nothing can be said, or empty, and `judged` the
-    first and last time [s] of the part of the flight of which it can, ``(n, 2)``.
+    Attributes
+    ----------
+    least, most : ndarray
+        Bounds, with calm and with a strong wind where it is not known, ``(a, n)`` for azimuths and
+        soundings; NaN where nothing can be said. Where trim reaches a limit more than once, and no
+        flight decided, `most` holds what a flight may require more, up to the largest trim.
+    lowest : ndarray
+        What flights with all the wind known require at least, ``(a, n)``.
+    known : ndarray of bool
+        Whether the wind is known wherever it may count, ``(a, n)``.
+    why : list of str
+        Reason for which nothing can be said of a sounding, or empty.
+    judged : ndarray
+        First and last time [s] of the judged part of the flight, ``(n, 2)``.
     """
 
     least: FloatArray
     most: FloatArray
+    lowest: FloatArray
     known: BoolArray
     why: list[str]
     judged: FloatArray
@@ -66,34 +74,49 @@ class Needs:
 class FlightPart:
     """A part of a flight in which the air turns the vehicle to one side alone.
 
-    By the planes with an unstable mode, `met` is times of even steps [s], and the equations
-    there.
+    `marches`: by the planes with an unstable mode.
     """
 
-    path: FlownPath
-    tables: dict[str, FlightTables]
-    met: dict[str, tuple[FloatArray, Equations]]
+    path: FlightPath
+    marches: dict[str, PlaneMarch]
 
 
 @dataclass(frozen=True, eq=False)
 class Judge:
     """A flight in one or both planes, ready for any wind.
 
-    `parts`: of the flight; in each the vehicle is flown by itself, and the largest need counts.
-    `azimuths`: directions of flight [rad], ``(a,)``. `stop`: "round" or "square", how the planes go
-    together. `known_to`: a height [m] to which each sounding must go. `pressure`: whether the
-    dynamic pressure that a wind makes counts, or that of calm air. `strength`: what 95 % of an
-    archive stay below [m/s] at `heights` [m], by plane and azimuth.
+    Attributes
+    ----------
+    flight : FlightSchedule
+        The flight.
+    path : FlightPath
+        Its arrays over height.
+    additions : Additions
+        Growth and gust on top of the winds.
+    parts : tuple of FlightPart
+        In each the vehicle is flown by itself, and the largest requirement counts.
+    planes : tuple of str
+        Planes of the motion.
+    azimuths : ndarray
+        Directions of flight [rad], ``(a,)``.
+    stop : {"round", "square"}
+        Limit shape of both planes.
+    known_to : float or None
+        Height [m] to which each sounding must go.
+    heights : ndarray
+        Heights [m] of `strength`.
+    strength : dict
+        Speeds [m/s] below which 95 % of an archive stay there, by plane and azimuth.
     """
 
     flight: FlightSchedule
-    sides: Sides
+    path: FlightPath
+    additions: Additions
     parts: tuple[FlightPart, ...]
     planes: tuple[str, ...]
     azimuths: FloatArray
     stop: str
     known_to: float | None
-    pressure: bool
     heights: FloatArray
     strength: dict[tuple[str, float], FloatArray]
 
@@ -109,19 +132,21 @@ class Judge:
         growth: WindGrowth | None,
         gust: History | None,
         gust_speed: float | None,
-        **asked: Any,
+        pressure: bool,
+        **options: Any,
     ) -> Judge:
-        """Return that of a flight; what is not known will be as strong as in the archive.
+        """Return the judge of a flight, for which an unknown wind is as strong as in the archive.
 
-        `InputError` as `FlightMode` and `FlownPath`.
+        `InputError` as `FlightMode` and `FlightPath`.
         """
-        planes, path = PLANES if plane == BOTH else (plane,), FlownPath.of(flight)
+        planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
         known = KnownWinds.of(soundings[soundings.usable], path)
-        evenly = np.linspace(path.time[0], path.time[-1], _HEIGHTS)
+        evenly = np.linspace(path.time[0], path.time[-1], _STRENGTH_HEIGHTS)
         heights = np.interp(evenly, path.time, path.height)
         return cls(
             flight,
-            Sides(path, growth, gust, gust_speed),
+            path,
+            Additions(growth, gust, gust_speed, pressure),
             _parts(flight, model, planes),
             planes,
             azimuths,
@@ -131,95 +156,109 @@ class Judge:
                 for plane in planes
                 for azimuth in azimuths.tolist()
             },
-            **asked,
+            **options,
         )
 
-    def needs(
-        self,
-        soundings: Soundings,
-        progress: Callable[[int, int], None] | None = None,
-        flown: bool = False,
-        limits: FloatArray | None = None,
-    ) -> Needs:
-        """Return what soundings ask for; tell how many are done.
-
-        `flown` where a flight may need more than their bounds say; and where it may survive with
-        limits [rad], ``(a,)``, that are less.
-        """
-        least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
+    def requirements(
+        self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
+    ) -> Requirements:
+        """Return bounds of what soundings require, from trim and demand; report progress."""
+        least, most, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
         known_all = np.ones(least.shape, dtype=bool)
         heights = np.full((len(soundings), 2), np.nan)
-        why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
-        index = np.flatnonzero(soundings.usable)
+        why = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
         for reason, holds in self._left_out(soundings):
             for i in np.flatnonzero(holds & soundings.usable).tolist():
                 why[i] = why[i] or reason
-            index = index[~holds[index]]
-        index = index[np.argsort(soundings.counts[index], kind="stable")]
-        path = self.sides.path
-        known = KnownWinds.of(soundings[index], path)
-        ends = np.cumsum(np.diff(known.offsets) + path.height.size)
+        index = np.flatnonzero([not reason for reason in why])
         last = len(soundings) - index.size
-        cuts = np.arange(_AT_ONCE, ends.max(initial=0), _AT_ONCE)
-        for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
-            within = known.some(some).flat(path, self.sides.strongest)
-            heights[index[some]] = within
-            flat = ~np.isnan(within[:, 0])
-            winds, within, those = known.some(some[flat]), within[flat], index[some[flat]]
+        for some, within, known in self._together(soundings, index):
+            heights[some] = within
+            flat = np.flatnonzero(~np.isnan(within[:, 0]))
+            those, winds = some[flat], known.some(flat)
             if those.size:
-                low, high = self._needs(winds, within, False, flown, limits)
-                least[:, those], most[:, those] = low, high
-                open_ = winds.incomplete(path)
-                if np.any(open_):
-                    those, within = those[open_], within[open_]
-                    held, higher = self._needs(
-                        winds.some(np.flatnonzero(open_)), within, True, flown, limits
+                low, high, flown = self._bounds(winds, within[flat], held=False)
+                least[:, those], most[:, those], lowest[:, those] = low, high, flown
+                partly = np.flatnonzero(winds.incomplete(self.path))
+                if partly.size:
+                    held, higher, _ = self._bounds(
+                        winds.some(partly), within[flat[partly]], held=True
                     )
-                    known_all[:, those] = low[:, open_] == held
-                    least[:, those] = np.minimum(low[:, open_], held)
-                    most[:, those] = np.maximum(high[:, open_], higher)
+                    low, high, those = low[:, partly], high[:, partly], those[partly]
+                    known_all[:, those] = np.abs(held - low) <= _KNOWN_TOLERANCE * held
+                    least[:, those] = np.minimum(low, held)
+                    most[:, those] = np.maximum(high, higher)
             last += some.size
             if progress is not None:
                 progress(last, len(soundings))
-        fast = np.isnan(heights[:, 0])
-        why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
-        times = np.interp(heights, path.height, path.time)
-        return Needs(least, most, known_all, why, times)
+        fast, nothing = np.isnan(heights[:, 0]), np.isnan(least).any(axis=0)
+        why = [
+            reason or (TOO_FAST if steep else TOO_FLAT if none else "")
+            for reason, steep, none in zip(why, fast, nothing, strict=True)
+        ]
+        times = np.interp(heights, self.path.height, self.path.time)
+        return Requirements(least, most, lowest, known_all, why, times)
 
     def decided(
-        self, soundings: Soundings, needs: Needs, limits: FloatArray
-    ) -> tuple[Needs, list[str]]:
-        """Return the needs, flown where that decides about limits [rad], ``(a,)``; and what to say.
+        self, soundings: Soundings, bounds: Requirements, limits: FloatArray
+    ) -> tuple[Requirements, list[str]]:
+        """Return requirements with flights where these decide on limits [rad], ``(a,)``; and notes.
 
-        What may need more than its bound is flown for what it needs. What its bound says is lost
-        has the limit for its need if it survives with it.
+        A sounding whose bounds lie to both sides of the limit, and that does not survive with it,
+        is flown for what it requires, if all its wind is known. One that survives with less than
+        its lower bound has the limit for its requirement.
         """
         room = np.maximum(limits, 0.0)[:, np.newaxis]
-        least, most, known, told = needs.least.copy(), needs.most.copy(), needs.known.copy(), []
+        least, most, notes = bounds.least.copy(), bounds.most.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
-            more = needs.known & (needs.least <= room) & (room < needs.most)
-            less = needs.known & (needs.least > room)
-        again = np.flatnonzero(more.any(axis=0))
-        if again.size:
-            found = self.needs(soundings[again], flown=True)
-            least[:, again], most[:, again] = found.least, found.most
-            told.append(
-                f"{again.size} soundings whose trim reaches the limit more than once were flown"
-                " with trim"
+            more = (bounds.least <= room) & (room < bounds.most)
+            less = bounds.known & (bounds.lowest <= room) & (room < bounds.least)
+        survive, index = np.zeros(least.shape, dtype=bool), np.any(more | less, axis=0)
+        for some, within, winds in self._together(soundings, np.flatnonzero(index)):
+            for a, limit in enumerate(room[:, 0].tolist()):
+                for held in (False, True):
+                    whole = bounds.known[a, some] ^ held
+                    cases = np.flatnonzero((more | less)[a, some] & whole)
+                    if not cases.size:
+                        continue
+                    those = some[cases]
+                    marched = list(self._marched(winds.some(cases), within[cases], a, held=False))
+                    if held:
+                        marched += self._marched(winds.some(cases), within[cases], a, held=True)
+                    survive[a, those] = self._survive(marched, limit)
+                    fails = np.flatnonzero(more[a, those] & ~survive[a, those])
+                    if fails.size and not held:
+                        each = [(p, of_plane.requirement(fails)) for p, of_plane in marched]
+                        least[a, those[fails]] = most[a, those[fails]] = self._in_planes(each)
+        most = np.where(more & survive, room, most)
+        least, most = (np.where(less & survive, room, values) for values in (least, most))
+        flown = int(np.sum((more & (bounds.known | survive)).any(axis=0)))
+        if flown:
+            notes.append(
+                f"{flown} soundings whose trim reaches the limit more than once were flown with"
+                " trim"
             )
-        again = np.flatnonzero(less.any(axis=0))
-        if again.size:
-            found = self.needs(soundings[again], limits=room[:, 0])
-            here = less[:, again] & (found.least <= room)
-            for old, new in ((least, found.least), (most, found.most), (known, found.known)):
-                old[:, again] = np.where(here, new, old[:, again])
-            survive = int(np.sum(here.any(axis=0)))
-            if survive:
-                told.append(
-                    f"of the soundings that fly {survive} have a bound of their needs above the"
-                    " limit: a flight of the trim law survives with it"
-                )
-        return replace(needs, least=least, most=most, known=known), told
+        if fewer := int(np.sum((less & survive).any(axis=0))):
+            notes.append(
+                f"of the soundings that fly {fewer} have a bound of their needs above the limit: a"
+                " flight of the trim law survives with it"
+            )
+        return replace(bounds, least=least, most=most), notes
+
+    def _together(
+        self, soundings: Soundings, index: IndexArray
+    ) -> Iterator[tuple[IndexArray, FloatArray, KnownWinds]]:
+        """Iterate over usable soundings that are marched together.
+
+        Given are their places, the heights [m] between which they can be judged, and their winds.
+        """
+        index = index[np.argsort(soundings.counts[index], kind="stable")]
+        known = KnownWinds.of(soundings[index], self.path)
+        ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
+        cuts = np.arange(_LEVELS_TOGETHER, ends.max(initial=0), _LEVELS_TOGETHER)
+        for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
+            winds = known.some(some)
+            yield index[some], winds.flat(self.path, self.additions.strongest), winds
 
     def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
         """Of which soundings nothing can be said, and why."""
@@ -228,94 +267,108 @@ class Judge:
         level = np.append(soundings.height, np.nan)
         bottom = np.where(empty, np.nan, level[ends[:-1]])
         top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
-        densest = self.sides.path.densest
+        densest = self.path.densest
         with np.errstate(invalid="ignore"):
             reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
             if self.known_to is not None:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
-    def _needs(
-        self,
-        known: KnownWinds,
-        within: FloatArray,
-        held: bool,
-        flown: bool,
-        limits: FloatArray | None,
+    def _bounds(self, known: KnownWinds, within: FloatArray, held: bool) -> FloatArray:
+        """Return least, most and lowest of winds between heights [m], ``(3, a, n)``."""
+        found = []
+        for a in range(self.azimuths.size):
+            each = [
+                (p, np.stack([winds.bounds.least, winds.bounds.most, winds.bounds.lowest]))
+                for p, winds in self._marched(known, within, a, held)
+            ]
+            found.append(self._in_planes(each, (3, within.shape[0])))
+        return np.stack(found, axis=1)
+
+    def _in_planes(
+        self, each: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
     ) -> FloatArray:
-        """The least and the most needs in all azimuths, ``(2, a, n)``, of both planes.
+        """Return the deflections [rad] that both planes require, from those of winds by plane."""
+        planes = np.zeros((len(self.planes), *(each[0][1].shape if each else shape)))
+        for p, required in each:
+            np.maximum(planes[p], required, out=planes[p])
+        return planes.max(axis=0) if self.stop == "square" else np.hypot.reduce(planes)
 
-        Between heights [m], ``(n, 2)``.
+    def _survive(self, marched: list[tuple[int, MarchedWinds]], limit: float) -> BoolArray:
+        """Return whether flights through all winds survive with a limit [rad] and all above.
+
+        With a round limit shape a plane has the fraction of the limit that it has of both bounds.
         """
-        found = np.zeros((len(self.planes), 2, self.azimuths.size, within.shape[0]))
-        in_calm = np.zeros_like(found[:, 0])
-        met: list[list[PlaneFlights]] = [[] for _ in self.azimuths]
-        paired = np.zeros(within.shape[0], dtype=bool)
+        least = np.zeros((len(self.planes), *marched[0][1].bounds.least.shape))
+        for p, winds in marched:
+            np.maximum(least[p], winds.bounds.least, out=least[p])
+        size, share = np.hypot.reduce(least), np.ones(least.shape)
+        if self.stop == "round":
+            share = np.divide(least, size, out=share, where=size > 0.0)
+        survives = np.ones(size.shape, dtype=bool)
+        flown = []
+        for p, winds in marched:
+            decide, lost = winds.flown(share[p] * limit)
+            survives &= ~lost
+            flown.append((winds, share[p] * limit, decide))
+        for winds, limits, decide in flown:
+            cases = np.flatnonzero(decide & survives)
+            if cases.size:
+                survives[cases] = winds.survive(limits, cases)
+        return survives
+
+    def _marched(
+        self, known: KnownWinds, within: FloatArray, a: int, held: bool
+    ) -> Iterator[tuple[int, MarchedWinds]]:
+        """Iterate over places of planes, and all winds there that a flight must survive.
+
+        `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: place of the
+        azimuth. `held`: whether a wind that is not known is strong.
+        """
+        azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
         for part in self.parts:
-            for p, a, need, calm, winds, pairs in self._met(part, known, within, held, flown):
-                np.maximum(found[p, :, a], need, out=found[p, :, a])
-                np.maximum(in_calm[p, a], calm, out=in_calm[p, a])
-                mode = part.tables[self.planes[p]].mode
-                met[a].append(PlaneFlights(mode, winds, in_calm[p, a]))
-                paired |= pairs
-        both = np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
-        if limits is not None:
-            for a, limit in enumerate(limits.tolist()):
-                over = ~paired & (np.nan_to_num(both[0, a]) > limit)
-                some = np.divide(limit, both[0, a], out=np.ones(over.shape), where=over)
-                both[:, a, survives_all(met[a], some)] = limit
-        return both
+            low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
+            height = np.clip(known.knots(part.path, held), low, high)
+            times = np.interp(height, part.path.height, part.path.time)
+            blows = {
+                plane: (low < high) * known.at(known.wind(azimuth, plane, held), height)
+                for plane in PLANES
+            }
+            bare = LineWinds(times, blows)
+            for plane, march in part.marches.items():
+                for side, winds in self._pushed(bare, plane, known, height, azimuth, held):
+                    for gusty in march.with_gusts(winds, side, self.additions):
+                        bounds = march.bounds(gusty, pressure)
+                        yield (
+                            self.planes.index(plane),
+                            MarchedWinds(march, gusty, bounds, pressure),
+                        )
 
-    def _met(
-        self, part: FlightPart, known: KnownWinds, within: FloatArray, held: bool, flown: bool
-    ) -> Iterator[tuple[int, int, FloatArray, FloatArray, list[Winds], BoolArray]]:
-        """By plane and azimuth what a part of the flight asks for, ``(2, n)``, and in which winds.
+    def _pushed(
+        self,
+        bare: LineWinds,
+        plane: str,
+        known: KnownWinds,
+        height: FloatArray,
+        azimuth: float,
+        held: bool,
+    ) -> Iterator[tuple[float, LineWinds]]:
+        """Iterate over the signs of winds in a plane, and winds grown to that side.
 
-        Before these what it asks for at the least in calm air's dynamic pressure; behind them in
-        which two modes grow as a pair, each ``(n,)``.
+        One sign stands for both where nothing is added to the winds.
         """
-        low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
-        there = low < high
-        height = np.clip(known.knots(part.path, held), low, high)
-        times = np.interp(height, part.path.height, part.path.time)
-        fine = part.path.finer(times)
-        hidden = known.unknown(height) if held else False
-        for plane, tables in part.tables.items():
-            rows = tables.at(fine)
-            for a, azimuth in enumerate(self.azimuths.tolist()):
-                blow = {
-                    one: there * known.at(known.wind(azimuth, one, held), height) for one in PLANES
-                }
-                wind = blow[plane]
-                strong = np.abs(wind)
-                if held:
-                    most = np.interp(height, self.heights, self.strength[plane, azimuth])
-                    strong = np.maximum(strong, there * most)
-                alike = not held and self.sides.gust is None and self.sides.growth is None
-                each = flown and not alike  # the same wind to both sides is flown once
-                sides = [
-                    self.sides.to_one(
-                        tables, height, times, np.where(hidden, strong, blows), fine, rows, each
-                    )
-                    for blows in (wind, -wind)
-                ]
-                winds = sides[0][1] + ([] if alike else sides[1][1])
-                calm = [need for need, _ in sides]
-                need = np.maximum(*calm)
-                if flown and alike:
-                    need = flown_needs(tables.mode, *winds[0], need)
-                    calm = [need, need]
-                if self.pressure:
-                    other = blow["pitch" if plane == "yaw" else "yaw"]
-                    beside = on_lines(times, other, fine)
-                    factors = [
-                        in_air(part.path, part.met[plane], plane, side, winds, beside, fine)
-                        for side, (_, winds) in zip((1.0, -1.0), sides[: 2 - alike], strict=False)
-                    ]
-                    need = np.maximum(calm[0] * factors[0], calm[1] * factors[-1])
-                need = np.stack([need[0], at_most(need)])
-                pairs = np.asarray(rows.paired.any(axis=1))
-                yield self.planes.index(plane), a, need, np.maximum(*calm)[0], winds, pairs
+        if not held and self.additions.symmetric:
+            yield 1.0, bare
+            return
+        wind, grown = bare.speeds[plane], self.additions.grown(height)
+        hidden, strong = np.zeros(height.shape, dtype=bool), wind
+        if held:
+            usual = np.interp(height, self.heights, self.strength[plane, azimuth])
+            hidden, strong = known.unknown(height), np.maximum(np.abs(wind), usual)
+        for side in (1.0, -1.0):
+            blows = np.where(hidden, side * strong, wind) + side * grown
+            blows = np.where(np.ptp(height, axis=1, keepdims=True) > 0.0, blows, 0.0)
+            yield side, LineWinds(bare.times, bare.speeds | {plane: blows})
 
 
 @lru_cache(maxsize=8)
@@ -323,15 +376,14 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
     """Return the parts of a flight, kept for the next question about it."""
     found = []
     for part in flight.parts:
-        every = {plane: FlightMode(part, model, plane, part.span) for plane in planes}
-        grow = {plane: mode for plane, mode in every.items() if mode.unstable}
-        flights = {plane: FlightEquations(mode) for plane, mode in grow.items()}
-        steps = {plane: even_steps(one, part.span) for plane, one in flights.items()}
-        found.append(
-            FlightPart(
-                FlownPath.of(part),
-                {plane: flight_tables(mode) for plane, mode in grow.items()},
-                {k: (steps[k], one.over(steps[k])) for k, one in flights.items()},
-            )
-        )
+        path = FlightPath.of(part)
+        modes = {plane: FlightMode(part, model, plane, part.span) for plane in planes}
+        motions = {k: FlightEquations(mode) for k, mode in modes.items() if mode.unstable}
+        fastest = max(motions.values(), key=lambda motion: motion.fastest.max(), default=None)
+        marches = {
+            plane: PlaneMarch(path, plane, motion, fastest)
+            for plane, motion in motions.items()
+            if fastest is not None
+        }
+        found.append(FlightPart(path, marches))
     return tuple(found)

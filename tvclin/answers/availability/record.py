@@ -225,7 +225,7 @@ class Availability(Tabled):
         instance("profile", profile, WindProfile, "see read_sounding")
         one = Soundings.from_profiles([profile], ["2000-01-01"])
         room = self.limit - self.persistence
-        needs, _ = self.judge.decided(one, self.judge.needs(one), room)
+        needs, _ = self.judge.decided(one, self.judge.requirements(one), room)
         found = []
         for a, most in enumerate(np.atleast_2d(self.most)):
             least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))

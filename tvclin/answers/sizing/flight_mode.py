@@ -75,18 +75,6 @@ class FlightMode:
         _, inputs = self.matrices(t)
         return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
 
-    def under_trim(self, t: Any) -> tuple[FloatArray, FloatArray]:
-        """Return F and c of x' = F x + c alpha_w under ideal trim, beyond attitude and rate.
-
-        With delta = -(A_12 x + w_1 alpha_w)/b_1, of the row of theta'',
-
-            F = A_22 - b_2 A_12/b_1,    c = w_2 - b_2 w_1/b_1.
-        """
-        A, inputs = self.matrices(t)
-        turned = inputs[..., 2:, :1] / inputs[..., 1:2, :1]
-        F = A[..., 2:, 2:] - turned @ A[..., 1:2, 2:]
-        return F, inputs[..., 2:, 1:] - turned @ inputs[..., 1:2, 1:]
-
     def growth_rate(self, t: Any) -> FloatArray:
         """Return the growth rate p.A p [1/s] at times [s]; the pole of constant parameters."""
         costate = np.moveaxis(self.at(t)[0], 0, -1)

@@ -1,0 +1,350 @@
+"""Winds of soundings along a flight, over even steps, and where nothing was measured.
+
+Between levels, and between the rows of a flight, a wind is straight over time. At even steps, whose
+ends are not the levels, it is represented by its values at both ends of a step and by
+
+    w(middle) = (6 W/h - w(begin) - w(end))/4,    W = integral of w over the step of length h,
+
+so that the parabola through the three has the impulse of the wind itself. The step in which a wind
+begins is that from there on. With the vehicle's speed
+V and path angle Theta_n of each time, winds w along the path and c across it, both over V, make
+
+    q/q_n = (cos Theta_n - w)^2 + sin(Theta_n)^2 + c^2,
+    sin(alpha_w) = w sin(Theta_n)/sqrt(q/q_n) in pitch,  c/sqrt(q/q_n) in yaw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.soundings.archive import Soundings, gather
+from tvclin.winds.soundings.profile import checked_flight, longest_interval
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, along_from_angle, pressure_in_winds
+
+WIDEST = 2000.0
+"""Distance [m] of two levels above which the wind between them is not known."""
+_EDGE_DISTANCE = 0.01
+"""Distance [m] from the edge of such a gap to where nothing is known."""
+_SOUNDING_OFFSET = 1e6
+"""Distance [m] of the heights of successive soundings, where all stand in one row."""
+_STRENGTH_QUANTILE = 0.95
+"""Fraction of the soundings that know the wind at a height with no more of it."""
+_GUST_PARTS = 64
+"""Straight lines in place of a gust."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightPath:
+    """A flight over height, as arrays ``(f,)``.
+
+    Attributes
+    ----------
+    height, time, speed, climb : ndarray
+        Height [m], time [s], speed [m/s] and flight path angle [rad].
+    densest : float
+        Height [m] of the largest rho V^2, in the standard atmosphere.
+    """
+
+    height: FloatArray
+    time: FloatArray
+    speed: FloatArray
+    climb: FloatArray
+    densest: float
+
+    @classmethod
+    def of(cls, flight: FlightSchedule) -> FlightPath:
+        """Return that of a schedule; `InputError` where it has no altitude, or does not ascend."""
+        time, height, speed, climb = checked_flight(flight)
+        density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
+        return cls(height, time, speed, climb, float(height[np.argmax(density * speed**2)]))
+
+    def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return speed [m/s] and flight path angle [rad] at times [s]."""
+        return np.interp(times, self.time, self.speed), np.interp(times, self.time, self.climb)
+
+    def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
+        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e)."""
+        speed, climb = self.speed_and_climb(times)
+        return _angle(wind / speed * (1.0 if plane == "yaw" else np.sin(climb)))
+
+    def speed_of_angle(
+        self, angle: FloatArray, times: FloatArray, plane: str, pressure: bool
+    ) -> FloatArray:
+        """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
+
+        With `pressure` that of the wind triangle, NaN where no horizontal wind turns it so far;
+        else that of eq (B1e).
+        """
+        speed, climb = self.speed_and_climb(times)
+        if pressure:
+            return speed * (np.tan(angle) if plane == "yaw" else along_from_angle(climb, angle))
+        return speed * np.sin(angle) / (1.0 if plane == "yaw" else np.sin(climb))
+
+    def encountered(
+        self, steps: FloatArray, winds: LineWinds, plane: str, pressure: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
+
+        As `time_varying.curves` takes them. `steps`: times at begin, middle and end [s], ``(1, S,
+        3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
+        `MAX_LINEAR_ANGLE`.
+        """
+        times, along, across, onset = winds.over(np.append(steps[0, :, 0], steps[0, -1, 2]))
+        speed, climb = self.speed_and_climb(times)
+        sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
+        if not pressure:
+            return times, _angle(sine), np.ones(sine.shape), onset
+        ratio = pressure_in_winds(climb, along / speed, across / speed)
+        return times, _angle(sine / np.sqrt(ratio)), ratio, onset
+
+
+def _angle(sine: FloatArray) -> FloatArray:
+    """Return angles [rad] of sines, at most `MAX_LINEAR_ANGLE`."""
+    largest = np.sin(MAX_LINEAR_ANGLE)
+    return np.asarray(np.arcsin(np.clip(sine, -largest, largest)))
+
+
+@dataclass(frozen=True, eq=False)
+class KnownWinds:
+    """Soundings with the edges of what they did not see: two levels more in each gap.
+
+    `gaps` are the first of these two levels, for each gap.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    offsets: IntArray
+    gaps: IntArray
+
+    @classmethod
+    def of(cls, soundings: Soundings, path: FlightPath) -> KnownWinds:
+        """Return those of soundings that can all be used."""
+        height, offsets = soundings.height, soundings.offsets
+        wide = np.diff(height) > WIDEST
+        wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
+        wide[offsets[1:-1] - 1] = False
+        below = np.flatnonzero(wide)
+        at = np.repeat(below + 1, 2)
+        edges = np.stack(
+            [height[below] + _EDGE_DISTANCE, height[below + 1] - _EDGE_DISTANCE], axis=-1
+        ).ravel()
+        more = 2 * np.bincount(
+            np.searchsorted(offsets, below, side="right"), minlength=offsets.size
+        )
+        return cls(
+            np.insert(height, at, edges),
+            np.insert(soundings.east, at, 0.0),
+            np.insert(soundings.north, at, 0.0),
+            offsets + np.cumsum(more[: offsets.size]),
+            below + 1 + 2 * np.arange(below.size),
+        )
+
+    def some(self, index: NDArray[np.intp]) -> KnownWinds:
+        """Return those of some soundings."""
+        offsets, levels = gather(self.offsets, index)
+        marked = np.zeros(self.height.size, dtype=bool)
+        marked[self.gaps] = True
+        height, east, north = (one[levels] for one in (self.height, self.east, self.north))
+        return KnownWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
+
+    @property
+    def bottom(self) -> FloatArray:
+        """The lowest level of each [m]."""
+        return np.asarray(self.height[self.offsets[:-1]])
+
+    @property
+    def top(self) -> FloatArray:
+        """The highest level of each [m]."""
+        return np.asarray(self.height[self.offsets[1:] - 1])
+
+    def incomplete(self, path: FlightPath) -> BoolArray:
+        """Which do not know the wind all along a flight."""
+        gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
+        return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+
+    def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
+        """Return the wind [m/s] at the levels, as `WindProfile`; gaps are calm, or `held`."""
+        sine, cosine = np.sin(azimuth), np.cos(azimuth)
+        wind = self.east * sine + self.north * cosine
+        if plane == "yaw":
+            wind = self.north * sine - self.east * cosine
+        if self.gaps.size:
+            below, above = wind[self.gaps - 1], wind[self.gaps + 2]
+            stronger = np.where(np.abs(below) > np.abs(above), below, above)
+            wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
+        return np.asarray(wind)
+
+    def flat(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
+        """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
+
+        That is the longest time in which the wind, with so many m/s more at a height, cannot meet
+        the flight at more than `MAX_LINEAR_ANGLE` from any side; NaN where that leaves out the
+        largest dynamic pressure.
+        """
+        height = self.knots(path, held=False)
+        wind = np.hypot(self.at(self.east, height), self.at(self.north, height)) + more(height)
+        steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
+        ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
+        for i in np.flatnonzero(steep.any(axis=1)).tolist():
+            run = longest_interval(np.interp(height[i], path.height, path.time), ~steep[i])
+            ends[i] = np.nan
+            if run.start < run.stop:
+                low, high = height[i, run.start], height[i, run.stop - 1]
+                ends[i, 0] = low if run.start else path.height[0]
+                ends[i, 1] = high if run.stop < height.shape[1] else path.height[-1]
+        inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
+        return np.where(inside, ends, np.nan)
+
+    def unknown(self, height: FloatArray) -> BoolArray:
+        """Where at heights ``(n, k)`` nothing was measured."""
+        edge = np.zeros(self.height.size)
+        edge[self.gaps] = edge[self.gaps + 1] = 1.0
+        outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
+        return np.asarray(outside | (self.at(edge, height) > 0.5))
+
+    def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
+        """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
+
+        Counted at each height by itself; zero where nobody has measured.
+        """
+        height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
+        speed = np.abs(self.at(self.wind(azimuth, plane, held=False), height))
+        speed[self.unknown(height)] = np.inf
+        speed.sort(axis=0)
+        count = np.sum(np.isfinite(speed), axis=0)
+        place = np.maximum(np.ceil(_STRENGTH_QUANTILE * count).astype(np.int64) - 1, 0)
+        found = speed[place, np.arange(place.size)] if speed.size else np.zeros(place.size)
+        return np.where(count > 0, found, 0.0)
+
+    def knots(self, path: FlightPath, held: bool) -> FloatArray:
+        """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
+
+        From the lowest to the highest level, or, `held`, all along the flight; rows with fewer
+        levels repeat some.
+        """
+        counts = np.diff(self.offsets)
+        place = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
+        levels = self.height[self.offsets[:-1, np.newaxis] + place]
+        first, last = path.height[0], path.height[-1]
+        low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
+        if held:
+            low, high = np.full_like(low, first), np.full_like(high, last)
+        rows = np.broadcast_to(path.height, (counts.size, path.height.size))
+        return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
+
+    def at(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Return a wind [m/s] at heights ``(n, k)``, beyond the levels that of the nearest."""
+        apart = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
+        inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
+        flat = self.height + np.repeat(apart, np.diff(self.offsets))
+        return np.asarray(np.interp(inside + apart[:, np.newaxis], flat, wind))
+
+
+@dataclass(frozen=True, eq=False)
+class LineWinds:
+    """Winds along a flight, straight between their times and zero beyond them.
+
+    Attributes
+    ----------
+    times : ndarray
+        Times [s] that do not decrease, ``(n, k)``.
+    speeds : dict of str to ndarray
+        By planes the winds along and across the path [m/s], there.
+    """
+
+    times: FloatArray
+    speeds: dict[str, FloatArray]
+    _over: dict[int, tuple[FloatArray, ...]] = field(default_factory=dict, init=False, repr=False)
+
+    def of(self, cases: IndexArray) -> LineWinds:
+        """Return some of the winds."""
+        return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
+
+    def over(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+        """Return times [s], winds along and across [m/s], and onsets, over even steps.
+
+        The first three at begin, middle and end of steps, ``(n, S, 3)``, or times ``(1, S, 3)``;
+        the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s] of the steps,
+        ``(S + 1,)``. All are kept for the other plane.
+        """
+        if ends.size not in self._over:
+            self._over[ends.size] = self._samples(ends)
+        return self._over[ends.size]
+
+    def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+        knots, (n, k) = self.times, self.times.shape
+        steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
+        place = (knots - ends[0]) / length
+        onset = np.clip(place[:, 0], 0.0, np.nextafter(float(steps), 0.0))
+        first = np.clip(np.ceil(place), 0, steps + 1).astype(np.int64)
+        first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
+        begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
+        line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
+        flat = line + k * np.arange(n)[:, np.newaxis]
+        within = np.clip(ends, knots[:, :1], knots[:, -1:])
+        inside, width = within == ends, np.diff(knots, append=knots[:, -1:])
+        after = within - knots.take(flat)
+        late = np.flatnonzero(onset > 0.0)
+        begins = np.floor(onset[late]).astype(np.int64)
+        times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
+        if late.size:
+            times = np.repeat(times, n, axis=0)
+            times[late, begins, 0] = knots[late, 0]
+            times[late, begins, 1] = 0.5 * (knots[late, 0] + ends[begins + 1])
+        found = []
+        for wind in (self.speeds[plane] for plane in PLANES):
+            rise = np.diff(wind, append=wind[:, -1:])
+            slope = np.divide(rise, width, out=np.zeros_like(width), where=width > 0.0)
+            areas = width * (wind + 0.5 * rise)
+            begin, slopes = wind.take(flat), slope.take(flat)
+            area = np.cumsum(areas, axis=1).take(flat) - areas.take(flat)
+            mean = np.diff(area + (begin + 0.5 * slopes * after) * after) / length
+            values = np.where(inside, begin + slopes * after, 0.0)
+            samples = np.empty((n, steps, 3))
+            samples[..., 0], samples[..., 2] = values[:, :-1], values[:, 1:]
+            if late.size:
+                samples[late, begins, 0] = wind[late, 0]
+                mean[late, begins] /= begins + 1 - onset[late]
+            samples[..., 1] = 1.5 * mean - 0.25 * (samples[..., 0] + samples[..., 2])
+            found.append(samples)
+        return times, found[0], found[1], onset
+
+    def with_gust(
+        self,
+        gust: History,
+        plane: str,
+        at: FloatArray,
+        speed: Callable[[FloatArray, FloatArray], FloatArray],
+    ) -> LineWinds:
+        """Return the winds with a gust in a plane, whose middle is at a time [s] of each.
+
+        `speed`: from wind angles [rad] and times [s] of the gust to its speeds [m/s].
+        """
+        times = self.times
+        middle = 0.5 * (gust.onset + gust.end)
+        own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+        inside = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
+        both = np.sort(np.concatenate([times, inside], axis=1), axis=1)
+        angle = np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)
+        speeds = {name: _on_lines(times, values, both) for name, values in self.speeds.items()}
+        return LineWinds(both, speeds | {plane: speeds[plane] + speed(angle, both)})
+
+
+def _on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
+    apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
+    return np.interp((at + apart).ravel(), (times + apart).ravel(), values.ravel()).reshape(
+        at.shape
+    )
