@@ -1,4 +1,4 @@
-"""Measured winds on a flight: what blows to one side, around a flight time, a gust on top."""
+"""Measured winds along a flight: their part of one sign around a flight time, with a gust."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -18,21 +18,20 @@ from tvclin.winds.soundings.profile import WindProfile, wind_angles_along
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, angle_in_plane, checked_linear, wind_triangle
 
 GustOf = History | Callable[[Vehicle], History]
-"""A gust, or what gives the one that a vehicle meets: of a wind speed, an angle."""
+"""A gust, or a function from a vehicle to its gust: a wind speed has another angle for each."""
 _ROUNDING = 1e-12
-"""What is smaller in one plane than this part of the other is no wind."""
+"""Largest wind angle in a plane, relative to the other plane, that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredWind:
-    """A wind in flight time that gives, for a vehicle at a flight time, what counts then.
+    """A wind in flight time, of which a vehicle at a flight time gets the part that counts.
 
-    That is what blows to the side on which the wind is largest, for boundaries are defined for
-    winds of one sign; the trim law is flown through both. The vehicle is that of the flight time,
-    the wind where the flight met it. With a window only what blows within half of it counts; such
-    a wind begins with a jump, and what drift had relieved before is forgotten. Give it to `size` as
-    a wind; its placing is its own. Before the first and after the last of its samples the wind is
-    not known: `size` leaves these flight times open.
+    That is the part with the sign of the largest angle, for boundaries are defined for winds of one
+    sign; the trim law is flown through both signs. With a window only angles within half of it
+    count; such a wind begins with a jump, and relief by drift before it is neglected. `size` takes
+    it as a wind with its place in the flight. Before the first and after the last of its samples
+    the wind is not known: `size` leaves these flight times open.
 
     Attributes
     ----------
@@ -41,13 +40,13 @@ class MeasuredWind:
     window : float, optional
         Length of the window [s]; the whole wind where it is not given.
     gust : History or callable, optional
-        Added to it, on the wind's side if its peak is positive; its middle meets the flight time.
+        Added to it, with the wind's sign if its peak is positive; its middle is at the flight time.
         Nothing is added to a calm. A function gives it for the vehicle, as `gust_of_speed`.
     notes : tuple of str
         Where the wind is not known for another reason than that the sounding ends.
     pressure : ndarray, optional
-        Dynamic pressure at the samples over that of calm air, ``(n,)``, which varying parameters
-        count; without it that of calm air.
+        Dynamic pressure encountered at the samples over the nominal one, ``(n,)``, which varying
+        parameters count; the nominal one without it.
     """
 
     wind: SampledWind
@@ -79,7 +78,7 @@ class MeasuredWind:
         return self._around(vehicle, 0.0)
 
     def to_both_sides(self, vehicle: Vehicle) -> History:
-        """Return the same with what blows to the other side."""
+        """Return the wind around the vehicle's time [s] with the angles of both signs."""
         return self._around(vehicle, np.inf)
 
     def samples(self, vehicle: Vehicle) -> tuple[Any, Any]:
@@ -88,36 +87,35 @@ class MeasuredWind:
         half = np.inf if self.window is None else 0.5 * self.window
         return cut_samples(self.wind, time - half, time + half)
 
-    def _around(self, vehicle: Vehicle, other: float) -> History:
-        """The wind around a vehicle's time, and to the other side what is below an angle [rad]."""
+    def _around(self, vehicle: Vehicle, opposite: float) -> History:
+        """Return the wind around a vehicle's time; angles of the opposite sign up to one [rad]."""
         time = _time_of(vehicle)
         times, angles = self.samples(vehicle)
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
-        side = float(np.sign(angles[np.argmax(np.abs(angles))]))
-        around = SampledWind(time=times, angle=side * np.maximum(side * angles, -other))
+        sign = float(np.sign(angles[np.argmax(np.abs(angles))]))
+        around = SampledWind(time=times, angle=sign * np.maximum(sign * angles, -opposite))
         if self.gust is None:
             return around
         gust = gust_at(self.gust, vehicle)
         checked_linear(abs(float(around(time))) + abs(float(gust.peak)))
-        return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * side
+        return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * sign
 
 
 def _time_of(vehicle: Vehicle) -> float:
     instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
     single("vehicle", vehicle.batch)
     if vehicle.time is None:
-        raise InputError("vehicle must have a time [s], at which it meets the wind")
+        raise InputError("vehicle must have a time [s], at which it encounters the wind")
     return float(np.asarray(vehicle.time))
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPlanes:
-    """A measured wind in both planes, of which each gives what counts at a flight time.
+    """A measured wind in both planes, one `MeasuredWind` for each plane.
 
-    Its parts are on the same times and with the same window; one in which nothing blows is left
-    out. The gust is along the vector of the wind where that is largest; notes are as of
-    `MeasuredWind`.
+    They have the same times and the same window; a plane without wind has none. The gust is along
+    the vector of the wind where that is largest.
     """
 
     parts: Mapping[str, MeasuredWind]
@@ -136,15 +134,15 @@ class MeasuredPlanes:
         return PlaneWind(**{k: calm if one is None else one(vehicle) for k, one in parts.items()})
 
     def part(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
-        """Return one plane around a vehicle's time, with its part of the gust; None in a calm."""
-        found = self.parts.get(plane)
-        if found is None or self.gust is None:
-            return found
-        share = abs(self._largest(vehicle)[plane])
-        return replace(found, gust=gust_at(self.gust, vehicle) * share) if share else found
+        """Return the wind of one plane with its component of the gust; None for a calm plane."""
+        wind = self.parts.get(plane)
+        if wind is None or self.gust is None:
+            return wind
+        component = abs(self._direction(vehicle)[plane])
+        return replace(wind, gust=gust_at(self.gust, vehicle) * component) if component else wind
 
-    def _largest(self, vehicle: Vehicle) -> dict[str, float]:
-        """The largest vector around a vehicle's time, over its size."""
+    def _direction(self, vehicle: Vehicle) -> dict[str, float]:
+        """Return the unit vector, by plane, of the largest wind around a vehicle's time."""
         cut = {plane: one.samples(vehicle) for plane, one in self.parts.items()}
         times = np.unique(np.concatenate([time for time, _ in cut.values()]))
         angles = {plane: np.interp(times, *one) for plane, one in cut.items() if one[0].size}
@@ -168,7 +166,7 @@ def fly_through(
     pressure: bool = True,
     bias: WindProfile | None = None,
 ) -> MeasuredWind | MeasuredPlanes:
-    """Return the wind that a flight through a sounding meets, as `size` takes it.
+    """Return the wind in flight time that a flight through a sounding encounters.
 
     Parameters
     ----------
@@ -179,25 +177,25 @@ def fly_through(
     azimuth : float
         Direction of flight [rad], from north, clockwise.
     plane : {"pitch", "yaw", "both"}
-        As of `WindProfile.to_wind`; both as of `WindProfile.to_winds`.
+        Plane of the wind angle of attack; "both" returns a wind for each.
     window, gust
-        As of `MeasuredWind`, or of `MeasuredPlanes`.
+        Parameters of `MeasuredWind`, or of `MeasuredPlanes`.
     pressure : bool
-        Whether the dynamic pressure that is met counts, or that of calm air.
+        Whether the dynamic pressure encountered counts, or the nominal one.
     bias : WindProfile, optional
         The mean wind for which the flight path is biased: taken out of the angles, and not of the
-        dynamic pressure, which is that of the whole wind.
+        dynamic pressure, which depends on the whole wind.
 
     Raises
     ------
     InputError
-        For a schedule without altitude, a wind that meets the flight at more than 30 deg all
-        the way, and as `WindProfile.to_wind`.
+        For a schedule without altitude, a wind angle above 30 deg throughout, and the reasons of
+        `WindProfile.to_wind`.
 
     Notes
     -----
-    Where the wind meets the flight at more than 30 deg, as on the pad, it is not known: the longest
-    time without is kept.
+    Where the wind angle of attack is above 30 deg, as on the pad, the wind is not known: the
+    longest interval below is returned.
 
     Examples
     --------
@@ -213,37 +211,38 @@ def fly_through(
     _checked_gust(gust)
     if bias is not None:
         instance("bias", bias, WindProfile, "see read_sounding")
-    left = profile if bias is None else profile - bias
-    across = {"pitch": left.in_plane(azimuth), "yaw": left.cross_plane(azimuth)}
+    unbiased = profile if bias is None else profile - bias
+    across = {"pitch": unbiased.in_plane(azimuth), "yaw": unbiased.cross_plane(azimuth)}
     planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
-    met = {
-        k: wind_angles_along(schedule, left.height, across[k], k, MAX_LINEAR_ANGLE) for k in planes
+    angles = {
+        k: wind_angles_along(schedule, unbiased.height, across[k], k, MAX_LINEAR_ANGLE)
+        for k in planes
     }
-    first, last = (f(time[k] for time, _ in met.values()) for f, k in ((max, 0), (min, -1)))
-    most = max(float(np.abs(angle).max()) for _, angle in met.values())
-    blows = {
+    first, last = (f(time[k] for time, _ in angles.values()) for f, k in ((max, 0), (min, -1)))
+    largest = max(float(np.abs(angle).max()) for _, angle in angles.values())
+    winds = {
         k: SampledWind(time=time[(inside := (time >= first) & (time <= last))], angle=angle[inside])
-        for k, (time, angle) in met.items()
-        if plane != BOTH or np.abs(angle).max() > _ROUNDING * most
+        for k, (time, angle) in angles.items()
+        if plane != BOTH or np.abs(angle).max() > _ROUNDING * largest
     }
-    if not blows:
+    if not winds:
         raise InputError("the wind must blow along the flight; it is zero throughout there")
-    notes = _steep(left, schedule, float(first), float(last))
+    notes = _beyond_linear(unbiased, schedule, float(first), float(last))
     flag("pressure", pressure)
-    met_air = {
-        k: _pressure(profile, schedule, azimuth, one.time) if pressure else None
-        for k, one in blows.items()
+    ratios = {
+        k: _pressure(profile, schedule, azimuth, wind.time) if pressure else None
+        for k, wind in winds.items()
     }
     if plane != BOTH:
-        return MeasuredWind(blows[plane], window, gust, notes, met_air[plane])
-    parts = {k: MeasuredWind(one, window, pressure=met_air[k]) for k, one in blows.items()}
+        return MeasuredWind(winds[plane], window, gust, notes, ratios[plane])
+    parts = {k: MeasuredWind(wind, window, pressure=ratios[k]) for k, wind in winds.items()}
     return MeasuredPlanes(parts, gust, notes)
 
 
 def _pressure(
     profile: WindProfile, schedule: FlightSchedule, azimuth: float, time: FloatArray
 ) -> FloatArray:
-    """The dynamic pressure that a flight through a sounding meets, over that in calm air."""
+    """Return the dynamic pressure encountered through a sounding over the nominal one, ``(n,)``."""
     height = np.interp(time, schedule.time, schedule.height)
     speed, climb = (
         np.interp(time, schedule.time, one) for one in (schedule.speed, schedule.flight_path_angle)
@@ -255,10 +254,10 @@ def _pressure(
     return wind_triangle(climb, along, across)[2]
 
 
-def _steep(
+def _beyond_linear(
     profile: WindProfile, schedule: FlightSchedule, first: float, last: float
 ) -> tuple[str, ...]:
-    """Where a sounding is left out although it was measured."""
+    """Return notes on measured heights at which the wind angle is beyond linear aerodynamics."""
     low, high = np.interp([first, last], schedule.time, schedule.height)
     bottom = max(float(profile.height[0]), float(schedule.height[0]))
     top = min(float(profile.height[-1]), float(schedule.height[-1]))
@@ -280,22 +279,22 @@ def _steep(
 
 
 def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
-    """Return a gust of a wind speed [m/s], at the angle at which each vehicle meets it, eq (B1e).
+    """Return a gust of a wind speed [m/s], at its wind angle for each vehicle, eq (B1e).
 
-    For both planes as if it came across, from where the angle is largest. Raise
-    `NotKnownError` for a vehicle that meets it at more than `MAX_LINEAR_ANGLE`.
+    For both planes it is taken as across the path, where the angle is largest. The function raises
+    `NotKnownError` for a vehicle with a wind angle above `MAX_LINEAR_ANGLE`.
     """
 
-    def met(vehicle: Vehicle) -> History:
+    def of_vehicle(vehicle: Vehicle) -> History:
         across = plane if plane == "pitch" else "yaw"
         angle = float(angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
         return gust * (checked_linear(angle) / float(gust.peak))
 
-    return met
+    return of_vehicle
 
 
 def gust_at(gust: GustOf, vehicle: Vehicle) -> History:
-    """Return the gust that a vehicle meets."""
+    """Return the gust of a vehicle."""
     return gust if isinstance(gust, History) else gust(vehicle)
 
 
@@ -305,7 +304,7 @@ def _checked_gust(gust: GustOf | None) -> None:
 
 
 def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
-    """Samples from one time to another, with the ends and every change of sign among them.
+    """Return samples between two times [s], with the ends and every change of sign among them.
 
     A change of sign within rounding of a sample is at the sample.
     """
@@ -315,9 +314,9 @@ def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
     inside = (wind.time > low) & (wind.time < high)
     times = np.concatenate([[low], wind.time[inside], [high]])
     angles = np.interp(times, wind.time, wind.angle)
-    turns = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
-    part = angles[turns] / (angles[turns] - angles[turns + 1])
-    calm = times[turns] + part * (times[turns + 1] - times[turns])
-    apart = (times[turns] < calm) & (calm < times[turns + 1])
-    after = turns[apart] + 1
-    return np.insert(times, after, calm[apart]), np.insert(angles, after, 0.0)
+    before = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
+    fraction = angles[before] / (angles[before] - angles[before + 1])
+    zero = times[before] + fraction * (times[before + 1] - times[before])
+    between = (times[before] < zero) & (zero < times[before + 1])
+    after = before[between] + 1
+    return np.insert(times, after, zero[between]), np.insert(angles, after, 0.0)
