@@ -11,13 +11,9 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tests.turns import drawn
 from tvclin.answers import requirement
-from tvclin.answers.requirement import NOTHING
 from tvclin.boundary.limit import PAIR
 from tvclin.boundary.open_loop import (
-    AFTER_TRIM,
-    BOUNDARY,
-    MINIMUM,
-    NO_FORECAST,
+    Reason,
     with_larger_requirements,
 )
 from tvclin.cli.app import app
@@ -55,7 +51,7 @@ def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configurati
     found = tv.required_deflection(plant, triangle(7.5), dead_band)
     boundary = tv.boundary_limit(plant, triangle(7.5), dead_band)
     assert (found.limit, found.deflection) == (boundary.limit, boundary.deflection)
-    assert (found.governs, boundary.status) == (BOUNDARY, "ok")
+    assert (found.governs, boundary.status) == (Reason.BOUNDARY, "ok")
 
 
 def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(configuration_i):
@@ -65,10 +61,13 @@ def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(confi
     assert np.all(np.abs(boundary.deflection) < 0.7 * least)
     assert boundary.status.tolist() == ["ok", "ok"]  # it is y(K), and says no more than that
     compared = with_larger_requirements(plant, wind, [0.5, 0.0], boundary)
-    assert compared.status.tolist() == [f"{AFTER_TRIM} is larger", f"{MINIMUM} is larger"]
+    assert compared.status.tolist() == [
+        f"{Reason.AFTER_TRIM} is larger",
+        f"{Reason.MINIMUM} is larger",
+    ]
     np.testing.assert_array_equal(compared.limit, boundary.limit)
     found = tv.required_deflection(plant, wind, [0.5, 0.0])
-    assert found.governs.tolist() == [AFTER_TRIM, MINIMUM]
+    assert found.governs.tolist() == [Reason.AFTER_TRIM, Reason.MINIMUM]
     after, onset = np.abs(found.deflection)
     assert onset == pytest.approx(least, rel=1e-9)
     assert 1.01 * least < after < 1.05 * least
@@ -125,7 +124,7 @@ def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
     plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
     # The least that no control undercuts survives, and above it a band of limits is lost.
     above = np.array([1.01, 1.02, 1.03, 1.04, 1.049, 1.06, 1.1, 1.2])
-    limits = above * needs[0].needs[BOUNDARY]
+    limits = above * needs[0].needs[Reason.BOUNDARY]
     options = {"deflection_limit": limits, "sample_rate": 100.0}
     flown = tv.fly_many(plant, trim_law(plant), wind, **options)
     assert "lost" in flown.status[:4]
@@ -144,7 +143,7 @@ def test_a_slow_real_pole_of_drift_and_speed_is_flown_itself():
     assert np.iscomplexobj(tv.unstable_modes(exact).poles)
     assert tv.unstable_modes(whole).poles == pytest.approx([0.108], rel=1e-2)
     found = tv.required_deflection(whole, triangle(15.0))
-    assert found.limit < 1.05 * found.needs[BOUNDARY] / (c.B * PEAK)
+    assert found.limit < 1.05 * found.needs[Reason.BOUNDARY] / (c.B * PEAK)
     limits = abs(found.deflection) * np.array([0.95, 1.01, 1.1, 1.5])
     options = {"deflection_limit": limits, "sample_rate": 50.0}
     flown = tv.fly_many(whole, trim_law(whole), triangle(15.0), **options)
@@ -157,7 +156,7 @@ def test_a_dead_band_of_one_needs_the_bound_without_a_forecast_and_the_law_flown
     wind = tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=80.0, peak_time=0.0)
     found = tv.required_deflection(plant, wind, [1.0, 0.5])
     bound = abs(tv.forecast_free_limit(plant, wind).deflection)
-    assert found.needs[NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
+    assert found.needs[Reason.NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
     assert abs(found.deflection[0]) >= bound * (1.0 - 1e-12)
     limits = abs(found.deflection[0]) * np.array([1.01, 1.1, 1.5])
     flown = tv.fly_many(plant, trim_law(plant), wind, deflection_limit=limits, sample_rate=200.0)
@@ -213,7 +212,7 @@ def test_a_slow_real_pole_does_not_hide_a_faster_pair(configuration_i):
 def test_a_stable_vehicle_needs_nothing():
     stable = tv.Plant(tv.Coefficients(mu_alpha=[-0.3, 0.3], mu_delta=2.0), "fixed-path")
     found = tv.required_deflection(stable, triangle(7.5))
-    assert found.governs.tolist() == [NOTHING, BOUNDARY]
+    assert found.governs.tolist() == [Reason.NOTHING, Reason.BOUNDARY]
     assert (found.deflection[0], found.limit[0]) == (0.0, 0.0)
 
 
@@ -290,7 +289,7 @@ def test_the_command_exits_by_what_is_required():
         result = CliRunner().invoke(app, [*given, "--limit-deg", limit])
         verdict = json.loads(result.stdout)["verdict"]
         assert result.exit_code == code
-        assert verdict["governed_by"] == AFTER_TRIM
+        assert verdict["governed_by"] == Reason.AFTER_TRIM
         assert verdict["sufficient"] is (code == 0)
 
 
@@ -390,8 +389,8 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
     alone = tv.required_deflection(plant, part, 0.5)
     found = tv.required_deflection(plant, part, 0.5, whole=whole)
     both = [tv.optimum_deflection(plant, w, float(w.onset)).peak for w in (part, whole)]
-    assert alone.needs[MINIMUM] == pytest.approx(both[0], rel=1e-9)
-    assert found.needs[MINIMUM] == pytest.approx(max(both), rel=1e-9)
+    assert alone.needs[Reason.MINIMUM] == pytest.approx(both[0], rel=1e-9)
+    assert found.needs[Reason.MINIMUM] == pytest.approx(max(both), rel=1e-9)
     assert both[1] > both[0]
     for other, says in ((0.05, "whole must be a History"), (whole * [1.0, 2.0], "of shape")):
         with pytest.raises(tv.InputError, match=says):
@@ -440,7 +439,7 @@ def test_the_trim_law_is_flown_for_each_reason_alone_and_else_looked_at(
 
     def more(*given):
         found = needs(*given)
-        return found | {MINIMUM: 1.5 * found[BOUNDARY]}
+        return found | {Reason.MINIMUM: 1.5 * found[Reason.BOUNDARY]}
 
     monkeypatch.setattr(requirement, "open_loop_requirements", more)
     tv.required_deflection(plant, triangle(7.5))
@@ -450,7 +449,7 @@ def test_the_trim_law_is_flown_for_each_reason_alone_and_else_looked_at(
 def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():
     calm = tv.Coefficients(mu_alpha=0.0, mu_delta=2.0, C1=0.1, q=0.01)
     found = tv.required_deflection(tv.Plant.from_coefficients(calm, "drift-exact"), triangle(7.5))
-    assert (found.limit, found.deflection, found.governs) == (0.0, 0.0, NOTHING)
+    assert (found.limit, found.deflection, found.governs) == (0.0, 0.0, Reason.NOTHING)
 
 
 def test_a_wind_too_long_to_be_flown_needs_the_whole_of_trim(configuration_i):

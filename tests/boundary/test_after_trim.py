@@ -15,7 +15,7 @@ from scipy.sparse import bmat, eye_array
 
 import tvclin as tv
 from tvclin.answers.requirement import required_deflection
-from tvclin.boundary.open_loop import AFTER_TRIM, BOUNDARY
+from tvclin.boundary.open_loop import Reason
 
 PEAK = np.radians(5.0)
 CELLS, FINER = 400, 4000
@@ -93,7 +93,7 @@ def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
         limit = part * needed
         if judge.least(dead_band * limit) > limit:  # of cells, which finer ones undercut
             assert judge.least(dead_band * limit, FINER) <= limit * (1.0 + LEAST), part
-    if found.governs == AFTER_TRIM:
+    if found.governs == Reason.AFTER_TRIM:
         limit = 0.995 * needed
         assert judge.least(dead_band * limit) > limit * (1.0 - LEAST)
     return found
@@ -107,7 +107,7 @@ def test_a_long_wind_needs_more_than_the_minimum_from_its_onset(name, dead_band,
     plant = tv.Plant.from_vehicle(tv.load_vehicle(name), "drift-exact")
     wind = tv.TriangularWind(peak=PEAK, duration=90.0)
     found = held_to(plant, wind, dead_band)
-    assert found.governs == AFTER_TRIM
+    assert found.governs == Reason.AFTER_TRIM
     least = np.degrees(tv.optimum_deflection(plant, wind).peak)
     assert least == pytest.approx(before, abs=5e-5)  # what was called required
     assert abs(np.degrees(found.deflection)) > 1.02 * least
@@ -126,7 +126,7 @@ def test_a_slow_vehicle_needs_half_as_much_again():
     assert tv.unstable_modes(plant).poles == pytest.approx([fast, slow])
     wind = tv.TriangularWind(peak=PEAK, duration=240.0)
     found = held_to(plant, wind, 0.5)
-    assert found.governs == AFTER_TRIM
+    assert found.governs == Reason.AFTER_TRIM
 
 
 def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
@@ -138,7 +138,7 @@ def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     wind = tv.SampledWind(time=time, angle=[0, 0.06518, 0.04169, 0.02614, 0.08609, 0.05809, 0])
     found = required_deflection(plant, wind, 0.75)
     judge, limit = Judge(plant, wind), abs(float(found.deflection))
-    assert found.governs == AFTER_TRIM
+    assert found.governs == Reason.AFTER_TRIM
     assert judge.least(0.75 * 0.9955 * limit) > 0.9955 * limit
     assert judge.least(0.75 * 1.3 * limit) > judge.trim.max() < 0.75 * 1.3 * limit
     held_to(plant, wind, 0.75)
@@ -150,7 +150,7 @@ def test_trim_leaves_its_dead_band_to_the_other_side_too():
     judge = Judge(plant, wind)
     assert judge.trim.min() < -judge.trim.max()
     found = held_to(plant, wind, dead_band)
-    assert found.governs == AFTER_TRIM
+    assert found.governs == Reason.AFTER_TRIM
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])
@@ -158,7 +158,7 @@ def test_with_one_mode_it_is_the_boundary(model, configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i, model)
     for duration in (7.5, 60.0):
         found = held_to(plant, tv.TriangularWind(peak=PEAK, duration=duration), 0.5)
-        assert (found.governs, found.needs[AFTER_TRIM]) == (BOUNDARY, 0.0)
+        assert (found.governs, found.needs[Reason.AFTER_TRIM]) == (Reason.BOUNDARY, 0.0)
 
 
 @pytest.mark.thorough

@@ -13,10 +13,7 @@ from tvclin.boundary.closed_forms import (
 )
 from tvclin.boundary.limit import STABLE, leading_pole
 from tvclin.boundary.open_loop import (
-    AFTER_TRIM,
-    BOUNDARY,
-    MINIMUM,
-    NO_FORECAST,
+    Reason,
     open_loop_requirements,
 )
 from tvclin.linear.models import MODELS
@@ -427,11 +424,13 @@ def test_each_need_is_the_size_of_what_its_own_question_answers(configuration_i,
     needs = open_loop_requirements(plant, wind, K, boundary)
     bound = abs(tvclin.forecast_free_limit(plant, wind).deflection)
     least = tvclin.optimum_deflection(plant, wind).peak
-    np.testing.assert_array_equal(needs[BOUNDARY], np.abs(boundary.deflection))
-    np.testing.assert_array_equal(needs[NO_FORECAST], [0.0, bound])
-    np.testing.assert_allclose(needs[MINIMUM], [least, least], rtol=1e-9)
-    assert needs[AFTER_TRIM][0] > max(needs[name][0] for name in (BOUNDARY, MINIMUM))
-    assert needs[AFTER_TRIM][1] == 0.0
+    np.testing.assert_array_equal(needs[Reason.BOUNDARY], np.abs(boundary.deflection))
+    np.testing.assert_array_equal(needs[Reason.NO_FORECAST], [0.0, bound])
+    np.testing.assert_allclose(needs[Reason.MINIMUM], [least, least], rtol=1e-9)
+    assert needs[Reason.AFTER_TRIM][0] > max(
+        needs[name][0] for name in (Reason.BOUNDARY, Reason.MINIMUM)
+    )
+    assert needs[Reason.AFTER_TRIM][1] == 0.0
 
 
 def test_a_path_that_grows_without_an_aerodynamic_moment_has_no_limit_over_trim():
@@ -459,4 +458,4 @@ def test_trim_throughout_needs_the_bound_without_a_forecast_on_every_model(confi
     plant, wind = Plant.from_vehicle(configuration_i, model), sampled()
     boundary = boundary_limit(plant, wind, 1.0, "literal")
     needs = open_loop_requirements(plant, wind, 1.0, boundary)
-    assert needs[NO_FORECAST] == abs(tvclin.forecast_free_limit(plant, wind).deflection)
+    assert needs[Reason.NO_FORECAST] == abs(tvclin.forecast_free_limit(plant, wind).deflection)

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.case import FROZEN, Case
-from tvclin.answers.planes import VECTOR, PlanesNeeded, of_heading, rectangle
+from tvclin.answers.planes import PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.errors import InputError, between, number, positive, single, within
 from tvclin.base.quantities import NOMINAL
+from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
@@ -298,7 +299,7 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     planes, required = need.planes, {}
     for name, each in directions.items():
         required[name] = float(rectangle(planes.stop, each.get("pitch", 0.0), each.get("yaw", 0.0)))
-        if planes.governs == VECTOR:
+        if planes.governs is Reason.BOTH_PLANES:
             ratios = [x / (size * float(planes.alone[plane])) for plane, x in each.items() if x]
             ratio = max(ratios, default=0.0)
             required[name] = max(required[name], size * planes.deflection * ratio)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, plain
-from tvclin.boundary.open_loop import ROUNDING
+from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -26,10 +26,6 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
 
-PARTS, VECTOR = (
-    "the plane that needs the larger part of the stop",
-    "the boundary of both planes together",
-)
 _LARGEST = 1e99
 
 
@@ -101,10 +97,11 @@ class PlanesNeeded:
     alone: dict[str, Any]
 
     @property
-    def governs(self) -> str:
-        """Which of the two is larger, in words; of one wind."""
+    def governs(self) -> Reason:
+        """Which of the two is larger; of one wind."""
         held = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
-        return VECTOR if self.deflection > held * (1.0 + ROUNDING) else PARTS
+        vector = self.deflection > held * (1.0 + ROUNDING)
+        return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
 
     @property
     def peak(self) -> float:

@@ -25,11 +25,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import (
-    AFTER_TRIM,
-    BOUNDARY,
-    MINIMUM,
-    NO_FORECAST,
     ROUNDING,
+    Reason,
     open_loop_requirements,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
@@ -37,8 +34,6 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
 
-TRIM_LAW = "the trim law flown"
-NOTHING = "nothing"
 _LITTLE = 1.005
 """What a flight that survives with so many times (4b) adds to it is not looked for."""
 
@@ -53,10 +48,10 @@ class RequiredDeflection(Shown):
         Over the trim deflection B alpha_w,max without drift.
     deflection : float or ndarray
         The same [rad], -limit B alpha_w,max; its sign opposes the wind.
-    governs : str or ndarray of str
+    governs : Reason or ndarray of str
         Which of `needs` is the largest; "nothing" where no deflection is needed.
-    needs : dict of str to float or ndarray
-        All requirements by their names, as sizes [rad]; zero where one does not apply.
+    needs : dict of Reason to float or ndarray
+        All requirements, as sizes [rad]; zero where one does not apply.
     status : str or ndarray of str
         That of the boundary with the literal switch; see `BoundaryLimit`.
     """
@@ -64,7 +59,7 @@ class RequiredDeflection(Shown):
     limit: Any
     deflection: Any
     governs: Any
-    needs: dict[str, Any]
+    needs: dict[Reason, Any]
     status: Any
 
     _keys = "limit_over_trim=limit deflection_deg governs needs_deg"
@@ -138,27 +133,27 @@ def required_deflection(
                 f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
             )
         blows = whole
-        needs[MINIMUM] = np.maximum(needs[MINIMUM], least_peaks(plant, whole))
+        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)
-    beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
+    beaten = (least > needs[Reason.BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
     can = (K == 1.0) & can_fly(plant) & np.isfinite(least)
     flies = can & (path_counts(plant) | comes_back(wind) | beaten)
     if plant.model != "fixed-path" and np.any(can & ~flies):
         flies = flies | lost_flown(plant, blows, _LITTLE * least, can & ~flies)
-    needs[TRIM_LAW] = trim_law_flown(plant, blows, flies, least)
-    governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
-    most = np.array(needs[BOUNDARY])
-    for name in (MINIMUM, NO_FORECAST, AFTER_TRIM, TRIM_LAW):
+    needs[Reason.TRIM_LAW] = trim_law_flown(plant, blows, flies, least)
+    governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
+    most = np.array(needs[Reason.BOUNDARY])
+    for name in (Reason.MINIMUM, Reason.NO_FORECAST, Reason.AFTER_TRIM, Reason.TRIM_LAW):
         larger = needs[name] > most * (1.0 + ROUNDING)
         governs, most = np.where(larger, name, governs), np.where(larger, needs[name], most)
-    governs = np.where(most == 0.0, NOTHING, governs)
+    governs = np.where(most == 0.0, Reason.NOTHING, governs)
     full = -np.asarray(plant.coefficients.B) * wind.peak
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
         limit = np.where(most == 0.0, 0.0, most / np.abs(full))
     return RequiredDeflection(
         plain(limit),
         plain(np.asarray(np.copysign(most, full))),
-        governs.astype(str) if governs.ndim else str(governs),
+        governs.astype(str) if governs.ndim else Reason(governs.item()),
         {name: plain(np.asarray(need)) for name, need in needs.items()},
         boundary.status,
     )

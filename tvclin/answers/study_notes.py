@@ -14,7 +14,7 @@ from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import PAIR
-from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
+from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes
@@ -95,7 +95,7 @@ def slow_or_paired(
         return
     edge = float(single_pole_validity(plant.coefficients))
     flown = dead_band == 1.0 and plant.model not in ONE_POLE
-    if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
+    if wind.end - wind.onset > edge and required.governs == Reason.BOUNDARY and not flown:
         yield (
             f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
             " then need more (tvclin optimum)"

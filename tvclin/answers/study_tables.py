@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tvclin.answers.requirement import NOTHING
 from tvclin.answers.study import Study
 from tvclin.base.cards import Quantity
 from tvclin.base.lines import (
@@ -26,7 +25,7 @@ from tvclin.base.quantities import (
     WIND_KNOWN,
     sufficiency,
 )
-from tvclin.boundary.open_loop import BOUNDARY, ROUNDING
+from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 LEAST = {"forecast_free": NO_FORECAST, "minimum": WIND_KNOWN}
@@ -161,8 +160,8 @@ def _judged(s: Study) -> list[_Judged]:
     if s.model not in s.boundaries:
         return []
     rows = []
-    alone = s.governs == BOUNDARY and s.switch == "literal"
-    if not s.encountered and (alone or s.governs == NOTHING):
+    alone = s.governs == Reason.BOUNDARY and s.switch == "literal"
+    if not s.encountered and (alone or s.governs == Reason.NOTHING):
         return []
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
     nominal = s.nominal_deflection
@@ -245,4 +244,4 @@ def _governed(s: Study) -> str:
     """By what the required deflection is governed."""
     if s.in_both:
         return f"of both planes, {s.governs}"
-    return "none is needed" if s.governs == NOTHING else f"set by {s.governs}"
+    return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"

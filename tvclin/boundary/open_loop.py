@@ -11,6 +11,7 @@ The boundary limit y_BR of eq (4b) is one of them, and not always the largest:
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,18 +26,31 @@ from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
-BOUNDARY = "the boundary of the control with the exit on trim"
-MINIMUM = "the minimum over all unstable poles"
-AFTER_TRIM = "the minimum over all unstable poles after trim"
-NO_FORECAST = "the bound without a forecast"
-LARGER = {
-    BOUNDARY: "in flight, where the dead band is left by trim itself, more is needed",
-    MINIMUM: f"{MINIMUM} is larger",
-    AFTER_TRIM: f"{AFTER_TRIM} is larger",
-    NO_FORECAST: f"{NO_FORECAST} is larger",
-}
 ROUNDING = 1e-9
 """Relative difference up to which two requirements count as equal."""
+
+
+class Reason(StrEnum):
+    """What sets the required deflection at nominal dynamic pressure; each is its text."""
+
+    BOUNDARY = "the boundary of the control with the exit on trim"
+    MINIMUM = "the minimum over all unstable poles"
+    AFTER_TRIM = "the minimum over all unstable poles after trim"
+    NO_FORECAST = "the bound without a forecast"
+    TRIM_LAW = "the trim law flown"
+    ONE_PLANE = "the plane that needs the larger part of the stop"
+    BOTH_PLANES = "the boundary of both planes together"
+    NOTHING = "nothing"
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+    @property
+    def larger(self) -> str:
+        """Sentence that this one is larger than the boundary limit."""
+        if self is Reason.BOUNDARY:
+            return "in flight, where the dead band is left by trim itself, more is needed"
+        return f"{self} is larger"
 
 
 def open_loop_requirements(
@@ -45,7 +59,7 @@ def open_loop_requirements(
     dead_band: ArrayLike,
     boundary: BoundaryLimit,
     sufficient: FloatArray | None = None,
-) -> dict[str, FloatArray]:
+) -> dict[Reason, FloatArray]:
     """Return the requirements of a deflection limit by name, sizes [rad] of shape ``(...)``.
 
     Parameters
@@ -59,9 +73,9 @@ def open_loop_requirements(
 
     Returns
     -------
-    dict of str to ndarray
-        `BOUNDARY`, `MINIMUM`, `NO_FORECAST` (for K = 1) and `AFTER_TRIM` (for 0 < K < 1); zero
-        where one does not apply.
+    dict of Reason to ndarray
+        The boundary, the minimum, the bound without a forecast (for K = 1) and the minimum after
+        trim (for 0 < K < 1); zero where one does not apply.
     """
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
@@ -71,12 +85,14 @@ def open_loop_requirements(
         else 0.0
     )
     required = {
-        BOUNDARY: size,
-        MINIMUM: np.broadcast_to(least_peaks(plant, wind, sufficient), size.shape),
-        NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
+        Reason.BOUNDARY: size,
+        Reason.MINIMUM: np.broadcast_to(least_peaks(plant, wind, sufficient), size.shape),
+        Reason.NO_FORECAST: np.broadcast_to(
+            np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape
+        ),
     }
     largest = np.max(list(required.values()), axis=0)
-    return required | {AFTER_TRIM: _after_trim(plant, wind, K, largest)}
+    return required | {Reason.AFTER_TRIM: _after_trim(plant, wind, K, largest)}
 
 
 def with_larger_requirements(
@@ -99,7 +115,7 @@ def with_larger_requirements(
     if not np.any(larger):
         return boundary
     governs = [(one >= largest)[larger] for one in required.values()]
-    words, alone = np.select(governs, [LARGER[name] for name in required], ""), status[larger]
+    words, alone = np.select(governs, [reason.larger for reason in required], ""), status[larger]
     both = np.where(alone == OK, words, np.char.add(np.char.add(alone, "; "), words))
     status = status.astype(np.result_type(status, both))
     status[larger] = both

@@ -20,12 +20,8 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import JUMP, NEVER_LEFT, OK, boundary_limit
 from tvclin.boundary.open_loop import (
-    AFTER_TRIM,
-    BOUNDARY,
-    LARGER,
-    MINIMUM,
-    NO_FORECAST,
     ROUNDING,
+    Reason,
     open_loop_requirements,
 )
 from tvclin.boundary.optimum.least_peaks import peaks_of
@@ -126,14 +122,16 @@ def _turning(
         notes += [] if shape is stop else [POLYGON]
     modes = max(one.size for one in pair.poles)
     needs = {
-        BOUNDARY: float(shape.gauge(held)),
-        MINIMUM: least if modes > 1 else 0.0,
-        NO_FORECAST: bound if K == 1.0 else 0.0,
+        Reason.BOUNDARY: float(shape.gauge(held)),
+        Reason.MINIMUM: least if modes > 1 else 0.0,
+        Reason.NO_FORECAST: bound if K == 1.0 else 0.0,
     }
     if modes > 1 and 0.0 < K < 1.0:
-        needs[AFTER_TRIM] = _lost_after_trim(pair, stop.inside, K, literal, max(needs.values()))
+        needs[Reason.AFTER_TRIM] = _lost_after_trim(
+            pair, stop.inside, K, literal, max(needs.values())
+        )
     limit, more = _largest(needs)
-    notes += [doubt] if doubt and limit == needs[MINIMUM] else []
+    notes += [doubt] if doubt and limit == needs[Reason.MINIMUM] else []
     return Needed(limit, held, time, bound, least, (*notes, *more))
 
 
@@ -183,11 +181,11 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
     return max(limit, least)
 
 
-def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:
+def _largest(needs: dict[Reason, float]) -> tuple[float, list[str]]:
     """The largest need, and what to say if it is not that of the control."""
     governs = max(needs, key=lambda name: needs[name])
-    more = needs[governs] > needs[BOUNDARY] * (1.0 + ROUNDING)
-    return (needs[governs], [LARGER[governs]]) if more else (needs[BOUNDARY], [])
+    more = needs[governs] > needs[Reason.BOUNDARY] * (1.0 + ROUNDING)
+    return (needs[governs], [governs.larger]) if more else (needs[Reason.BOUNDARY], [])
 
 
 def _line(pair: Pair) -> tuple[Plant, History] | None:
@@ -215,22 +213,22 @@ def _straight(
     held = boundary.deflection * direction
     gauges = stop.gauge([direction, -direction])
     one_way, both_ways = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
-    bound = needs[NO_FORECAST] * both_ways
-    after = needs[AFTER_TRIM]
+    bound = needs[Reason.NO_FORECAST] * both_ways
+    after = needs[Reason.AFTER_TRIM]
     if 0.0 < K < 1.0:
         flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
-        after = float(open_loop_requirements(plant, wind, K, flown)[AFTER_TRIM])
+        after = float(open_loop_requirements(plant, wind, K, flown)[Reason.AFTER_TRIM])
     limit, more = _largest(
         {
-            BOUNDARY: needs[BOUNDARY] * one_way,
-            MINIMUM: needs[MINIMUM] * both_ways,
-            AFTER_TRIM: after * both_ways,
-            NO_FORECAST: bound if K == 1.0 else 0.0,
+            Reason.BOUNDARY: needs[Reason.BOUNDARY] * one_way,
+            Reason.MINIMUM: needs[Reason.MINIMUM] * both_ways,
+            Reason.AFTER_TRIM: after * both_ways,
+            Reason.NO_FORECAST: bound if K == 1.0 else 0.0,
         }
     )
     notes = [] if boundary.status == OK else [str(boundary.status)]
     y = None if more or not pair.equal else boundary.limit * one_way
-    least = needs[MINIMUM] * both_ways
+    least = needs[Reason.MINIMUM] * both_ways
     return Needed(limit, held, float(boundary.switch_time), bound, least, (*notes, *more), y)
 
 

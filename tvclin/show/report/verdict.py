@@ -15,7 +15,7 @@ from tvclin.answers.study_notes import TRUSTS
 from tvclin.answers.study_tables import survivable
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
-from tvclin.boundary.open_loop import BOUNDARY
+from tvclin.boundary.open_loop import Reason
 from tvclin.show.report.blocks import Section
 from tvclin.winds.shaped import ShapedWind
 
@@ -113,7 +113,7 @@ def basis(found: Findings) -> Line:
         f"{_blows(s).gust_text}.",
         *_meets_the_stop(found),
     )
-    if s.required_deflection and s.governs != BOUNDARY and asked(found) is None:
+    if s.required_deflection and s.governs != Reason.BOUNDARY and asked(found) is None:
         line += (f" What this wind needs is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
         line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
