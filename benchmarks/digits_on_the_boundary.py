@@ -43,7 +43,7 @@ def main() -> None:
     for tau_beta in (4.0, 10.0, 20.0, 40.0):
         wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / BETA)
         limit = tv.boundary_limit(plant, wind, dead_band=0.0).deflection
-        held = tv.linear.HeldDeflection(limit=limit)
+        held = tv.linear.ConstantDeflection(limit=limit)
         exact = exact_attitude(tau_beta)
         peer = 0.0
         for steps in (8, 32, 128, 512, 2048):

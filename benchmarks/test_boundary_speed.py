@@ -8,7 +8,7 @@ from peers import ratio
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 CASES, KNOTS, FEW, ROOTS = 10_000, 100, 3, 500
 

@@ -37,7 +37,7 @@ import tvclin as tv
 plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1), model="fixed-path")
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=20.0)
 limit = tv.boundary_limit(plant, wind, dead_band=0.0).deflection
-edge = tv.linear.HeldDeflection(limit=limit)
+edge = tv.linear.ConstantDeflection(limit=limit)
 
 # %% [markdown]
 # The same plant, the same wind, the same deflection, simulated on a grid that contains every knot
@@ -79,7 +79,7 @@ verdict
 # the responses diverge.
 
 # %%
-nearly = [tv.linear.HeldDeflection(limit=(1.0 + e) * limit) for e in (-1e-6, 1e-6)]
+nearly = [tv.linear.ConstantDeflection(limit=(1.0 + e) * limit) for e in (-1e-6, 1e-6)]
 for name, held in zip(("below", "above"), nearly, strict=True):
     response = tv.attitude_response(plant, held, wind, [20.0, 30.0, 40.0])
     print(name, tv.residues(plant, held, wind), np.degrees(response.outputs[0]).round(4))

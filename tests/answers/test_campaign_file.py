@@ -22,7 +22,7 @@ from tvclin.answers.campaign.outputs import columns
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
 from tvclin.kernels.choice import available, pinned
-from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.plant import DEFAULT_MODEL
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -302,7 +302,7 @@ def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, messa
 
 def test_what_has_no_bound_without_forecast_is_refused_as_one_case_is(configuration_i):
     fixed = tv.Plant.from_vehicle(configuration_i, "fixed-path")
-    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.linear.HeldDeflection(limit=0.1)
+    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.linear.ConstantDeflection(limit=0.1)
     for plant, wind, said in (
         (fixed, held, "wind must end"),
         (fixed, gust - gust.shift(9.0), "not defined for a wind that changes its sign"),
@@ -422,9 +422,9 @@ def test_a_gust_costs_a_campaign_a_megabyte_for_each_case():
 def test_both_templates_name_the_model_that_counts_without_one(tmp_path):
     own = tmp_path / "my.toml"
     own.write_text(template())
-    assert tv.answers.load_campaign(own).model == campaign().model == USUAL_MODEL
+    assert tv.answers.load_campaign(own).model == campaign().model == DEFAULT_MODEL
     assert CliRunner().invoke(app, ["init", "--study", str(tmp_path / "s.toml")]).exit_code == 0
-    assert tv.answers.load_study(tmp_path / "s.toml").model == USUAL_MODEL
+    assert tv.answers.load_study(tmp_path / "s.toml").model == DEFAULT_MODEL
 
 
 def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():

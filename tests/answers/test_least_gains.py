@@ -317,7 +317,7 @@ def test_the_search_finds_the_corner_of_two_walls():
         ({"gains": ("rate", "attitude")}, "gains must be"),
         ({"gains": ("attitude", "rate", "integral")}, "gains must be"),
         ({"winds": ()}, "winds must be one or more"),
-        ({"winds": (tv.linear.HeldDeflection(limit=0.01),)}, "must end"),
+        ({"winds": (tv.linear.ConstantDeflection(limit=0.01),)}, "must end"),
         ({"winds": (tv.TriangularWind(peak=[0.05, 0.1], duration=5.0),)}, "wind"),
         (
             {"plant": tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.1, mu_delta=2.0))},

@@ -236,7 +236,7 @@ def test_a_dataset_says_what_it_needs(configuration_i, monkeypatch) -> None:
         ({"placing": "flight", "window": 0.0}, "window must be positive"),
         ({"winds": {}}, "one wind or more"),
         ({"winds": tv.TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one history"),
-        ({"winds": tv.linear.HeldDeflection(limit=0.1)}, "must end"),
+        ({"winds": tv.linear.ConstantDeflection(limit=0.1)}, "must end"),
         ({"winds": lambda vehicle: 3.0}, "one history"),
         ({"schedule": 3}, "schedule must be a FlightSchedule"),
     ],

@@ -47,7 +47,7 @@ def test_what_a_limit_leaves_over_grows_with_beta():
 
     wind = tv.winds.AsymmetricTriangularWind(peak=1.0, duration=4.0, peak_time=1.0)
 
-    def left_over(beta, y):
+    def final_motion(beta, y):
         start, end = y * 1.0, 4.0  # where w = y, on the way up
         inside = quad(lambda t: np.exp(-beta * t) * (float(wind(t)) - y), start, end, points=[1.0])
         return inside[0] - y * np.exp(-beta * end) / beta
@@ -55,8 +55,8 @@ def test_what_a_limit_leaves_over_grows_with_beta():
     for beta in (0.3, 0.8, 2.0):
         plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=beta, B=1.0))
         y = float(tv.boundary_limit(plant, wind).limit)
-        assert left_over(beta, y) == pytest.approx(0.0, abs=1e-9)
-        assert left_over(1.1 * beta, y) > 1e-4
+        assert final_motion(beta, y) == pytest.approx(0.0, abs=1e-9)
+        assert final_motion(1.1 * beta, y) > 1e-4
 
 
 def test_with_a_dead_band_nothing_is_proved():

@@ -11,7 +11,7 @@ from tests.turns import by_turns
 from tvclin import Coefficients, InputError, Plant, SampledWind, TriangularWind
 from tvclin.boundary.closed_forms import rectangular_limit
 from tvclin.boundary.forecast_free import BOUND, EXACT
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 BETA = 0.53
 COEFFICIENTS = Coefficients(
@@ -246,7 +246,7 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
     [
         (SampledWind(time=[0, 1, 2, 3], angle=[0, 0.1, -0.01, 0]), "changes its sign"),
         (triangle(4.0) - triangle(4.0).shift(20.0), "changes its sign"),
-        (tv.linear.HeldDeflection(limit=0.1), "wind must end"),
+        (tv.linear.ConstantDeflection(limit=0.1), "wind must end"),
         (0.0 * triangle(4.0), "wind must end, and be other than zero"),
         (0.1, "wind must be a History"),
     ],

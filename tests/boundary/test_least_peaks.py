@@ -81,7 +81,7 @@ def test_without_an_unstable_pole_nothing_is_needed():
     ("wind", "message"),
     [
         (0.0 * WIND, "wind must differ from zero"),
-        (tvclin.linear.HeldDeflection(limit=0.1), "wind must end"),
+        (tvclin.linear.ConstantDeflection(limit=0.1), "wind must end"),
         (0.1, "wind must be a History"),
     ],
 )

@@ -16,7 +16,7 @@ from tvclin.boundary.open_loop import (
     Reason,
     open_loop_requirements,
 )
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])
 DEAD_BANDS = np.array([0.0, 0.01, 0.25, 0.5, 0.9, 1.0])[:, np.newaxis]
@@ -279,8 +279,8 @@ def test_the_survivable_peak_is_the_one_whose_boundary_is_the_given_limit(peak):
     [
         (sampled(angle=GUST - 0.5), "wind must not change its sign .* -0.04 to 0.04 rad$"),
         (sampled(angle=[GUST, GUST - 0.5]), "wind must not change its sign .* -0.04 to 0.08 rad$"),
-        (tvclin.linear.HeldDeflection(limit=0.05), "wind must end"),
-        (sampled() + tvclin.linear.HeldDeflection(limit=0.05) * [0.0, 1.0], "wind must end"),
+        (tvclin.linear.ConstantDeflection(limit=0.05), "wind must end"),
+        (sampled() + tvclin.linear.ConstantDeflection(limit=0.05) * [0.0, 1.0], "wind must end"),
         (0.0 * sampled(), "wind must differ from zero"),
         (sampled() * [0.0, 1.0], "wind must differ from zero"),
     ],

@@ -272,7 +272,7 @@ WIND = TriangularWind(peak=0.1, duration=5.0)
         ({"start": np.inf}, "start must be finite"),
         ({"start": 1e5}, "start is so late"),
         ({"horizon": "late"}, "horizon must be a number"),
-        ({"wind": tvclin.linear.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tvclin.linear.ConstantDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * WIND}, "wind must differ from zero"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "wind must be one wind"),
         (

@@ -123,7 +123,7 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
     for plane, constant in held.items():
         blown = getattr(wind, plane)
         trim = tv.trim_deflection(plant, blown).before(found.leaving_time)
-        control = trim + tv.linear.HeldDeflection(limit=constant, start=found.leaving_time)
+        control = trim + tv.linear.ConstantDeflection(limit=constant, start=found.leaving_time)
         left, size = (tv.residues(plant, control, one)[0] for one in (blown, 0.0 * blown))
         assert abs(left) <= 1e-12 * abs(size)
 
@@ -553,7 +553,10 @@ STABLE = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.3, mu_delta=2.6)
         ({"wind": triangle(4.0)}, "wind must have a direction: give PlaneWind.towards"),
         ({"wind": 0.1}, "wind must be a PlaneWind"),
         ({"wind": PlaneWind.towards(0.0 * triangle(4.0), 0.0)}, "be other than zero"),
-        ({"wind": PlaneWind.towards(tv.linear.HeldDeflection(limit=0.1), 0.0)}, "wind must end"),
+        (
+            {"wind": PlaneWind.towards(tv.linear.ConstantDeflection(limit=0.1), 0.0)},
+            "wind must end",
+        ),
         ({"plant": PAIR}, "all real; it has the complex pair"),
         ({"yaw_plant": PAIR}, "yaw_plant must have unstable poles, all real; it has the complex"),
         ({"plant": STABLE}, "it has none"),

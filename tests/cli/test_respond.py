@@ -11,7 +11,7 @@ import tvclin as tv
 from tests.report_responses import triangular_attitude
 from tests.turns import by_turns, usual
 from tvclin.cli.app import app
-from tvclin.linear.loads import wind_loads
+from tvclin.linear.extremes import wind_loads
 
 mpl.use("Agg")
 
@@ -62,7 +62,7 @@ def test_json_equals_the_library(model, factor):
     assert found["limit_deg"] == pytest.approx(abs(np.degrees(limit)), rel=1e-14)
     assert found["survived"] is (factor >= 1.0)
     assert found["verdict"]["stable"] is verdict.stable
-    assert found["verdict"]["left_over"] == str(verdict.left_over)
+    assert found["verdict"]["final_motion"] == str(verdict.final_motion)
     assert found["peak_angle_of_attack"]["deg"] == pytest.approx(
         np.degrees(loads.peak_angle_of_attack), rel=1e-14
     )
@@ -138,7 +138,7 @@ def test_on_the_boundary_the_attitude_is_that_of_equation_13():
     assert found["attitude"]["against_wind"] is None
     assert found["attitude"]["back_at_zero"] is None
     assert found["verdict"]["stable"] is True
-    assert "constant attitude error" in found["verdict"]["left_over"]
+    assert "constant attitude error" in found["verdict"]["final_motion"]
 
 
 def test_trim_throughout_leaves_nothing():
@@ -148,7 +148,7 @@ def test_trim_throughout_leaves_nothing():
     assert found["attitude"]["against_wind"] is None
     assert found["survived"] is True
     assert found["verdict"]["stable"] is True
-    assert found["verdict"]["left_over"] == "nothing"
+    assert found["verdict"]["final_motion"] == "nothing"
 
 
 def test_a_short_response_has_no_end_of_the_wind():
@@ -241,7 +241,7 @@ def test_a_stable_vehicle_needs_a_limit(stable_vehicle):
     assert "--limit-deg" in result.output
     found = document(stable_vehicle, "--limit-deg", "0.1")
     assert found["survived"] is True
-    assert "oscillation" in found["verdict"]["left_over"]
+    assert "oscillation" in found["verdict"]["final_motion"]
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from tvclin import (
 from tvclin.control import canonical_gains
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.wiring import LOOP_DIAGRAM
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 mpl.use("Agg")
 

@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.comparison import wind_gain
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 from tvclin.plots import comparison_chart, curves_of
 
 mpl.use("Agg")
@@ -317,7 +317,7 @@ def test_a_wind_of_two_signs_has_no_boundary():
         ({"plant": plant_of(mu_alpha=[0.2, 0.3])}, "for one case; take those of a batch"),
         ({"autopilot": Autopilot(attitude_gain=[0.3, 0.4], rate_gain=0.4)}, "for one case"),
         ({"wind": tv.TriangularWind(peak=[0.1, 0.2], duration=8.0)}, "for one case"),
-        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.ConstantDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * TRIANGLE}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
         ({"plant": COEFFICIENTS}, "plant must be a Plant .*; got <Coefficients"),

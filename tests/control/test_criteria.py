@@ -11,7 +11,7 @@ from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Requirement
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import loop_margins
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 DRIFTING = Coefficients(
     mu_alpha=0.28, mu_delta=2.6, C1=0.025, C2=0.0036, b1=0.0284, b2=0.0169, q=1.7e-4

@@ -37,7 +37,7 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 Mq, p, d, tau, peak, K, y, a = sp.symbols("M_q p d tau peak K y a", positive=True)
 D = Mq / inertia
@@ -257,7 +257,7 @@ def test_the_response_is_two_unlike_exponentials():
     assert sp.simplify(sp.diff(c, t, 2) + d * sp.diff(c, t) - p * (p + d) * c) == 0
     plant = tv.Plant(tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=0.4), "fixed-path")
     times = np.linspace(0.0, 4.0, 9)
-    step = tv.linear.HeldDeflection(limit=-plant.coefficients.B * PEAK)
+    step = tv.linear.ConstantDeflection(limit=-plant.coefficients.B * PEAK)
     calm = 0.0 * tv.RectangularWind(peak=PEAK, duration=1.0)
     found = tv.attitude_responses(plant, step, calm, times)["attitude"] / PEAK
     numbers = {p: fast_pole(0.28, 0.4), d: 0.4}

@@ -76,7 +76,7 @@ def test_on_the_boundary_the_attitude_does_not_return_to_zero():
         expected = 0.1 * limit.limit * (1.0 if field == "offset" else 0.028)
         verdict = tvclin.linear.judge(found, held, wind)
         assert verdict.stable
-        assert getattr(verdict.left_over, field) == pytest.approx(expected, rel=1e-12)
+        assert getattr(verdict.final_motion, field) == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_condition_compares_the_deflection_with_trim_not_with_nominal():
@@ -95,7 +95,9 @@ def test_the_condition_is_the_discounted_balance_of_deflection_and_wind():
     grid = np.linspace(0.0, 9.0, 900_001)
     balance = -trim * np.trapezoid(np.exp(-rate * grid) * wind(grid), grid)
     plant = tvclin.Plant.from_coefficients(tvclin.Coefficients.from_beta(beta=rate, B=trim))
-    held = tvclin.linear.HeldDeflection(limit=balance * rate)  # integral of e^(-beta t) is 1/beta
+    held = tvclin.linear.ConstantDeflection(
+        limit=balance * rate
+    )  # integral of e^(-beta t) is 1/beta
     size = rate / (2 * trim) * balance
     assert tvclin.residues(plant, held, wind) == pytest.approx([0.0], abs=1e-9 * size)
 
@@ -207,4 +209,6 @@ def test_a_constant_deflection_that_starts_late_costs_exponentially_more():
     gust = tvclin.TriangularWind(peak=-0.1, duration=7.5)
     for begin in (-2.0, 0.0, 1.5):
         limit = -0.107 * 0.53 * np.exp(0.53 * begin) * float(gust.laplace(0.53))
-        assert tvclin.is_stable(plant, tvclin.linear.HeldDeflection(limit=limit, start=begin), gust)
+        assert tvclin.is_stable(
+            plant, tvclin.linear.ConstantDeflection(limit=limit, start=begin), gust
+        )

@@ -134,8 +134,8 @@ def test_for_large_y_the_root_is_above_one_half():
     right, printed = (y - 1 + 2 ** (1 - r)) / (2 * y), (y - 1) / (2 * y)
     tenth = sp.Rational(1, 10)
     assert sp.limit(C6.subs(x, right).subs(r, tenth), y, sp.oo) == 0
-    left_over = sp.limit(C6.subs(x, printed).subs(r, tenth), y, sp.oo)
-    assert equal(left_over, 2 ** (1 - tenth))  # never zero
+    final_motion = sp.limit(C6.subs(x, printed).subs(r, tenth), y, sp.oo)
+    assert equal(final_motion, 2 ** (1 - tenth))  # never zero
     with workdps(40):
         residual = sp.lambdify(x, C6.subs({r: tenth, y: 10}), "mpmath")
         exact = float(mpmath.findroot(residual, mpf("0.54")))

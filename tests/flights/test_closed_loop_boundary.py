@@ -412,7 +412,7 @@ STABLE = Plant.from_coefficients(Coefficients(mu_alpha=-0.2, mu_delta=2.6))
         ({"plant": STABLE}, "real unstable poles"),
         ({"plant": plant_of("drift-and-speed")}, "real unstable poles"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),
-        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.ConstantDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.1}, "wind must be a History"),
     ],
 )

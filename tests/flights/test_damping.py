@@ -57,7 +57,7 @@ def test_a_small_deflection_gives_the_exact_linear_response(engine, drift):
     vehicle = damped(NAME, 0.4)
     wind = triangle(vehicle, 2.0)
     times = np.linspace(0.0, float(wind.end), 11)
-    push = tv.linear.HeldDeflection(limit=-0.0005, start=1.0)
+    push = tv.linear.ConstantDeflection(limit=-0.0005, start=1.0)
     fly = tv.fly_planar if engine == "planar" else tv.fly_sixdof
     flown = fly(vehicle, push, wind, times, drift=drift, deflection_limit=0.1)
     plant = tv.Plant.from_vehicle(vehicle, "drift-exact" if drift else "fixed-path")

@@ -361,7 +361,7 @@ def test_what_cannot_have_margins_is_refused():
         "sample_rate": {"sample_rate": None},
         "one or two real unstable poles": {"plant": stable},
         "got batches of shape": {"plant": batch},
-        "wind must end": {"wind": tv.linear.HeldDeflection(limit=0.05)},
+        "wind must end": {"wind": tv.linear.ConstantDeflection(limit=0.05)},
         "delay must be zero or positive": {"delay": -0.1},
         "limit must be positive": {"limit": 0.0},
         "it needs more than 2 of trim, has 0.9": {"rate_limit": np.radians(0.01)},

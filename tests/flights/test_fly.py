@@ -16,7 +16,7 @@ from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, Triangul
 from tvclin.flights.closed_loop import continuous
 from tvclin.flights.closed_loop.fly import LinearEquations
 from tvclin.flights.closed_loop.regimes import Loop
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 CASES = [
     ("gains", "fixed-path", 1.1, {}),
@@ -546,7 +546,7 @@ BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
         ({"law": Autopilot(**GAINS)}, "law must be a Law"),
         ({"plant": BATCH}, r"one plant in one wind; got batches of shape \(2,\) and \(\)"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),
-        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.ConstantDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * WIND}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
         ({"plant": WIND}, "plant must be a Plant"),

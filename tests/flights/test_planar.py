@@ -168,7 +168,7 @@ def test_varying_parameters_are_those_of_another_integration():
     vehicle, wind = case(NAMES[0], peak=np.radians(3.0))
     condition = load_flight_condition(NAMES[0])
     later = wind.shift(vehicle.time - wind.duration / 2)
-    held = tv.linear.HeldDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
+    held = tv.linear.ConstantDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
     times = np.linspace(float(later.onset), float(later.end), 9)
     flown = fly_planar(vehicle, held, later, times, condition=condition)
     nominal = nominal_flight(vehicle, condition, start=float(times[0]), stop=float(times[-1]))

@@ -137,7 +137,7 @@ def test_every_output_tends_to_that_of_the_linear_model(configuration, plane, si
     off = []
     for peak in (sign * 0.01, sign * 0.001):
         wind = triangle(configuration, peak)
-        bent = tv.linear.HeldDeflection(limit=-0.3 * peak * plant.coefficients.B, start=1.0)
+        bent = tv.linear.ConstantDeflection(limit=-0.3 * peak * plant.coefficients.B, start=1.0)
         exact = tv.attitude_response(plant, bent, wind, times)
         flown = tv.fly_sixdof(configuration, bent, wind, times, plane=plane)
         labels = list(exact.output_labels)
@@ -162,7 +162,7 @@ def test_any_vehicle_flies_as_its_linear_model(seed):
     )
     end = 3.0 / np.sqrt(abs(tv.Coefficients.from_vehicle(vehicle).mu_alpha))
     wind, times = tv.TriangularWind(peak=1e-3, duration=end / 1.5), np.linspace(0.0, end, 31)
-    bent = tv.linear.HeldDeflection(limit=1e-4, start=end / 5.0)
+    bent = tv.linear.ConstantDeflection(limit=1e-4, start=end / 5.0)
     for plane in ("pitch", "yaw"):
         exact = tv.attitude_response(drifting(vehicle, plane), bent, wind, times).outputs
         flown = tv.fly_sixdof(vehicle, bent, wind, times, plane=plane).outputs[:4]
@@ -231,7 +231,7 @@ def test_a_common_factor_of_forces_and_inertia_changes_nothing(configuration_i):
 def test_a_part_of_the_thrust_may_be_what_is_turned(configuration_i):
     part = configuration_i.replace(control_force_slope=0.4 * configuration_i.thrust)
     plant, wind = drifting(part), 0.0 * triangle(part)
-    bent, times = tv.linear.HeldDeflection(limit=1e-4), np.linspace(0.0, 4.0, 21)
+    bent, times = tv.linear.ConstantDeflection(limit=1e-4), np.linspace(0.0, 4.0, 21)
     flown = tv.fly_sixdof(part, bent, wind, times).outputs
     exact = tv.attitude_response(plant, bent, wind, times).outputs
 
@@ -255,7 +255,7 @@ def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configurat
     wind, times = at_its_time(configuration_i, peak)
     limit = 0.8 * tv.Coefficients.from_vehicle(configuration_i).B * abs(peak)
     options = {"deflection_limit": limit, "plane": plane, "condition": CONDITION}
-    bent = tv.linear.HeldDeflection(
+    bent = tv.linear.ConstantDeflection(
         limit=-np.sign(peak) * 0.4 * limit, start=float(wind.onset) + 1.0
     )
     for control in (tv.flights.ReportControl(0.7), bent):
@@ -457,7 +457,7 @@ def test_name_and_time_of_a_vehicle_are_nothing_to_its_flight(configuration_i):
 
 
 def test_a_history_is_limited(configuration_i):
-    bent = tv.linear.HeldDeflection(limit=0.01)
+    bent = tv.linear.ConstantDeflection(limit=0.01)
     flown = tv.fly_sixdof(
         configuration_i, bent, triangle(configuration_i), [0.0, 1.0], deflection_limit=0.002
     )
@@ -508,7 +508,7 @@ class Lost(tv.control.Law):
 
 def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
     wind, law = triangle(configuration_i), tv.TrimLaw(drifting(configuration_i))
-    early = tv.linear.HeldDeflection(limit=0.001, start=-1.0)
+    early = tv.linear.ConstantDeflection(limit=0.001, start=-1.0)
     pilot = tv.Autopilot(
         attitude_gain=1.0, rate_gain=1.0, actuator=tv.Actuator(natural_frequency=90.0)
     )
@@ -561,7 +561,9 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "1.5 times the largest trim deflection": lambda: in_jsbsim(
             configuration_i, wind, engine=lambda *given, **named: lambda limit: False
         ),
-        "wind must end": lambda: in_jsbsim(configuration_i, tv.linear.HeldDeflection(limit=0.1)),
+        "wind must end": lambda: in_jsbsim(
+            configuration_i, tv.linear.ConstantDeflection(limit=0.1)
+        ),
     }
     for said, bad in cases.items():
         with pytest.raises(tv.InputError, match=re.escape(said)):

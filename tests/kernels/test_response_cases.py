@@ -69,8 +69,8 @@ def histories(plant: tv.Plant) -> dict[str, tuple[tv.winds.History, tv.winds.His
     return {
         "on the boundary": (tv.trim_then_hold(plant, triangle, limit), triangle),
         "lost": (tv.trim_then_hold(plant, triangle, 0.8 * limit), triangle),
-        "held": (tv.linear.HeldDeflection(limit=-0.004), triangle),
-        "late": (tv.linear.HeldDeflection(limit=-0.004, start=201.0), triangle.shift(200.0)),
+        "held": (tv.linear.ConstantDeflection(limit=-0.004), triangle),
+        "late": (tv.linear.ConstantDeflection(limit=-0.004, start=201.0), triangle.shift(200.0)),
         "jumps": (switching, jumping_wind()),
         "short": (switching, tv.winds.TrapezoidalWind(peak=0.1, rise=1e-3, hold=0.02, fall=0.0)),
         "gust": (switching, tv.OneMinusCosineGust(peak=0.1, duration=3.0)),
@@ -152,7 +152,10 @@ def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, 
 @pytest.mark.parametrize("model", MODELS)
 def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -> None:
     plant = dispersed(model, 1)
-    held, wind = tv.linear.HeldDeflection(limit=-1e-4), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = (
+        tv.linear.ConstantDeflection(limit=-1e-4),
+        tv.TriangularWind(peak=0.1, duration=7.0),
+    )
     found = tv.attitude_responses(plant, held, wind, [100.0, 5e3, 1e4])["attitude"]
 
     assert np.isfinite(found[0])
@@ -198,7 +201,10 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
     plants = tv.Plant(
         tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0), "fixed-path"
     )
-    held, wind = tv.linear.HeldDeflection(limit=-0.005), tv.RectangularWind(peak=0.1, duration=5.0)
+    held, wind = (
+        tv.linear.ConstantDeflection(limit=-0.005),
+        tv.RectangularWind(peak=0.1, duration=5.0),
+    )
     times = np.array([0.5, 3.0, 10.0])
     found = tv.attitude_responses(plants, held, wind, times)["attitude"]
     alone = tv.attitude_responses(
@@ -211,7 +217,7 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
 
 def test_a_jump_is_seen_at_its_knot_and_nothing_before_the_first(run: None) -> None:
     plant, wind = dispersed("drift-exact", 2), jumping_wind()
-    held = tv.linear.HeldDeflection(limit=-0.01, start=0.5)
+    held = tv.linear.ConstantDeflection(limit=-0.01, start=0.5)
     times = np.array([-3.0, 0.499, np.nextafter(2.5, 0.0), 2.5])
     found = tv.attitude_responses(plant, held, wind, times)
 
@@ -236,7 +242,7 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
     pytest.importorskip("numba")
     plants = dispersed("fixed-path", 4, (150, 1))
     winds = tv.TriangularWind(peak=0.1, duration=np.linspace(2.0, 9.0, 20))
-    held, times = tv.linear.HeldDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
+    held, times = tv.linear.ConstantDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
     with pinned(True):
         together = tv.attitude_responses(plants, held, winds, times).outputs
         monkeypatch.setenv(VARIABLE, "1")
@@ -331,7 +337,7 @@ def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], run: 
 
 def test_some_outputs_of_poles_nearly_alike() -> None:
     plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0), "fixed-path")
-    held, wind = tv.linear.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = tv.linear.ConstantDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
     every = tv.attitude_responses(plant, held, wind, [1.0, 9.0])
     some = tv.attitude_responses(plant, held, wind, [1.0, 9.0], ["attitude_rate"])
 
@@ -340,7 +346,7 @@ def test_some_outputs_of_poles_nearly_alike() -> None:
 
 @pytest.mark.parametrize("asked", ["attitude", (), ("attitude", "speed")])
 def test_outputs_that_are_not_there_are_refused(asked: object) -> None:
-    held, wind = tv.linear.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = tv.linear.ConstantDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
 
     with pytest.raises(tv.InputError, match="outputs must be"):
         tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], asked)

@@ -13,7 +13,7 @@ from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.kernels import terms, threads
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 
 FIELDS = ("limit", "deflection", "switch_time", "status")
 

@@ -6,7 +6,7 @@ from functools import cache
 from tests.ledger.cases import FULL, HALF, NONE, gust, vehicles
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_deflection, trim_then_hold
-from tvclin.linear.loads import wind_loads
+from tvclin.linear.extremes import wind_loads
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 

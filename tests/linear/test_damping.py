@@ -11,8 +11,7 @@ from tests.damped import damped, fast_pole, plant_of
 from tvclin import InputError
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.kernels.choice import pinned
-from tvclin.linear.models import MODELS
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import INPUTS, MODELS, Plant
 
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)
 PEAK = np.radians(5.0)
@@ -76,7 +75,7 @@ def test_transfer_functions_and_state_space_are_one_plant(model):
 def test_the_response_is_that_of_the_equations_integrated(model):
     plant = plant_of(model=model)
     wind = tv.TriangularWind(peak=PEAK, duration=6.0)
-    push = tv.linear.HeldDeflection(limit=-0.004)
+    push = tv.linear.ConstantDeflection(limit=-0.004)
     times = np.linspace(0.0, 9.0, 19)
     found = tv.attitude_responses(plant, push, wind, times)
     c, order = plant.coefficients, len(plant.states)

@@ -32,7 +32,7 @@ def switch_time(control):
 
 @pytest.mark.parametrize("start", [0.0, 2.5, -4.0])
 def test_a_held_deflection_is_constant_from_its_start_on(start):
-    held = tv.linear.HeldDeflection(limit=-0.03, start=start)
+    held = tv.linear.ConstantDeflection(limit=-0.03, start=start)
     times = [start - 1.0, np.nextafter(start, -np.inf), start, start + 1e6]
     np.testing.assert_array_equal(held(times), [0.0, 0.0, -0.03, -0.03])
     assert (held.onset, held.end, held.final_value, held.peak) == (start, np.inf, -0.03, -0.03)
@@ -42,7 +42,7 @@ def test_a_held_deflection_is_constant_from_its_start_on(start):
 @pytest.mark.parametrize("start", [0.0, 2.5, -4.0])
 def test_the_transform_of_a_held_deflection_is_the_closed_form(start, s):
     expected = -0.03 * np.exp(-s * start) / s
-    held = tv.linear.HeldDeflection(limit=-0.03, start=start)
+    held = tv.linear.ConstantDeflection(limit=-0.03, start=start)
     # A rounding of each operation, and e^x has that of its argument.
     rounding = (4.0 + abs(s * start)) * np.finfo(float).eps
     np.testing.assert_allclose(held.laplace(s), expected, rtol=rounding)
@@ -66,7 +66,7 @@ def test_the_transform_of_a_bang_bang_deflection_adds_twice_each_switch(s):
 
 
 def test_a_bang_bang_deflection_that_never_switches_is_held():
-    held = tv.linear.HeldDeflection(limit=0.02, start=1.0)
+    held = tv.linear.ConstantDeflection(limit=0.02, start=1.0)
     control = tv.linear.BangBang(limit=0.02, switch_times=[], start=1.0)
     np.testing.assert_array_equal(control(TIMES), held(TIMES))
     assert control.laplace(0.5) == held.laplace(0.5)
@@ -74,23 +74,33 @@ def test_a_bang_bang_deflection_that_never_switches_is_held():
 
 def test_batches_of_held_and_bang_bang_deflections_are_the_loop():
     limits, starts, switches = [0.1, -0.2], [[0.0], [-1.0], [2.0]], [[2.0, 3.0], [4.0, 4.5]]
-    held = tv.linear.HeldDeflection(limit=limits, start=starts)
+    held = tv.linear.ConstantDeflection(limit=limits, start=starts)
     control = tv.linear.BangBang(limit=limits, switch_times=switches, start=starts)
     assert held.batch == control.batch == (3, 2)
     for i in range(3):
         for j in range(2):
             one = {"limit": limits[j], "start": starts[i][0]}
             single = tv.linear.BangBang(switch_times=switches[j], **one)
-            np.testing.assert_array_equal(held(TIMES)[i, j], tv.linear.HeldDeflection(**one)(TIMES))
+            np.testing.assert_array_equal(
+                held(TIMES)[i, j], tv.linear.ConstantDeflection(**one)(TIMES)
+            )
             np.testing.assert_array_equal(control(TIMES)[i, j], single(TIMES))
 
 
 @pytest.mark.parametrize(
     ("kind", "bad", "message"),
     [
-        (tv.linear.HeldDeflection, {"limit": 0.0}, r"^limit must be other than zero; got 0 rad$"),
-        (tv.linear.HeldDeflection, {"start": np.nan}, r"^start must be finite; got nan s$"),
-        (tv.linear.HeldDeflection, {"limit": [1.0, 2.0], "start": [0.0] * 3}, r"limit .* start"),
+        (
+            tv.linear.ConstantDeflection,
+            {"limit": 0.0},
+            r"^limit must be other than zero; got 0 rad$",
+        ),
+        (tv.linear.ConstantDeflection, {"start": np.nan}, r"^start must be finite; got nan s$"),
+        (
+            tv.linear.ConstantDeflection,
+            {"limit": [1.0, 2.0], "start": [0.0] * 3},
+            r"limit .* start",
+        ),
         (tv.linear.BangBang, {"limit": 0.0}, r"^limit must be other than zero; got 0 rad$"),
         (tv.linear.BangBang, {"switch_times": [2.0, 1.0]}, r"^switch_times must not decrease"),
         (tv.linear.BangBang, {"start": 1.5}, r"^switch_times .* before start \(1\.5 s\)"),
@@ -225,7 +235,7 @@ def test_a_wind_the_other_way_needs_the_limit_the_other_way(model):
 @pytest.mark.parametrize("onset", [0.0, 2.0, -3.0])
 def test_a_dead_band_of_zero_holds_from_the_onset_of_the_wind(onset, switch):
     control = tv.trim_then_hold(plant(), WIND.shift(onset), 0.007, 0.0, switch=switch)
-    held = tv.linear.HeldDeflection(limit=0.007, start=onset)
+    held = tv.linear.ConstantDeflection(limit=0.007, start=onset)
     np.testing.assert_array_equal(control(TIMES), held(TIMES))
 
 

@@ -55,8 +55,10 @@ def test_the_angle_of_attack_falls_with_the_dead_band() -> None:
 def test_batches_and_endless_winds_are_refused() -> None:
     wind = tv.TriangularWind(peak=[0.1, 0.2], duration=8.0)
     with pytest.raises(tv.InputError, match="one case"):
-        tv.linear.wind_loads(plant(), tv.linear.HeldDeflection(limit=-0.01), wind)
+        tv.linear.wind_loads(plant(), tv.linear.ConstantDeflection(limit=-0.01), wind)
     with pytest.raises(tv.InputError, match="wind must end"):
         tv.linear.wind_loads(
-            plant(), tv.linear.HeldDeflection(limit=-0.01), tv.linear.HeldDeflection(limit=0.1)
+            plant(),
+            tv.linear.ConstantDeflection(limit=-0.01),
+            tv.linear.ConstantDeflection(limit=0.1),
         )

@@ -7,16 +7,15 @@ import pytest
 import tvclin
 from tvclin import Coefficients, Plant, residues, unstable_modes
 from tvclin.linear import judge
-from tvclin.linear.models import MODELS
 from tvclin.linear.modes import (
     all_modes,
     left_eigenvector,
     mode_table,
-    parted,
-    poles_in_words,
-    wind_strength,
+    poles_text,
+    separated_poles,
+    wind_over_deflection,
 )
-from tvclin.linear.plant import INPUTS
+from tvclin.linear.plant import INPUTS, MODELS
 
 ORDER = {"fixed-path": 2, "drift": 3, "drift-exact": 3, "drift-and-speed": 4}
 STABLE = {"mu_alpha": -0.3, "mu_delta": 2.6, "b1": 0.02, "b2": 0.015}
@@ -106,7 +105,7 @@ def test_the_residue_of_a_response_is_the_sum_over_both_inputs(configuration_i, 
     plant = Plant.from_vehicle(configuration_i, model)
     modes, p = unstable_modes(plant), unstable_modes(plant).poles
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
-    held = tvclin.linear.HeldDeflection(limit=-0.004, start=2.0)
+    held = tvclin.linear.ConstantDeflection(limit=-0.004, start=2.0)
     expected = (
         modes.deflection_residues * -0.004 * np.exp(-2.0 * p) / p
         + modes.wind_residues * 0.05 * -np.expm1(-7.0 * p) / p
@@ -119,7 +118,7 @@ def test_a_stable_vehicle_has_no_unstable_mode_and_every_history_is_stable(model
     plant = Plant.from_coefficients(Coefficients(**STABLE), model)
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
     assert unstable_modes(plant).poles.shape == (0,)
-    verdict = judge(plant, tvclin.linear.HeldDeflection(limit=0.1), wind)
+    verdict = judge(plant, tvclin.linear.ConstantDeflection(limit=0.1), wind)
     assert verdict.stable is True
     assert verdict.residues.shape == (0,)
 
@@ -149,13 +148,13 @@ def test_on_the_boundary_of_the_exact_models_only_the_slow_modes_are_left(
     excited = np.abs(verdict.residues) > verdict.tolerance
     assert excited.tolist() == [False] + [True] * (len(excited) - 1)
     assert verdict.stable is False
-    assert np.isnan(verdict.left_over.e_folding_times[0])
+    assert np.isnan(verdict.final_motion.e_folding_times[0])
 
 
 def test_the_left_over_names_the_slow_root_and_its_e_folding_time(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift-exact")
     wind = triangle(plant)
-    left = judge(plant, on_the_boundary(plant, wind), wind).left_over
+    left = judge(plant, on_the_boundary(plant, wind), wind).final_motion
     assert left.e_folding_times[1] == pytest.approx(1.0 / 0.0128538675, rel=1e-8)
     assert "e-folding time of 77.8 s" in str(left)
 
@@ -163,7 +162,7 @@ def test_the_left_over_names_the_slow_root_and_its_e_folding_time(configuration_
 def test_a_growing_pair_is_said_once(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift-and-speed")
     wind = triangle(plant)
-    text = str(judge(plant, on_the_boundary(plant, wind), wind).left_over)
+    text = str(judge(plant, on_the_boundary(plant, wind), wind).final_motion)
     assert text.count("155.9 s") == 1
 
 
@@ -171,7 +170,7 @@ def test_on_a_fixed_path_the_held_deflection_leaves_y_times_the_wind(configurati
     plant = Plant.from_vehicle(configuration, "fixed-path")
     wind = triangle(plant)
     y = tvclin.boundary_limit(plant, wind).limit
-    left = judge(plant, on_the_boundary(plant, wind), wind).left_over
+    left = judge(plant, on_the_boundary(plant, wind), wind).final_motion
     assert left.offset == pytest.approx(-y * wind.peak, rel=1e-13)  # the final value theorem
     assert left.rate == 0.0
     assert f"a constant attitude error of {np.degrees(-y * wind.peak):.4g} deg" == str(left)
@@ -181,7 +180,7 @@ def test_with_drift_the_held_deflection_leaves_a_ramp(configuration):
     plant = Plant.from_vehicle(configuration, "drift")
     c, wind = plant.coefficients, triangle(plant)
     control = on_the_boundary(plant, wind)
-    left = judge(plant, control, wind).left_over
+    left = judge(plant, control, wind).final_motion
     assert left.rate == pytest.approx(c.b1 / c.B * control.final_value, rel=1e-13)
     assert np.isnan(left.offset)
     assert str(left).startswith("a ramp of ")
@@ -190,7 +189,7 @@ def test_with_drift_the_held_deflection_leaves_a_ramp(configuration):
 def test_with_drift_a_pulse_that_ends_leaves_an_offset(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift")
     c, wind = plant.coefficients, tvclin.RectangularWind(peak=0.05, duration=6.0)
-    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
+    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).final_motion
     # s times (beta^2/B) B (s + b2)/(s (beta^2 - s^2)) times the area of the wind, at s = 0
     assert left.offset == pytest.approx(c.b2 * 0.05 * 6.0, rel=1e-13)
     assert left.rate == 0.0
@@ -201,18 +200,18 @@ def test_trim_throughout_leaves_nothing(configuration_i):
     wind = triangle(plant)
     verdict = judge(plant, tvclin.trim_deflection(plant, wind), wind)
     assert verdict.stable is True
-    assert str(verdict.left_over) == "nothing"
+    assert str(verdict.final_motion) == "nothing"
 
 
 def test_of_a_batch_the_first_that_keeps_an_error_or_a_ramp_is_named():
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
-    held = tvclin.linear.HeldDeflection(limit=0.01) * [0.0, 1.0, 2.0]
+    held = tvclin.linear.ConstantDeflection(limit=0.01) * [0.0, 1.0, 2.0]
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
     # In the end 0 = mu_alpha theta - mu_delta delta: -0.02 rad.
-    assert "a constant attitude error of -1.146 deg" in str(judge(stable, held, wind).left_over)
+    assert "a constant attitude error of -1.146 deg" in str(judge(stable, held, wind).final_motion)
     drifting = Plant.from_coefficients(Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1), "drift")
     # The slope at rest: mu_delta b1/mu_alpha delta = 0.008 rad/s.
-    assert "a ramp of 0.4584 deg/s" in str(judge(drifting, held, wind).left_over)
+    assert "a ramp of 0.4584 deg/s" in str(judge(drifting, held, wind).final_motion)
 
 
 def test_nothing_in_still_air_leaves_nothing(configuration_i):
@@ -220,19 +219,19 @@ def test_nothing_in_still_air_leaves_nothing(configuration_i):
     still = 0.0 * triangle(plant)
     verdict = judge(plant, tvclin.trim_deflection(plant, still), still)
     assert verdict.stable is True
-    assert str(verdict.left_over) == "nothing"
+    assert str(verdict.final_motion) == "nothing"
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_i, model):
     plant = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=0.0), model)
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
-    verdict = judge(plant, tvclin.linear.HeldDeflection(limit=0.01), wind)
+    verdict = judge(plant, tvclin.linear.ConstantDeflection(limit=0.01), wind)
     assert verdict.stable is True
-    assert np.isnan([verdict.left_over.rate, verdict.left_over.offset]).all()
-    assert str(verdict.left_over) == "what several poles at zero make of the deflection"
+    assert np.isnan([verdict.final_motion.rate, verdict.final_motion.offset]).all()
+    assert str(verdict.final_motion) == "what several poles at zero make of the deflection"
     some = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=[0.0, 9.45]), model)
-    left = judge(some, tvclin.linear.HeldDeflection(limit=0.01), wind).left_over
+    left = judge(some, tvclin.linear.ConstantDeflection(limit=0.01), wind).final_motion
     np.testing.assert_array_equal(np.isnan(left.rate), [True, False])
     assert "several poles at zero" in str(left)
 
@@ -242,9 +241,9 @@ def test_where_the_speed_plays_no_part_every_model_with_drift_leaves_one_ramp(mo
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1, b2=0.05)
     wind, held = (
         tvclin.TriangularWind(peak=0.05, duration=6.0),
-        tvclin.linear.HeldDeflection(limit=0.01),
+        tvclin.linear.ConstantDeflection(limit=0.01),
     )
-    left = judge(Plant.from_coefficients(c, model), held, wind).left_over
+    left = judge(Plant.from_coefficients(c, model), held, wind).final_motion
     # At rest mu_alpha rate = mu_delta b1 delta.
     assert left.rate == pytest.approx(2.0 * 0.1 * 0.01 / 0.25, rel=1e-13)
 
@@ -252,10 +251,10 @@ def test_where_the_speed_plays_no_part_every_model_with_drift_leaves_one_ramp(mo
 def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
     wind, held = (
         tvclin.TriangularWind(peak=0.05, duration=6.0),
-        tvclin.linear.HeldDeflection(limit=0.01),
+        tvclin.linear.ConstantDeflection(limit=0.01),
     )
     exact, speed = (
-        judge(Plant.from_vehicle(configuration_i, model, "yaw"), held, wind).left_over
+        judge(Plant.from_vehicle(configuration_i, model, "yaw"), held, wind).final_motion
         for model in ("drift-exact", "drift-and-speed")  # one is the other times s/s, as q = 0
     )
     assert exact.offset != 0.0
@@ -267,7 +266,7 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
     plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
     pole = unstable_modes(plant).poles
-    for early in (tvclin.linear.HeldDeflection(limit=0.01), wind * 0.2):
+    for early in (tvclin.linear.ConstantDeflection(limit=0.01), wind * 0.2):
         for first, second in ((early.shift(-2.0), wind), (early, wind.shift(-2.0))):
             found = judge(plant, first, second).residues
             expected = residues(plant, first, second) * np.exp(-2.0 * pole)
@@ -277,17 +276,19 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
 def test_a_wind_that_stays_is_leaned_into():
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
     left = judge(
-        stable, tvclin.linear.HeldDeflection(limit=0.01), tvclin.linear.HeldDeflection(limit=0.05)
+        stable,
+        tvclin.linear.ConstantDeflection(limit=0.01),
+        tvclin.linear.ConstantDeflection(limit=0.05),
     )
     # In the end 0 = mu_alpha (theta - alpha_w) - mu_delta delta.
-    assert left.left_over.offset == pytest.approx(0.05 - 0.02, rel=1e-13)
+    assert left.final_motion.offset == pytest.approx(0.05 - 0.02, rel=1e-13)
 
 
 def test_with_drift_pulses_of_wind_and_deflection_leave_the_sum_of_both(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift")
     c, wind = plant.coefficients, tvclin.RectangularWind(peak=0.05, duration=6.0)
     pulse = tvclin.RectangularWind(peak=0.02, duration=2.0)
-    left = judge(plant, pulse, wind).left_over
+    left = judge(plant, pulse, wind).final_motion
     assert left.offset == pytest.approx(c.b1 / c.B * 0.04 + c.b2 * 0.3, rel=1e-13)
 
 
@@ -295,24 +296,24 @@ def test_a_held_deflection_that_does_not_ramp_leaves_an_offset_of_its_own():
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.0, b2=0.05)
     wind, held = (
         tvclin.TriangularWind(peak=0.05, duration=6.0),
-        tvclin.linear.HeldDeflection(limit=0.01),
+        tvclin.linear.ConstantDeflection(limit=0.01),
     )
-    left = judge(Plant.from_coefficients(c, "drift"), held, wind).left_over
+    left = judge(Plant.from_coefficients(c, "drift"), held, wind).final_motion
     # For b1 = 0 the deflection turns the vehicle by delta/B as on a fixed path, the wind by
     # b2 times its area.
     assert left.rate == 0.0
     assert left.offset == pytest.approx(0.01 / c.B + 0.05 * 0.15, rel=1e-13)
-    both = judge(Plant.from_coefficients(c, "drift"), held * [1.0, 2.0], wind).left_over
+    both = judge(Plant.from_coefficients(c, "drift"), held * [1.0, 2.0], wind).final_motion
     np.testing.assert_allclose(both.offset, [0.08 + 0.0075, 0.16 + 0.0075], rtol=1e-13)
 
 
 def test_wind_and_trim_that_both_stay_leave_what_came_before_the_trim():
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.05, b2=0.05)
-    wind = tvclin.linear.HeldDeflection(limit=0.05)
-    trim = tvclin.linear.HeldDeflection(limit=-0.05 * c.B, start=3.0)
+    wind = tvclin.linear.ConstantDeflection(limit=0.05)
+    trim = tvclin.linear.ConstantDeflection(limit=-0.05 * c.B, start=3.0)
     for late in (0.0, 7.0):
         moved = trim.shift(late), wind.shift(late)
-        left = judge(Plant.from_coefficients(c, "drift"), *moved).left_over
+        left = judge(Plant.from_coefficients(c, "drift"), *moved).final_motion
         # Trim cancels the wind: a pulse of 3 s is left, and of that b2 times its area.
         assert (left.rate, left.offset) == (0.0, pytest.approx(0.05 * 0.15, rel=1e-12))
 
@@ -320,7 +321,7 @@ def test_wind_and_trim_that_both_stay_leave_what_came_before_the_trim():
 def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
     both = Plant.from_coefficients(Coefficients(mu_alpha=[-1.0, 0.25], mu_delta=2.0))
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
-    left = judge(both, tvclin.trim_deflection(both, 0.0 * wind), wind).left_over
+    left = judge(both, tvclin.trim_deflection(both, 0.0 * wind), wind).final_motion
     np.testing.assert_array_equal(left.oscillates, [True, False])
     assert "an undamped oscillation" in str(left)
 
@@ -329,17 +330,17 @@ def test_only_an_undamped_pair_oscillates_for_ever():
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
     stable = Coefficients(mu_alpha=np.linspace(-2.0, -0.1, 9), mu_delta=2.0)
     undamped = Plant.from_coefficients(stable, "drift")  # a pole at zero beside each pair
-    assert np.all(judge(undamped, wind, wind).left_over.oscillates)
+    assert np.all(judge(undamped, wind, wind).final_motion.oscillates)
     square = np.linspace(0.1, 2.0, 9)  # (s + 1)(s^2 + square): pairs that rounding may damp
     beside = Coefficients(mu_alpha=-square, mu_delta=2.0, C1=1.0, C2=square)
     undamped = Plant.from_coefficients(beside, "drift-exact")
-    assert np.all(judge(undamped, wind, wind).left_over.oscillates)
+    assert np.all(judge(undamped, wind, wind).final_motion.oscillates)
     # (s - 1/2)(s^2 + s/2 + 0.1525)
     mixed = Coefficients(mu_alpha=0.0975, mu_delta=2.0, C2=-0.07625)
     damped = Plant.from_coefficients(mixed, "drift-exact")
-    assert not judge(damped, wind, wind).left_over.oscillates
+    assert not judge(damped, wind, wind).final_motion.oscillates
     straight = Plant.from_coefficients(Coefficients(mu_alpha=0.25, mu_delta=2.0), "drift")
-    assert not judge(straight, wind, wind).left_over.oscillates
+    assert not judge(straight, wind, wind).final_motion.oscillates
 
 
 def test_unstable_poles_are_real_though_stable_ones_are_not():
@@ -356,7 +357,7 @@ def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift-exact")
     wind, held = (
         tvclin.TriangularWind(peak=0.05, duration=6.0),
-        tvclin.linear.HeldDeflection(limit=0.01),
+        tvclin.linear.ConstantDeflection(limit=0.01),
     )
     now, later = residues(plant, held, wind), residues(plant, held.shift(3.0), wind.shift(3.0))
     np.testing.assert_allclose(later, now * np.exp(-3.0 * unstable_modes(plant).poles), rtol=1e-12)
@@ -365,7 +366,7 @@ def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
 def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
     plant = Plant(Coefficients(**STABLE), "fixed-path")
     wind = tvclin.RectangularWind(peak=0.05, duration=6.0)
-    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
+    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).final_motion
     assert left.oscillates
     assert str(left) == "an undamped oscillation"
 
@@ -373,7 +374,7 @@ def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
 def test_an_unstable_vehicle_does_not_oscillate(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = triangle(plant)
-    assert not judge(plant, on_the_boundary(plant, wind), wind).left_over.oscillates
+    assert not judge(plant, on_the_boundary(plant, wind), wind).final_motion.oscillates
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])
@@ -397,7 +398,7 @@ def test_a_batch_equals_a_loop_and_fills_with_nan(model):
     slow = {"C2": 0.013 * rows["mu_alpha"]}
     batch = Plant.from_coefficients(Coefficients(**rows, **slow, **others), model)
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
-    held = tvclin.linear.HeldDeflection(limit=-0.004)
+    held = tvclin.linear.ConstantDeflection(limit=-0.004)
     modes, verdict = unstable_modes(batch), judge(batch, held, wind)
     for i in range(3):
         one = {name: values[i] for name, values in (rows | slow).items()}
@@ -409,7 +410,7 @@ def test_a_batch_equals_a_loop_and_fills_with_nan(model):
         assert np.all(np.isnan(modes.poles[i, n:]))
         assert verdict.stable[i] == alone.stable
         for name in ("offset", "rate", "oscillates"):
-            found, value = getattr(verdict.left_over, name), getattr(alone.left_over, name)
+            found, value = getattr(verdict.final_motion, name), getattr(alone.final_motion, name)
             assert found[i] == pytest.approx(value, rel=1e-12, nan_ok=True), name
 
 
@@ -459,7 +460,7 @@ def test_an_argument_of_another_kind_is_named(call, names):
 @pytest.mark.parametrize("apart", [0.0, 0.95e-6, 0.95e-6j])
 def test_poles_that_are_together_are_set_apart_about_their_mean(apart):
     both, other = 0.5 + np.array([apart, -apart]) / 2.0, [0.9, np.nan]
-    found = parted(np.array([[other[0], *both], [*both, other[1]]]))
+    found = separated_poles(np.array([[other[0], *both], [*both, other[1]]]))
     assert found.dtype == np.float64
     for pair in (found[0, 1:], found[1, :2]):
         np.testing.assert_allclose(pair, [0.5 + 5e-7, 0.5 - 5e-7], rtol=1e-15)
@@ -469,7 +470,7 @@ def test_poles_that_are_together_are_set_apart_about_their_mean(apart):
 @pytest.mark.parametrize("apart", [1.05e-6, 1.05e-6j])
 def test_poles_that_are_not_together_stay_as_they_are(apart):
     poles = np.array([0.5 + apart / 2.0, 0.5 - apart / 2.0, np.nan])
-    np.testing.assert_array_equal(parted(poles), poles)
+    np.testing.assert_array_equal(separated_poles(poles), poles)
 
 
 def test_a_table_of_modes_has_each_model_once_and_of_each_pair_the_upper_pole(configuration_i):
@@ -498,7 +499,7 @@ def test_a_table_of_modes_has_each_model_once_and_of_each_pair_the_upper_pole(co
     ],
 )
 def test_poles_are_counted_in_words_and_pairs_named(poles, words):
-    assert poles_in_words(np.array(poles)) == words
+    assert poles_text(np.array(poles)) == words
 
 
 @pytest.mark.parametrize("batch", [(), (3,), (2, 3)])
@@ -519,4 +520,4 @@ def test_a_left_eigenvector_is_that_of_the_eigenvalue_next_to_a_pole(batch):
 def test_a_wind_is_infinitely_strong_where_the_deflection_does_not_reach(b2):
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=-0.5, b2=b2)
     plant = Plant.from_coefficients(c, "drift")  # (s - 0.5)/(s - 0.5): no deflection moves it
-    np.testing.assert_array_equal(wind_strength(plant, np.array([0.5])), [np.inf])
+    np.testing.assert_array_equal(wind_over_deflection(plant, np.array([0.5])), [np.inf])

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tvclin import Coefficients, InputError, Plant
-from tvclin.linear.models import MODELS
-from tvclin.linear.plant import INPUTS
+from tvclin.linear.plant import INPUTS, MODELS
 
 COEFFICIENTS = Coefficients(
     mu_alpha=0.28, mu_delta=2.6, C1=0.025, C2=0.0036, b1=0.0284, b2=0.0169, q=1.7e-4

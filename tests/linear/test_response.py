@@ -116,7 +116,7 @@ def test_eq_9_agrees_in_a_rectangular_wind() -> None:
     c, x = coefficients(), np.linspace(-0.2, 2.0, 56)
     wind, plant = tv.RectangularWind(peak=-0.1, duration=2.0 / c.beta), tv.Plant(c, "fixed-path")
     for y in (0.5, 0.86, 1.0):
-        held = tv.linear.HeldDeflection(limit=y * c.B * 0.1)
+        held = tv.linear.ConstantDeflection(limit=y * c.B * 0.1)
         found = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"]
         np.testing.assert_allclose(found / 0.1, rectangular_attitude(x, 2.0, y), atol=1e-13)
 
@@ -162,7 +162,7 @@ def test_a_knot_on_the_grid_makes_forced_response_right_and_one_off_it_does_not(
     c = coefficients()
     plant = tv.Plant(c, "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=4.0 / c.beta)
-    held = tv.linear.HeldDeflection(limit=-0.37 * c.B * 0.1)
+    held = tv.linear.ConstantDeflection(limit=-0.37 * c.B * 0.1)
     errors = []
     for count in (400, 401):  # 401 points have the peak of the wind among them
         times = np.linspace(0.0, wind.duration, count)
@@ -180,7 +180,7 @@ def test_a_batch_is_the_loop_over_its_elements(model: str) -> None:
     c = coefficients()
     many = c.replace(mu_alpha=c.mu_alpha * np.array([[1.0], [1.3]]))
     winds = tv.TriangularWind(peak=np.array([0.1, -0.05, 0.02]), duration=np.array([3.0, 7.0, 9.0]))
-    held = tv.linear.HeldDeflection(limit=np.array([-0.003, 0.002, -0.001]))
+    held = tv.linear.ConstantDeflection(limit=np.array([-0.003, 0.002, -0.001]))
     times = np.linspace(-1.0, 12.0, 27)
     found = tv.attitude_responses(tv.Plant(many, model), held, winds, times)
 
@@ -188,7 +188,7 @@ def test_a_batch_is_the_loop_over_its_elements(model: str) -> None:
     for i, j in np.ndindex(2, 3):
         one = tv.attitude_responses(
             tv.Plant(c.replace(mu_alpha=float(np.asarray(many.mu_alpha)[i, 0])), model),
-            tv.linear.HeldDeflection(limit=[-0.003, 0.002, -0.001][j]),
+            tv.linear.ConstantDeflection(limit=[-0.003, 0.002, -0.001][j]),
             tv.TriangularWind(peak=[0.1, -0.05, 0.02][j], duration=[3.0, 7.0, 9.0][j]),
             times,
         )
@@ -203,7 +203,7 @@ def test_superposition_scaling_shift_and_sign(
     plant = tv.Plant(coefficients(), model)
     wind, held = (
         tv.TriangularWind(peak=0.1, duration=duration),
-        tv.linear.HeldDeflection(limit=-0.004),
+        tv.linear.ConstantDeflection(limit=-0.004),
     )
     times = np.linspace(0.0, 10.0, 21)
     zero = held * 0.0
@@ -223,7 +223,7 @@ def test_time_scales_with_beta() -> None:
     for beta in (1.0, 0.4):
         plant = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=0.1), "fixed-path")
         wind = tv.TriangularWind(peak=0.1, duration=4.0 / beta)
-        held = tv.linear.HeldDeflection(limit=-0.0037)
+        held = tv.linear.ConstantDeflection(limit=-0.0037)
         answers.append(tv.attitude_responses(plant, held, wind, times / beta)["attitude"])
 
     np.testing.assert_allclose(answers[1], answers[0], rtol=1e-12, atol=1e-16)
@@ -231,7 +231,7 @@ def test_time_scales_with_beta() -> None:
 
 def test_a_vehicle_without_aerodynamic_moment_is_a_double_integrator() -> None:
     plant = tv.Plant(tv.Coefficients(mu_alpha=0.0, mu_delta=2.0), "fixed-path")
-    held = tv.linear.HeldDeflection(limit=-0.01, start=1.0)
+    held = tv.linear.ConstantDeflection(limit=-0.01, start=1.0)
     wind = tv.RectangularWind(peak=0.1, duration=2.0)
     times = np.array([0.0, 1.0, 2.5, 40.0])
     found = tv.attitude_responses(plant, held, wind, times)["attitude"]
@@ -257,11 +257,13 @@ def test_batches_are_refused_where_one_case_is_asked_for() -> None:
     plant = tv.Plant(coefficients(), "fixed-path")
     winds = tv.TriangularWind(peak=[0.1, 0.2], duration=5.0)
     with pytest.raises(tv.InputError, match="attitude_responses"):
-        tv.attitude_response(plant, tv.linear.HeldDeflection(limit=-0.01), winds, [0.0, 1.0])
+        tv.attitude_response(plant, tv.linear.ConstantDeflection(limit=-0.01), winds, [0.0, 1.0])
     with pytest.raises(tv.InputError, match="broadcast together"):
-        tv.attitude_responses(plant, tv.linear.HeldDeflection(limit=[-0.01] * 3), winds, [0.0, 1.0])
+        tv.attitude_responses(
+            plant, tv.linear.ConstantDeflection(limit=[-0.01] * 3), winds, [0.0, 1.0]
+        )
     with pytest.raises(tv.InputError, match="output must be one of"):
-        tv.attitude_responses(plant, tv.linear.HeldDeflection(limit=-0.01), winds, [0.0])[
+        tv.attitude_responses(plant, tv.linear.ConstantDeflection(limit=-0.01), winds, [0.0])[
             "altitude"
         ]
 
@@ -273,7 +275,10 @@ def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, mode
     c = tv.Coefficients(
         mu_alpha=mu_alpha, mu_delta=1.0, b1=0.03, b2=0.02, C1=0.03, C2=0.01 * mu_alpha
     )
-    held, wind = tv.linear.HeldDeflection(limit=-0.005), tv.TriangularWind(peak=0.1, duration=5.0)
+    held, wind = (
+        tv.linear.ConstantDeflection(limit=-0.005),
+        tv.TriangularWind(peak=0.1, duration=5.0),
+    )
     found = tv.attitude_responses(tv.Plant(c, model), held, wind, [10.0])["attitude"][0]
 
     expected = 0.005 * (50.0 + (5.0 if model == "drift" else 0.0))
@@ -283,7 +288,10 @@ def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, mode
 @pytest.mark.parametrize("late", [-150.0, 150.0, 1500.0])
 def test_an_early_or_late_flight_is_the_same_flight(late: float) -> None:
     plant = tv.Plant(tv.Coefficients.from_beta(beta=5.0, B=0.1), "fixed-path")
-    wind, held = tv.TriangularWind(peak=0.1, duration=5.0), tv.linear.HeldDeflection(limit=-0.05)
+    wind, held = (
+        tv.TriangularWind(peak=0.1, duration=5.0),
+        tv.linear.ConstantDeflection(limit=-0.05),
+    )
     times = np.array([-1.0, -1e-3, 0.0, 0.5, 2.0])
     expected = tv.attitude_responses(plant, held, wind, times).outputs
     moved = held.shift(late), wind.shift(late)

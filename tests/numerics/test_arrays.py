@@ -281,8 +281,8 @@ def test_the_magnitude_does_not_heed_the_sign_nor_the_phase():
 
 @pytest.mark.parametrize("s", [0.0, -1.0, 0j, 1j, -0.5 + 2j])
 def test_a_transform_that_diverges_is_infinite(s):
-    assert np.isinf(tv.linear.HeldDeflection(limit=0.1, start=2.0).laplace(s))
-    assert np.isinf(tv.linear.HeldDeflection(limit=0.1).laplace(s))
+    assert np.isinf(tv.linear.ConstantDeflection(limit=0.1, start=2.0).laplace(s))
+    assert np.isinf(tv.linear.ConstantDeflection(limit=0.1).laplace(s))
 
 
 def test_a_decaying_end_has_a_transform_right_of_its_rate_and_none_left_of_it():

@@ -18,7 +18,7 @@ import pytest
 import tvclin
 from tests.doors import ANSWERS, INSIDE, public
 from tvclin.base.doors import CHAPTERS, GUESSES
-from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.plant import DEFAULT_MODEL
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -112,7 +112,7 @@ def test_the_page_of_a_chapter_names_what_can_be_called(chapter: str) -> None:
     named = set(re.findall(r"`(?:\w+\.)*(\w+)`", door.__doc__))
 
     assert named <= {*public(), "margins"}
-    assert set(door.__all__) - ANSWERS - INSIDE <= named | {"LeftOver", "Stop"}
+    assert set(door.__all__) - ANSWERS - INSIDE <= named | {"FinalMotion", "Stop"}
 
 
 @pytest.mark.parametrize(
@@ -231,9 +231,9 @@ def test_no_public_function_takes_another_model_by_itself() -> None:
         with suppress(ValueError):  # some of numpy and control have no signature
             taken = inspect.signature(function).parameters.get("model")
             if taken is not None and taken.default is not inspect.Parameter.empty:
-                assert taken.default in ("", None, USUAL_MODEL), function
+                assert taken.default in ("", None, DEFAULT_MODEL), function
     models = (ROOT / "docs" / "conventions.md").read_text().partition("## Models")[2]
-    assert f"takes **`{USUAL_MODEL}`**" in models.partition("##")[0]
+    assert f"takes **`{DEFAULT_MODEL}`**" in models.partition("##")[0]
 
 
 def test_every_public_name_is_documented_with_its_errors_and_units() -> None:

@@ -293,7 +293,7 @@ def test_sketch_c_solves_equation_c6():
 
 def test_a_response_is_drawn_in_degrees_whoever_computed_it(configuration_i):
     plant, wind = tv.Plant.from_vehicle(configuration_i), tv.TriangularWind(peak=0.08, duration=7.5)
-    held = tv.linear.HeldDeflection(limit=tv.boundary_limit(plant, wind, 0.0).deflection)
+    held = tv.linear.ConstantDeflection(limit=tv.boundary_limit(plant, wind, 0.0).deflection)
     times, level = np.linspace(0.0, 7.5, 61), abs(held.limit)
     exact = tv.attitude_response(plant, held, wind, times)
     inputs = np.stack([held(times), wind(times)])

@@ -20,7 +20,7 @@ from tvclin.answers.study_file.read import example
 from tvclin.answers.trials import law_trials
 from tvclin.base.lines import Number, text
 from tvclin.cli.app import app
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 from tvclin.show.report import basis, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of

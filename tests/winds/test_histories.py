@@ -68,7 +68,7 @@ def test_the_future_seen_from_the_first_knot_is_the_transform():
 
 
 def test_the_future_stays_exact_late_and_is_zero_after_the_end():
-    held = tv.linear.HeldDeflection(limit=0.1)
+    held = tv.linear.ConstantDeflection(limit=0.1)
     np.testing.assert_allclose(held.remaining_integral(0.5, [0.0, 1e4]), [0.2, 0.2], rtol=4e-16)
     np.testing.assert_array_equal(tri().remaining_integral(0.5, [8.0, 1e4]), [0.0, 0.0])
 
@@ -136,7 +136,7 @@ def test_the_cut_and_the_rest_make_the_whole(f, time, s):
 
 
 def test_cutting_at_infinity_changes_nothing_and_cutting_early_leaves_nothing():
-    h = tri().filter([1.0], [1.0, 0.5]) - tv.linear.HeldDeflection(limit=0.1)
+    h = tri().filter([1.0], [1.0, 0.5]) - tv.linear.ConstantDeflection(limit=0.1)
     np.testing.assert_array_equal(h.before(np.inf)(TIMES), h(TIMES))
     assert h.before(np.inf).laplace(0.5) == h.laplace(0.5)
     assert not np.any(h.before(-1.0)(TIMES))
@@ -144,7 +144,7 @@ def test_cutting_at_infinity_changes_nothing_and_cutting_early_leaves_nothing():
 
 
 def test_onset_and_end_skip_what_is_zero():
-    held = tv.linear.HeldDeflection(limit=0.1, start=-2.0)
+    held = tv.linear.ConstantDeflection(limit=0.1, start=-2.0)
     assert (held.onset, held.end) == (-2.0, np.inf)
     wind = tv.SampledWind(time=[0.0, 1.0, 2.0, 3.0, 4.0], angle=[0.0, 0.0, 0.1, 0.0, 0.0])
     assert (wind.onset, wind.end) == (1.0, 3.0)
@@ -154,9 +154,9 @@ def test_onset_and_end_skip_what_is_zero():
 def test_the_final_value_is_what_stays():
     assert tri().final_value == 0.0
     assert tri().filter([1.0], [1.0, 0.5]).final_value == 0.0
-    assert tv.linear.HeldDeflection(limit=-0.2).final_value == -0.2
+    assert tv.linear.ConstantDeflection(limit=-0.2).final_value == -0.2
     assert tri().filter([1.0], [1.0, 0.0]).final_value == pytest.approx(0.4, rel=4e-16)
-    held = tv.linear.HeldDeflection(limit=0.1)
+    held = tv.linear.ConstantDeflection(limit=0.1)
     assert held.filter([1.0], [1.0, 0.5]).final_value == pytest.approx(0.2, rel=4e-16)
     assert np.isnan(held.filter([1.0], [1.0, 0.0]).final_value)
     assert np.isnan(held.filter([1.0], [1.0, -0.5]).final_value)
@@ -251,7 +251,7 @@ def test_a_filter_answers_as_an_ode_solver_says(name, history):
 @pytest.mark.parametrize("name", FILTERS)
 def test_a_filter_multiplies_the_transform(name, s):
     num, den = FILTERS[name]
-    for h in (tri(), tv.linear.HeldDeflection(limit=0.1, start=1.0)):
+    for h in (tri(), tv.linear.ConstantDeflection(limit=0.1, start=1.0)):
         expected = np.polyval(num, s) / np.polyval(den, s) * h.laplace(s)
         np.testing.assert_allclose(h.filter(num, den).laplace(s), expected, rtol=1e-12)
 
@@ -271,7 +271,7 @@ def test_a_pole_on_or_near_a_rate_of_the_history_loses_nothing(pole, off):
 @pytest.mark.parametrize("pole", [1e-10, -1e-10, 1e-6, -1e-3])
 def test_a_slow_pole_answers_a_held_deflection_to_rounding(pole):
     expected = 0.1 * np.expm1(pole * LATE) / pole
-    answer = tv.linear.HeldDeflection(limit=0.1).filter([1.0], [1.0, -pole])
+    answer = tv.linear.ConstantDeflection(limit=0.1).filter([1.0], [1.0, -pole])
     np.testing.assert_allclose(answer(LATE), expected, rtol=1e-14)
 
 

@@ -129,7 +129,10 @@ def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
         (lambda: PlaneWind(pitch=GUST, yaw=0.1), "yaw must be a History"),
         (lambda: PlaneWind.towards(GUST, np.nan), "angle must be finite"),
         (lambda: PlaneWind.veering(GUST, 0.0, 100.0), "less than 100 times"),
-        (lambda: PlaneWind.veering(tv.linear.HeldDeflection(limit=0.1), 0.0, 0.1), "wind must end"),
+        (
+            lambda: PlaneWind.veering(tv.linear.ConstantDeflection(limit=0.1), 0.0, 0.1),
+            "wind must end",
+        ),
         (lambda: PlaneWind.veering(GUST, [0.0, 1.0], [0.1, 0.2, 0.3]), "broadcast together"),
     ],
 )

@@ -11,7 +11,7 @@ import numpy as np
 from tvclin.answers.nozzle import Nozzle
 from tvclin.base.declared import checked, word
 from tvclin.base.errors import InputError, between, instance, number, shown
-from tvclin.linear.models import MODELS, USUAL_MODEL, flexible_model, usual_model
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
@@ -72,7 +72,7 @@ class Case:
     model: str = word(
         MODELS,
         "",
-        shown=f"{USUAL_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
+        shown=f"{DEFAULT_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
     )
     plane: str = word(PLANES, "pitch")
     wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
@@ -84,7 +84,7 @@ class Case:
         if not isinstance(self.vehicle, LinearVehicle):
             instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         if isinstance(self.model, str) and not self.model:
-            object.__setattr__(self, "model", usual_model(self.vehicle))
+            object.__setattr__(self, "model", default_model(self.vehicle))
         checked(self)
         if not isinstance(self.wind, ShapedWind | WindEnsemble | History):
             raise InputError(
@@ -114,7 +114,7 @@ class Case:
     @property
     def law_model(self) -> str:
         """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
-        return USUAL_MODEL if self.model == "drift-and-speed" else self.loop_model
+        return DEFAULT_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @cached_property
     def plant(self) -> AnyPlant:

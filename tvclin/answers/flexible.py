@@ -18,7 +18,7 @@ from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, Shift, plant_of
-from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
 
@@ -128,7 +128,7 @@ def shift_of(plant: AnyPlant) -> Shift | None:
 
 def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     """Return in words by how much the structure moves what the rigid theory rests on."""
-    moved = shift_of(plant_of(vehicle, USUAL_MODEL, plane))
+    moved = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
     if moved is None:
         return ""
     return (

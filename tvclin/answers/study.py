@@ -35,9 +35,8 @@ from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.models import USUAL_MODEL, models_of
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import DEFAULT_MODEL, Plant, models_of
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
@@ -199,7 +198,7 @@ class Study(CaseRequirement, Shown):
         coefficients = coefficients_of(case.vehicle, case.plane)
         plants = {name: Plant(coefficients, name) for name in models_of(case.vehicle)}
         dead_bands = np.array(sorted({*DEAD_BANDS, need.dead_band}, reverse=True))
-        with_drift = model if model != "fixed-path" else USUAL_MODEL
+        with_drift = model if model != "fixed-path" else DEFAULT_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, case.plane)
         modes = {name: unstable_modes(each) for name, each in plants.items()}

@@ -16,9 +16,8 @@ from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import PAIR
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.linear.models import ONE_POLE, USUAL_MODEL
 from tvclin.linear.modes import Modes
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE, Plant
 from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
@@ -104,7 +103,7 @@ def slow_or_paired(
 
 def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
     """Say where the exact model has unstable modes beside, which this one leaves out."""
-    name = USUAL_MODEL
+    name = DEFAULT_MODEL
     if plant.model not in ONE_POLE or name not in modes:
         return
     more = modes[name].poles.size > modes[plant.model].poles.size

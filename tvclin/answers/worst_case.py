@@ -23,8 +23,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
-from tvclin.linear.models import usual_model
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import Plant, default_model
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
@@ -155,7 +154,7 @@ def worst_case(
         `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
         "gain" (a factor on all gains), "delay", "actuator_frequency", "actuator_damping".
     model, plane : str
-        Of the plant, the model by `usual_model` if not given; the plane is that of a `Vehicle`.
+        Of the plant, the model by `default_model` if not given; the plane is that of a `Vehicle`.
     wind : ShapedWind, optional
         The nominal wind; without it no deflection is asked for.
     dead_band : float
@@ -186,7 +185,7 @@ def worst_case(
     (27.2, 25.6, 0.04, 'searched')
     """
     ends = _checked(subject, autopilot, box, wind)
-    model = usual_model(subject) if model is None else model
+    model = default_model(subject) if model is None else model
     case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
     K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
     corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))

@@ -34,7 +34,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.boundary.optimum.least_peaks import peaks_of
 from tvclin.boundary.switching import Problem
-from tvclin.linear.modes import parted
+from tvclin.linear.modes import separated_poles
 
 _ARRIVED = 1e-8
 """Of a limit: steps below this part of it end the search. It stays above what is lost."""
@@ -59,7 +59,7 @@ def least_after_trim(problem: Problem, poles: AnyArray, least: FloatArray) -> Fl
     shape, count = problem.shape, poles.shape[-1]
     K = np.broadcast_to(problem.dead_band, shape).ravel()
     found = np.array(np.broadcast_to(least, shape), dtype=float).ravel()
-    modes = parted(np.broadcast_to(poles, (*shape, count)).reshape(-1, count))
+    modes = separated_poles(np.broadcast_to(poles, (*shape, count)).reshape(-1, count))
     number = (~np.isnan(modes)).sum(axis=-1)
     asked = (K > 0.0) & (K < 1.0) & np.isfinite(found) & (number > 1)
     highest = np.minimum(problem.largest_trim(asked.reshape(shape)).ravel(), _HIGHEST)

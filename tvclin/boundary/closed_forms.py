@@ -96,10 +96,10 @@ def _upper_bracket(p: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> Flo
     with np.errstate(divide="ignore", over="ignore"):
         high = np.minimum(p / K, 1.0 / (1.0 - K))
     for _ in range(60):
-        positive = _residual(high, K, kappa, K1, rho, L) > 0.0
-        if not np.any(positive):
+        outside = _residual(high, K, kappa, K1, rho, L) > 0.0
+        if not np.any(outside):
             break
-        high = np.where(positive, 1.5 * high, high)
+        high = np.where(outside, 1.5 * high, high)
     return high
 
 

@@ -35,8 +35,8 @@ from tvclin.base.errors import (
 )
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import COMPILED, PLAIN, largest_futures
-from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
 
@@ -138,7 +138,7 @@ def forecast_free_limit(
     1.5 0.4593
     3.0 0.5638
     """
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
     turned = np.cos(number("turn", turn, between(0.0, np.pi), "rad"))
@@ -147,15 +147,14 @@ def forecast_free_limit(
     poles = unstable_poles(plant)
     if not shape and (not poles.size or np.imag(poles[0])):
         raise InputError(
-            "plant must have real unstable poles, the fastest at least; it has"
-            f" {poles_in_words(poles)}"
+            f"plant must have real unstable poles, the fastest at least; it has {poles_text(poles)}"
         )
     fast = poles[..., :1] if poles.shape[-1] else np.full((*plant.batch, 1), np.nan)
     real = np.imag(fast) == 0.0
     stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
     pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
     B = np.asarray(plant.coefficients.B)[..., np.newaxis]
-    strength = np.where(real, np.abs(wind_strength(plant, pole) / B), np.nan)
+    strength = np.where(real, np.abs(wind_over_deflection(plant, pole) / B), np.nan)
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak

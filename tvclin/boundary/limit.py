@@ -29,7 +29,7 @@ from tvclin.base.lines import Line, Table, number, significant
 from tvclin.boundary.switching import Problem
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import unstable_poles
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import check_end, equivalent_triangle
 
@@ -124,7 +124,7 @@ def boundary_limit(
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
     one_of("switch", switch, SWITCHES)
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     _check_wind(wind)
     pole, paired = leading_pole(plant)

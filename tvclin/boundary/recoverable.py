@@ -22,8 +22,8 @@ from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.reaches import COMPILED, PLAIN, least_reaches
-from tvclin.linear.modes import left_eigenvector, poles_in_words, unstable_poles
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.modes import left_eigenvector, poles_text, unstable_poles
+from tvclin.linear.plant import PLANT_HINT, Plant
 
 MOST_MODES = 2
 """Unstable modes for which the set is known in closed form."""
@@ -77,14 +77,14 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     >>> unstable_coordinates(plant).rows  # attitude + rate/(p + damping), here without damping
     array([[1., 2.]])
     """
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     single("plant", plant.batch)
     poles = unstable_poles(plant)
     if not poles.size or np.iscomplexobj(poles) or poles.size > MOST_MODES:
         raise InputError(
             "plant must have one or two real unstable poles, as the models fixed-path, drift and"
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
-            f" {poles_in_words(poles)}"
+            f" {poles_text(poles)}"
         )
     # With l A = s l, z = c l x obeys z' = s z + c (l b) delta + c (l w) alpha_w. c (l b) = -s/B
     # makes that s (z - delta/B - k alpha_w), k = -c (l w)/s.

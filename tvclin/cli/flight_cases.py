@@ -20,9 +20,8 @@ from tvclin.flights.control import ReportControl
 from tvclin.flights.engines import ENGINES
 from tvclin.flights.falls import watched_until
 from tvclin.flights.flown_boundary import flown_boundary
-from tvclin.linear.models import USUAL_MODEL
 from tvclin.linear.modes import all_modes
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -102,7 +101,7 @@ class FlightCase(Flying):
                 " the vehicle's own\ntime, flat planet at rest, rigid, no actuator"
             )
         flown = f"flown: {ENGINES[self.engine].words}"
-        linear = f"linear: model {USUAL_MODEL}, parameters frozen {NOMINAL}"
+        linear = f"linear: model {DEFAULT_MODEL}, parameters frozen {NOMINAL}"
         return [self.title, flown, f"assumed: {assumed}", linear]
 
     @property
@@ -188,7 +187,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         title=f"Limit {np.degrees(limit):.3f} deg, {over}",
         facts={
             "along_trajectory": case.condition is not None,
-            "linear_model": USUAL_MODEL,
+            "linear_model": DEFAULT_MODEL,
             "predicted": flight.predicted,
             "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
             "minimum_deg": np.degrees(case.minimum),

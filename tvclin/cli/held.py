@@ -12,8 +12,7 @@ from tvclin.base.errors import InputError, within
 from tvclin.base.quantities import NOMINAL
 from tvclin.cli.wind import wind_words
 from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.extremes import Extremes, Shown, extremes, shown_until
-from tvclin.linear.loads import Loads, wind_loads
+from tvclin.linear.extremes import Extremes, Loads, ResponseEnd, extremes, response_end, wind_loads
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.verdict import Verdict, judge
@@ -63,11 +62,11 @@ class Held:
         limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg, {NOMINAL}"
         return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
 
-    def followed(self, length: float) -> tuple[Extremes, Shown]:
+    def followed(self, length: float) -> tuple[Extremes, ResponseEnd]:
         """Return the extremes of the attitude in a length [s], and how much of it is shown."""
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
         survives = bool(covers(self.limit, self.nominal))
-        shown = shown_until(*motion, length, lets_go=survives and lets_go)
+        shown = response_end(*motion, length, lets_go=survives and lets_go)
         found = extremes(*motion, shown.time)
         if shown.back_at_zero is not None:
             found = replace(found, back_at_zero=shown.back_at_zero)

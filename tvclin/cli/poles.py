@@ -6,9 +6,8 @@ from tvclin.base.errors import one_of
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import PLANE, AsJson, At, Given, Plot, Source, asked
 from tvclin.cli.output import answer, draw, print_tables
-from tvclin.linear.models import MODELS, models_of
 from tvclin.linear.modes import Modes, all_modes, mode_table
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import MODELS, Plant, models_of
 
 
 def poles(

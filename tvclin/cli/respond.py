@@ -25,8 +25,15 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import WindOptions
-from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Extremes, Shown
-from tvclin.linear.loads import response_table
+from tvclin.linear.extremes import (
+    COMPLETE,
+    OVERTURNED,
+    OVERTURNED_NOTE,
+    RELEASED,
+    Extremes,
+    ResponseEnd,
+    response_table,
+)
 from tvclin.linear.response import attitude_responses
 
 if TYPE_CHECKING:
@@ -94,7 +101,7 @@ def _title(case: Held) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, found: Extremes, shown: Shown) -> None:
+def _print(case: Held, found: Extremes, shown: ResponseEnd) -> None:
     say(case.words)
     caption = f"{case.case.vehicle.name}: exact response"
     whole = _covers_the_wind(case, shown)
@@ -106,27 +113,27 @@ def _print(case: Held, found: Extremes, shown: Shown) -> None:
     say_notes(case.notes)
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
-    if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
+    if not verdict.stable and np.isnan(verdict.final_motion.e_folding_times[0]):
         stable = "by condition (4b) only the slow mode of the flight path is not stable"
-    say(f"Held for ever, the deflection leaves {verdict.left_over}: {stable}.")
+    say(f"Held for ever, the deflection leaves {verdict.final_motion}: {stable}.")
     if case.survived and not verdict.stable:
         say("SURVIVED means with a control that lets go of the limit in time.")
-    if shown.why == LET_GO:
+    if shown.why == RELEASED:
         say(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
             f" response is shown until then, {shown.time:.3f} s."
         )
-    elif shown.why == FALLEN:
+    elif shown.why == OVERTURNED:
         say(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
         if case.survived:
-            say(TURNED_OVER)
+            say(OVERTURNED_NOTE)
 
 
-def _covers_the_wind(case: Held, shown: Shown) -> bool:
-    return shown.why == WHOLE or shown.time >= float(case.wind.end)
+def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
+    return shown.why == COMPLETE or shown.time >= float(case.wind.end)
 
 
-def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
+def _document(case: Held, found: Extremes, shown: ResponseEnd) -> dict[str, Any]:
     verdict, whole = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.required_deflection)
     keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
@@ -141,7 +148,7 @@ def _document(case: Held, found: Extremes, shown: Shown) -> dict[str, Any]:
         "peak_angle_of_attack": picked(case.loads, keys) if whole else None,
         "verdict": {
             **picked(verdict, "stable residues_rad"),
-            "left_over": str(verdict.left_over),
-            **picked(verdict.left_over, "offset_deg rate_deg_per_s"),
+            "final_motion": str(verdict.final_motion),
+            **picked(verdict.final_motion, "offset_deg rate_deg_per_s"),
         },
     }

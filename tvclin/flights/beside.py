@@ -33,9 +33,8 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.control import ReportControl
 from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.extremes import FALLEN_OVER, let_go
-from tvclin.linear.models import USUAL_MODEL
-from tvclin.linear.plant import Plant
+from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE, release_time
+from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -211,7 +210,7 @@ def fly_beside(
     >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
     (True, True, [0.43, 0.43])
     """
-    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
+    plant = Plant.from_vehicle(vehicle, DEFAULT_MODEL, plane)
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
     ending("wind", wind.end)
@@ -238,7 +237,7 @@ def fly_beside(
         flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
     times, rows = np.asarray(flown.time), np.array(flown.outputs)
     linear = _linear(plant, control, wind, times, limit)
-    linear[:, np.logical_or.accumulate(np.abs(linear[0]) > FALLEN_OVER)] = np.nan
+    linear[:, np.logical_or.accumulate(np.abs(linear[0]) > MAX_SHOWN_ATTITUDE)] = np.nan
     ends = tuple(
         _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
         for each, survivor in ((rows, survived), (linear, predicted))
@@ -262,7 +261,7 @@ def _let_go(
     flown = np.flatnonzero(np.isfinite(rows[0]))
     if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _AT_LIMIT):
         return np.inf
-    when = let_go(plant, wind, times, rows[0])
+    when = release_time(plant, wind, times, rows[0])
     rows[:, times > when] = np.nan
     return when
 

@@ -4,7 +4,7 @@
   `available_models` says which of the four are known.
 - Its poles and residues: `unstable_modes`, `all_modes`, `residues`.
 - Stability in a wind, by eq (4b): `is_stable`, `judge`.
-- Deflections: `trim_deflection`, `trim_then_hold`, `HeldDeflection`, `BangBang`.
+- Deflections: `trim_deflection`, `trim_then_hold`, `ConstantDeflection`, `BangBang`.
 - Responses, exact also on the boundary: `attitude_response`, `attitude_responses`; what they load:
   `wind_loads`.
 """

@@ -1,7 +1,7 @@
-"""Deflections: histories of the control, delta - delta_n [rad].
+"""Deflection histories, delta - delta_n [rad], as controls of the open-loop theory.
 
-A deflection that is held, one that switches between two limits, and the report's control: trim
-until the dead band is left, then the limit.
+A constant deflection, a bang-bang deflection between two limits (appendix C), trim of a wind, and
+the report's control: trim up to the exit of the dead band, then the limit.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tvclin.base.errors import (
     together,
     within,
 )
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics import pieces as algebra
 from tvclin.numerics.pieces import Pieces
 from tvclin.numerics.searches import first_crossing
@@ -35,13 +35,13 @@ SWITCHES = ("report", "literal")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class HeldDeflection(History):
-    """A deflection that is constant from its start on, for ever.
+class ConstantDeflection(History):
+    """Deflection that is constant from its start on, without end.
 
     Parameters
     ----------
     limit : array_like
-        Deflection [rad]. A positive one pitches the nose down; it opposes a negative wind.
+        Deflection [rad]. A positive deflection pitches the nose down; it opposes a negative wind.
     start : array_like
         Start time [s]; negative for a start before t = 0.
 
@@ -62,22 +62,22 @@ class HeldDeflection(History):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
+        """Pieces as arrays: knots, coefficients and rates."""
         limit, start = np.broadcast_arrays(self.limit, self.start)
         return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BangBang(History):
-    """A deflection that is always at one of its two limits, +limit first (appendix C).
+    """Deflection that switches between +limit and -limit, starting with +limit (appendix C).
 
     Parameters
     ----------
     limit : array_like
-        First deflection [rad], ``(...)``; negative to start the other way.
+        First deflection [rad], ``(...)``, of either sign.
     switch_times : array_like
         Times [s] at which the sign changes, ``(..., n)``, not decreasing and not before `start`.
-        The sign after the last one is kept for ever.
+        The deflection stays constant after the last.
     start : array_like
         Start time [s].
 
@@ -106,23 +106,23 @@ class BangBang(History):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces as arrays."""
+        """Pieces as arrays: knots, coefficients and rates."""
         limit, start = np.asarray(self.limit), np.asarray(self.start)
         count = self.switch_times.shape[-1]
         shape = np.broadcast_shapes(limit.shape, start.shape, self.switch_times.shape[:-1])
         first = np.broadcast_to(start[..., np.newaxis], (*shape, 1))
-        later = np.broadcast_to(self.switch_times, (*shape, count))
+        switches = np.broadcast_to(self.switch_times, (*shape, count))
         signs = (-1.0) ** np.arange(count + 1)
         return linear_pieces(
-            np.concatenate([first, later], axis=-1), limit[..., np.newaxis] * signs, 0.0
+            np.concatenate([first, switches], axis=-1), limit[..., np.newaxis] * signs, 0.0
         )
 
 
 def trim_deflection(plant: Plant, wind: History) -> History:
-    """Return the deflection that keeps the attitude nominal in a wind, exactly.
+    """Return the deflection that keeps the attitude nominal in a wind, exactly [rad].
 
-    On eq (5) it is -B alpha_w; on the models with drift the wind passes the filter
-    -B (s + b2)/(s + b1), because the vehicle drifts with the wind; eq before (17).
+    On eq (5) it is -B alpha_w; on the models with drift the wind passes the filter -B (s + b2)/(s +
+    b1), because the vehicle drifts with the wind; eq before (17).
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def trim_deflection(plant: Plant, wind: History) -> History:
     wind : History
         Wind angle of attack; batches broadcast.
     """
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     from_wind = plant.numerator("attitude", "wind")
     return wind.filter(-from_wind, plant.numerator("attitude", "deflection"))
@@ -144,29 +144,29 @@ def trim_then_hold(
     dead_band: ArrayLike = 1.0,
     switch: str = "report",
 ) -> History:
-    """Return the report's control: trim until the dead band is left, then the limit for ever.
+    """Return the report's control: trim up to the exit of the dead band, then the limit.
 
     Parameters
     ----------
     plant : Plant
         The plant that is trimmed, one or a batch.
     wind : History
-        Wind angle of attack. Where it changes sign, only the part that the limit opposes can
-        leave the dead band.
+        Wind angle of attack. Where it changes sign, only the interval that the limit opposes
+        can leave the dead band.
     limit : array_like
         Deflection limit delta_max [rad] with its sign: it opposes the wind,
         delta_max = -y B alpha_w,max.
     dead_band : array_like
-        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+        K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
-        What leaves the dead band at K times the limit: ``|B alpha_w|`` (eqs (10), (11)), or the
-        trim deflection itself. They differ on the models with drift, where the report switches a
-        little early.
+        Quantity that exits the dead band at K times the limit: ``|B alpha_w|`` (eqs (10), (11)),
+        or the trim deflection itself. They differ on the models with drift, where the report
+        switches a little early.
 
     Returns
     -------
     History
-        Where the dead band is never left, trim throughout.
+        Deflection [rad]; trim throughout where the dead band is never exited.
 
     Raises
     ------
@@ -185,21 +185,21 @@ def trim_then_hold(
         )
     literal = one_of("switch", switch, SWITCHES) == "literal"
     driver = trim if literal else wind * -np.asarray(plant.coefficients.B)
-    time = leaving_time(driver, limit, dead_band)
-    leaves = np.isfinite(time)
-    held = linear_pieces(
-        np.where(leaves, time, wind.knots[..., -1])[..., np.newaxis],
-        np.where(leaves, limit, 0.0)[..., np.newaxis],
+    time = exit_time(driver, limit, dead_band)
+    exits = np.isfinite(time)
+    limit_after_exit = linear_pieces(
+        np.where(exits, time, wind.knots[..., -1])[..., np.newaxis],
+        np.where(exits, limit, 0.0)[..., np.newaxis],
         0.0,
     )
-    return trim.before(time) + Piecewise(held)
+    return trim.before(time) + Piecewise(limit_after_exit)
 
 
-def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
-    """Return the first time [s] at which `driver` is at `dead_band` times `limit` or beyond.
+def exit_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
+    """Return the first time [s] at which `driver` reaches `dead_band` times `limit`.
 
-    With a dead band of zero it is the time at which the driver sets in. Shape
-    ``broadcast(driver.batch, limit.shape, dead_band.shape)``; inf where it never is.
+    With a dead band of zero it is the onset of the driver. Shape ``broadcast(driver.batch,
+    limit.shape, dead_band.shape)``; inf where the level is never reached.
     """
     limit, dead_band = np.asarray(limit, dtype=float), np.asarray(dead_band, dtype=float)
     relative = driver * (1.0 / limit)

@@ -1,4 +1,9 @@
-"""What stands out in an attitude response: its extremes, and when it is back at zero."""
+"""Peaks of an attitude response: extremes, the end of its validity, and loads during the wind.
+
+Extremes are located on samples that resolve the breakpoints of the inputs, and refined between
+them, so that they do not depend on the sampling of a response. `wind_loads` gives the peak angle of
+attack, to which the normal force N alpha and the bending moment are proportional.
+"""
 
 from __future__ import annotations
 
@@ -7,38 +12,42 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.linear.plant import Plant
+from tvclin.base.errors import InputError, ending, instance, nonnegative
+from tvclin.base.lines import Table, degrees, number
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
 
 Function = Callable[[FloatArray], FloatArray]
 
-_COARSE, _BETWEEN = 2001, 100
-"""Times at which extremes are looked for: even ones over all, and ones between two breakpoints. A
-swing that is shorter than both is not seen."""
-_FINE, _ROUNDS = 41, 5
-"""Times between two samples beside the highest, and how often: 20^-5 of the interval is left, and a
-summit is flat, so that its height is known to rounding."""
-_NOTHING = 1e-9
-"""An attitude error below this part of the wind's peak is rounding."""
-_FLOWN = 1e-3
-"""The same of a flight."""
-FALLEN_OVER = np.pi / 2
-"""An attitude error [rad] beyond which nothing is to be shown."""
-LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
-"""Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
-TURNED_OVER = (
+_EVEN_SAMPLES, _SAMPLES_PER_PIECE = 2001, 100
+"""Sample times of a search for extremes: over the whole response, and between two breakpoints."""
+_REFINED_SAMPLES, _REFINEMENTS = 41, 5
+"""Samples of each refinement around a maximum, and refinements: 20^-5 of the interval remains, and
+a maximum is flat, so that its height is known to rounding."""
+_RELATIVE_ROUNDING = 1e-9
+"""Attitude error over the peak of the wind that counts as zero."""
+_RELATIVE_FLIGHT_ERROR = 1e-3
+"""Attitude error of a flight over the peak of the wind that counts as zero."""
+MAX_SHOWN_ATTITUDE = np.pi / 2
+"""Attitude error [rad] at which a response ends."""
+RELEASED, OVERTURNED, COMPLETE = "let go", "fallen", "whole"
+"""Reasons for the end of a response: release of the limit, 90 degrees, or the requested end."""
+OVERTURNED_NOTE = (
     "Held for ever, this limit turns the vehicle over. It is survived with a control that"
     " lets go of it in time, which this response does not show."
 )
-"""Of a limit that is survived, and a response with it that exceeds 90 degrees."""
+"""Note on a limit that survives, but whose response exceeds 90 degrees."""
+_NAMES = ("angle_of_attack", "attitude")
 
 
 @dataclass(frozen=True)
 class Point:
-    """A value [rad] and its time [s]."""
+    """Value [rad] of a response and its time [s]."""
 
     value: float
     time: float
@@ -48,11 +57,12 @@ class Point:
 
 @dataclass(frozen=True)
 class Extremes:
-    """What stands out in an attitude response; None where there is no such thing.
+    """Extremes of an attitude response; None where one does not exist.
 
-    `with_wind`, `against_wind`: largest attitude error on the side to which the wind turns the
-    vehicle, with its sign, and on the other. `back_at_zero`: when it comes back through zero from
-    the wind's side for the last time. `at_wind_end`, `at_end`: of the wind and of the response.
+    `with_wind`, `against_wind`: largest attitude error, with its sign, in the direction to which
+    the wind turns the vehicle, and in the opposite direction. `back_at_zero`: last return through
+    zero from the wind's direction. `at_wind_end`, `at_end`: attitude error at the end of the wind
+    and of the response.
     """
 
     with_wind: Point | None
@@ -63,15 +73,15 @@ class Extremes:
 
 
 def extremes(plant: Plant, deflection: History, wind: History, length: float) -> Extremes:
-    """Return what stands out in the attitude from 0 to `length` [s].
+    """Return the extremes of the attitude from 0 to `length` [s].
 
     `plant`: one plant. `deflection`: its deflection [rad]. `wind`: its wind [rad], which ends.
     `length`: duration of the response [s].
 
-    Extremes are sought between the samples; nothing depends on how fine a response is written.
+    Extremes are refined between samples, and do not depend on the sampling of a response.
     """
-    turned = _turned(plant, wind)
-    smallest = _NOTHING * abs(float(wind.peak))
+    sign = _wind_sign(plant, wind)
+    smallest = _RELATIVE_ROUNDING * abs(float(wind.peak))
 
     def attitude(times: FloatArray) -> FloatArray:
         return attitude_responses(plant, deflection, wind, times, ["attitude"])["attitude"]
@@ -80,116 +90,133 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
         return Point(float(attitude(np.array([time]))[0]), time)
 
     times = probe_times(0.0, length, deflection, wind)
-    towards = turned * attitude(times)
-    high = summit(lambda t: turned * attitude(t), times, towards)
-    low = summit(lambda t: -turned * attitude(t), times, -towards)
+    towards = sign * attitude(times)
+    high = refined_maximum(lambda t: sign * attitude(t), times, towards)
+    low = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
     return Extremes(
         with_wind=at(high[1]) if high[0] > smallest else None,
         against_wind=at(low[1]) if low[0] > smallest else None,
-        back_at_zero=_last_return(attitude, times, np.where(abs(towards) > smallest, towards, 0.0)),
+        back_at_zero=_last_zero(attitude, times, np.where(abs(towards) > smallest, towards, 0.0)),
         at_wind_end=at(float(wind.end)) if wind.end <= length else None,
         at_end=at(length),
     )
 
 
 @dataclass(frozen=True)
-class Shown:
-    """Until when [s] a response says anything, and why; `back_at_zero` if that is its end."""
+class ResponseEnd:
+    """End [s] of a response that is shown, and its reason; `back_at_zero` if it is that return."""
 
     time: float
     why: str
     back_at_zero: Point | None = None
 
 
-def shown_until(
+def response_end(
     plant: Plant, deflection: History, wind: History, longest: float, *, lets_go: bool = True
-) -> Shown:
-    """Return until when the response to a limit that is held for ever is to be shown.
+) -> ResponseEnd:
+    """Return the end of the response to a limit that is constant without end.
 
-    A limit that is held for ever drives a survivor over to the other side. An autopilot lets go of
-    it when the attitude is back at zero, and so the response ends there. Where the limit turns the
-    vehicle over to the other side at once, it ends with the wind.
+    Such a limit drives a vehicle that survives over to the other side. An autopilot releases it
+    when the attitude is back at zero, and so the response ends there. Where the limit turns the
+    vehicle to the other side at once, it ends with the wind.
 
-    `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: the end
-    that was asked for [s]. `lets_go`: whether the limit survives, so that the last return to zero
-    is the end of its work.
+    `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: requested
+    end [s]. `lets_go`: whether the limit survives, so that the last return to zero ends its use.
     """
     from scipy.optimize import brentq
 
     back = extremes(plant, deflection, wind, longest).back_at_zero
     if lets_go and back is not None:
-        return Shown(back.time, LET_GO, back)
+        return ResponseEnd(back.time, RELEASED, back)
     times = probe_times(0.0, longest, deflection, wind)
-    towards = _turned(plant, wind) * attitude_responses(plant, deflection, wind, times)["attitude"]
-    over = _over(times, towards, wind, _NOTHING) if lets_go else np.inf
+    towards = (
+        _wind_sign(plant, wind) * attitude_responses(plant, deflection, wind, times)["attitude"]
+    )
+    overturning = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
 
-    def left(times: FloatArray) -> FloatArray:
-        return FALLEN_OVER - np.abs(attitude_responses(plant, deflection, wind, times)["attitude"])
+    def remaining(times: FloatArray) -> FloatArray:
+        return MAX_SHOWN_ATTITUDE - np.abs(
+            attitude_responses(plant, deflection, wind, times)["attitude"]
+        )
 
-    fallen = np.flatnonzero(np.abs(towards) > FALLEN_OVER)
-    if not fallen.size or over <= times[fallen[0] - 1]:
-        return Shown(over, LET_GO) if over < longest else Shown(longest, WHOLE)
-    ends = times[fallen[0] - 1], times[fallen[0]]
-    return Shown(float(brentq(lambda t: float(left(np.array([t]))[0]), *ends)), FALLEN)
+    exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)
+    if not exceeding.size or overturning <= times[exceeding[0] - 1]:
+        return (
+            ResponseEnd(overturning, RELEASED)
+            if overturning < longest
+            else ResponseEnd(longest, COMPLETE)
+        )
+    ends = times[exceeding[0] - 1], times[exceeding[0]]
+    return ResponseEnd(
+        float(brentq(lambda t: float(remaining(np.array([t]))[0]), *ends)), OVERTURNED
+    )
 
 
-def let_go(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
-    """Return when a limit that is held for ever is let go in a flight [s]; infinite if never.
+def release_time(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
+    """Return the time [s] at which a flight releases a limit; infinite if never.
 
-    `plant`, `wind`: what flies. `times`, `attitude`: samples of a flight that survives [s, rad],
-    ``(n,)``; NaN where there is none.
+    `plant`, `wind`: plant and wind of the flight. `times`, `attitude`: samples of a flight that
+    survives [s, rad], ``(n,)``; NaN for missing ones.
 
-    As of `shown_until`, but between the samples the attitude is taken for straight.
+    The criterion is that of `response_end`, with linear interpolation between the samples.
     """
-    known = np.isfinite(attitude)
-    times, towards = times[known], _turned(plant, wind) * attitude[known]
-    clear = np.where(np.abs(towards) > _FLOWN * abs(float(wind.peak)), towards, 0.0)
-    back = _last_return(lambda t: np.interp(t, times, towards), times, clear)
+    valid = np.isfinite(attitude)
+    times, towards = times[valid], _wind_sign(plant, wind) * attitude[valid]
+    significant = np.where(
+        np.abs(towards) > _RELATIVE_FLIGHT_ERROR * abs(float(wind.peak)), towards, 0.0
+    )
+    back = _last_zero(lambda t: np.interp(t, times, towards), times, significant)
     if back is not None:
         return back.time
-    return _over(times, towards, wind, _FLOWN)
+    return _overturning_time(times, towards, wind, _RELATIVE_FLIGHT_ERROR)
 
 
-def _turned(plant: Plant, wind: History) -> float:
-    """The sign of the attitudes to which a wind turns a vehicle."""
+def _wind_sign(plant: Plant, wind: History) -> float:
+    """Return the sign of the attitude to which a wind turns a vehicle."""
     return float(np.sign(-plant.coefficients.mu_alpha * wind.peak)) or 1.0
 
 
-def _over(times: FloatArray, towards: FloatArray, wind: History, smallest: float) -> float:
-    """When an attitude that was never on the wind's side goes over to the other; infinite if not.
+def _overturning_time(
+    times: FloatArray, towards: FloatArray, wind: History, smallest: float
+) -> float:
+    """Return when an attitude goes over to the side opposite the wind; infinite if never.
 
-    From the end of the wind on, for before it leans into the wind.
+    It counts from the end of the wind on, for before it the vehicle leans into the wind.
     """
-    still = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
-    if not still.size or still[-1] == times.size - 1:
+    before = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
+    if not before.size or before[-1] == times.size - 1:
         return np.inf
-    return max(float(times[still[-1]]), float(wind.end))
+    return max(float(times[before[-1]]), float(wind.end))
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
-    """Return times [s] from `start` to `stop`, even, and more of them around the breakpoints."""
-    near = np.concatenate([history.probe_times(_BETWEEN).ravel() for history in histories])
-    near = near[(near >= start) & (near <= stop)]
-    return np.unique(np.concatenate([np.linspace(start, stop, _COARSE), near]))
+    """Return sample times [s] from `start` to `stop`, even, and denser at breakpoints."""
+    dense = np.concatenate(
+        [history.probe_times(_SAMPLES_PER_PIECE).ravel() for history in histories]
+    )
+    dense = dense[(dense >= start) & (dense <= stop)]
+    return np.unique(np.concatenate([np.linspace(start, stop, _EVEN_SAMPLES), dense]))
 
 
-def summit(function: Function, times: FloatArray, values: FloatArray) -> tuple[float, float]:
-    """Return the highest value and its time, sought between the samples around the highest."""
+def refined_maximum(
+    function: Function, times: FloatArray, values: FloatArray
+) -> tuple[float, float]:
+    """Return the maximum and its time, refined between the samples around the highest."""
     i = int(np.argmax(values))
     best = float(values[i]), float(times[i])
     low, high = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
-    for _ in range(_ROUNDS):
-        near = np.linspace(low, high, _FINE)
-        found = function(near)
-        k = int(np.argmax(found))
-        if found[k] > best[0]:
-            best = float(found[k]), float(near[k])
-        low, high = near[max(k - 1, 0)], near[min(k + 1, _FINE - 1)]
+    for _ in range(_REFINEMENTS):
+        samples = np.linspace(low, high, _REFINED_SAMPLES)
+        heights = function(samples)
+        k = int(np.argmax(heights))
+        if heights[k] > best[0]:
+            best = float(heights[k]), float(samples[k])
+        low, high = samples[max(k - 1, 0)], samples[min(k + 1, _REFINED_SAMPLES - 1)]
     return best
 
 
-def _last_return(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
-    """Where the values last fall from above zero to below it."""
+def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
+    """Return the last point at which the values fall through zero; None if they do not."""
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
     times, towards = times[towards != 0.0], towards[towards != 0.0]
@@ -199,3 +226,105 @@ def _last_return(function: Function, times: FloatArray, towards: FloatArray) -> 
     ends = times[falls[-1]], times[falls[-1] + 1]
     zero = brentq(lambda t: float(function(np.array([t]))[0]), *ends, xtol=1e-12)
     return Point(0.0, float(zero))
+
+
+@dataclass(frozen=True)
+class Loads(Shown):
+    """Peaks of angle of attack and attitude error during the wind, with their signs.
+
+    Attributes
+    ----------
+    peak_angle_of_attack : float
+        Angle of attack [rad].
+    peak_time : float
+        Time of the peak angle of attack [s].
+    peak_attitude : float
+        Attitude error [rad].
+    relative : float
+        Size of the peak angle of attack over the peak of the wind: 1 for ideal trim without
+        drift. The bending-moment indicator N alpha falls by the same factor.
+    """
+
+    peak_angle_of_attack: float
+    peak_time: float
+    peak_attitude: float
+    relative: float
+
+    _keys = "peak_angle_of_attack_deg peak_time_s peak_attitude_deg relative"
+
+    def bending_indicator(self, normal_force_slope: float) -> float:
+        """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
+        slope = errors.number("normal_force_slope", normal_force_slope, nonnegative, "N/rad")
+        return slope * abs(self.peak_angle_of_attack)
+
+
+def response_table(caption: str, found: Extremes, loads: Loads | None) -> Table:
+    """Return the table of extremes of a response, with loads where it covers the wind."""
+    angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
+    points = {
+        "with_wind": ("largest attitude error, with the wind", found.with_wind),
+        "against_wind": ("largest attitude error, against the wind", found.against_wind),
+        "back_at_zero": ("attitude last back at zero", found.back_at_zero),
+        "at_wind_end": ("attitude error when the wind ends", found.at_wind_end),
+        "at_end": ("attitude error at the end of what is shown", found.at_end),
+        "angle_of_attack": ("largest angle of attack while the wind blows", angle),
+    }
+    rows = tuple(
+        (
+            (label,),
+            degrees(f"response.{key}", point.value),
+            number(f"response.{key}_s", point.time),
+        )
+        for key, (label, point) in points.items()
+        if point is not None
+    )
+    return Table(caption, ("quantity", "[deg]", "time [s]"), rows)
+
+
+def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
+    """Return the peaks of angle of attack and attitude error during the wind.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model.
+    deflection, wind : History
+        Two histories, not batches; the wind must end.
+
+    Raises
+    ------
+    InputError
+        For a batch, for a wind that never ends, and where the attitude grows beyond all numbers.
+
+    Notes
+    -----
+    The report's conclusions say that a control below trim reduces angle of attack and bending
+    moment. The peaks are refined between the samples of the exact response.
+    """
+    instance("plant", plant, Plant, PLANT_HINT)
+    instance("deflection", deflection, History, "such as ConstantDeflection")
+    instance("wind", wind, History, "such as TriangularWind")
+    if plant.batch or deflection.batch or wind.batch:
+        raise InputError("wind_loads is for one case; take the elements of the batch one by one")
+    ending("wind", wind.end)
+    start, end = float(wind.onset), float(np.nextafter(wind.end, -np.inf))
+    times = probe_times(start, end, deflection, wind)
+    peaks = [_peak_output(plant, deflection, wind, name, times) for name in _NAMES]
+    (angle, time), (attitude, _) = peaks
+    if not np.isfinite([angle, attitude]).all():
+        raise InputError("the attitude grows beyond all numbers before the wind ends")
+    return Loads(angle, time, attitude, abs(angle / float(wind.peak)))
+
+
+def _peak_output(
+    plant: Plant, deflection: History, wind: History, name: str, times: FloatArray
+) -> tuple[float, float]:
+    """Return the value of largest size of an output, with its sign, and its time [s]."""
+
+    def output(t: FloatArray) -> FloatArray:
+        return attitude_responses(plant, deflection, wind, t, [name])[name]
+
+    values = output(times)
+    sign = float(np.sign(values[np.argmax(np.abs(values))])) or 1.0
+    value, time = refined_maximum(lambda t: sign * output(t), times, sign * values)
+    return sign * value, time

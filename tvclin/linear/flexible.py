@@ -1,11 +1,11 @@
-"""The flexible plant: a vehicle with bending, slosh and engine inertia, in state space.
+"""Flexible plant: a vehicle with bending, slosh and engine inertia, in state space.
 
-`motions` has the equations of motion; here they get the flight path and the sensors,
+`motions` has the equations of motion; flight path and sensors are added here,
 
     gamma' = (z'' - V' gamma)/V,    V' = (T - F_A)/m - g sin Theta_n,
     sensed attitude = theta + sum sigma_i(x) eta_i,
 
-and the doors of `Plant`. Everything is a deviation from the nominal flight.
+with the methods of `Plant`. Everything is a deviation from the nominal flight.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
-from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_strength
+from tvclin.linear.modes import left_eigenvector, unstable_poles, wind_over_deflection
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import DEFAULT_MODEL, INPUTS, MODELS, Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
@@ -40,9 +39,9 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 class Shift(NamedTuple):
-    """By how many percent a structure moves what the open-loop theory rests on.
+    """Relative change [percent] by a structure of the fast pole and of the trim per wind angle.
 
-    That is the fast pole, and the deflection that the wind asks for there, B K1.
+    The latter is the deflection per wind angle at the fast pole, B K1.
     """
 
     fast_pole: float | FloatArray
@@ -51,7 +50,7 @@ class Shift(NamedTuple):
 
 @dataclass(frozen=True)
 class FlexiblePlant(Shown, Hinted):
-    """One linear model of one flexible vehicle, or of a batch of them.
+    """Linear model of a flexible vehicle, or of a batch of flexible vehicles.
 
     Make it with `from_vehicle`. Without structure it is the `Plant` of the same model.
 
@@ -60,7 +59,7 @@ class FlexiblePlant(Shown, Hinted):
     vehicle : Vehicle
         The whole vehicle, liquid and engine included.
     structure : Structure
-        Its bending, slosh and engine inertia, and the lags of its sensors.
+        Bending, slosh and engine inertia, and the lags of the sensors.
     model : str
         "fixed-path", "drift-exact" or "drift-and-speed". In "fixed-path" the path angle is not
         part of the angle of attack, as at infinite speed; the vehicle still moves sideways.
@@ -70,7 +69,7 @@ class FlexiblePlant(Shown, Hinted):
 
     vehicle: Vehicle
     structure: Structure
-    model: str = USUAL_MODEL
+    model: str = DEFAULT_MODEL
     plane: str = "pitch"
 
     _keys = "vehicle=vehicle.name model plane"
@@ -83,14 +82,14 @@ class FlexiblePlant(Shown, Hinted):
                 'model "drift" leaves out forces that move liquid and structure; use "drift-exact"'
             )
         one_of("plane", self.plane, PLANES)
-        _ = self._motions  # refuses masses that cannot be
+        _ = self._motions  # refuses impossible masses
 
     @classmethod
     def from_vehicle(
         cls,
         vehicle: Vehicle,
         structure: Structure,
-        model: str = USUAL_MODEL,
+        model: str = DEFAULT_MODEL,
         plane: str = "pitch",
     ) -> Self:
         """Return the plant of a vehicle and its structure.
@@ -102,7 +101,7 @@ class FlexiblePlant(Shown, Hinted):
         structure : Structure
             One structure or a batch; it broadcasts with the vehicle.
         model : {"fixed-path", "drift-exact", "drift-and-speed"}
-            As of `Plant`.
+            As in `Plant`.
         plane : {"pitch", "yaw"}
             The plane of motion.
 
@@ -143,12 +142,12 @@ class FlexiblePlant(Shown, Hinted):
 
     @cached_property
     def rigid(self) -> Plant:
-        """The same vehicle without its structure."""
+        """Plant of the vehicle without its structure."""
         return Plant.from_vehicle(self.vehicle, self.model, self.plane)
 
     @property
     def coefficients(self) -> Coefficients:
-        """Those of the rigid vehicle."""
+        """Coefficients of the rigid vehicle."""
         return self.rigid.coefficients
 
     def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> FlexiblePlant:
@@ -164,11 +163,11 @@ class FlexiblePlant(Shown, Hinted):
 
     @property
     def sensed(self) -> tuple[str, str]:
-        """Names of the outputs that sensors give: attitude and attitude rate."""
+        """Names of the sensor outputs: attitude and attitude rate."""
         return "sensed_attitude", "sensed_attitude_rate"
 
     def with_effectiveness(self, factor: ArrayLike) -> FlexiblePlant:
-        """Return the plant whose deflection does `factor` times as much, moment and force alike.
+        """Return the plant with control moment and control force multiplied by `factor`.
 
         The inertia of its engine stays.
 
@@ -177,25 +176,25 @@ class FlexiblePlant(Shown, Hinted):
         InputError
             For a factor that is not positive.
         """
-        times = positive("factor", factor)
-        with np.errstate(over="ignore"):  # what is beyond all numbers is refused as that
-            slope = times * np.asarray(self.vehicle.control_force)
+        multiple = positive("factor", factor)
+        with np.errstate(over="ignore"):  # an overflow is refused below
+            slope = multiple * np.asarray(self.vehicle.control_force)
         return replace(self, vehicle=self.vehicle.replace(control_force_slope=slope))
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the inputs; with an engine, the acceleration of the deflection is the third."""
+        """Names of the inputs; with an engine, the third is the acceleration of the deflection."""
         swinging = () if self.structure.engine is None else ("deflection_acceleration",)
         return (*INPUTS, *swinging)
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs: those of `Plant`, then what the sensors say."""
+        """Names of the outputs: those of `Plant`, then those of the sensors."""
         return (*self.rigid.outputs, "sensed_attitude", "sensed_attitude_rate")
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states: those of `Plant`, then of structure, liquids and sensors."""
+        """Names of the states: of `Plant`, then of structure, liquids and sensors."""
         counts = {"bending": len(self.structure.bending), "slosh": len(self.structure.slosh)}
         bodies = [f"{name}_{k}" for name, count in counts.items() for k in range(1, count + 1)]
         moving = [state for body in bodies for state in (body, f"{body}_rate")]
@@ -206,34 +205,37 @@ class FlexiblePlant(Shown, Hinted):
 
     @cached_property
     def poles(self) -> ComplexArray:
-        """Poles of the airframe [1/s], the fastest growing first, ``(..., n)``.
+        """Poles of the airframe [1/s] by falling real part, ``(..., n)``.
 
-        Those of the sensors, which hang on it, are not among them.
+        The poles of the sensors are not among them.
         """
         poles = np.linalg.eigvals(self._airframe[0]).astype(complex)
         order = np.lexsort((-poles.imag, -poles.real), axis=-1)
         return np.take_along_axis(poles, order, axis=-1)
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D with the leading axes of the batch; their rows as `states`.
+        """Return A, B, C, D with the leading axes of the batch.
 
-        Columns of B and D as `inputs`, rows of C and D as `outputs`.
+        The order is that of `states`, `inputs` and `outputs`.
         """
         inner, forced = self._airframe
-        seen, past = self._seen(inner.shape[-1])
+        outputs, feedthrough = self._output_matrices(inner.shape[-1])
         n, count = inner.shape[-1], len(self.states)
         A = np.zeros((*self.batch, count, count))
         B = np.zeros((*self.batch, count, forced.shape[-1]))
         C = np.zeros((*self.batch, len(self.outputs), count))
-        A[..., :n, :n], B[..., :n, :], C[..., :n] = inner, forced, seen
+        A[..., :n, :n], B[..., :n, :], C[..., :n] = inner, forced, outputs
         start = n
         for name, lag in self._sensors.items():
-            row, own = (-2 if name == "attitude_sensor" else -1), slice(start, start + lag.order)
+            row, columns = (
+                (-2 if name == "attitude_sensor" else -1),
+                slice(start, start + lag.order),
+            )
             a, b, c, d = lag.matrices()
-            A[..., own, own], A[..., own, :n] = a, b * seen[..., np.newaxis, row, :]
-            C[..., row, :n], C[..., row, own] = d[..., 0] * seen[..., row, :], c[..., 0, :]
+            A[..., columns, columns], A[..., columns, :n] = a, b * outputs[..., np.newaxis, row, :]
+            C[..., row, :n], C[..., row, columns] = d[..., 0] * outputs[..., row, :], c[..., 0, :]
             start += lag.order
-        return A, B, C, past
+        return A, B, C, feedthrough
 
     def ss(self) -> control.StateSpace:
         """Return the whole plant as `control.StateSpace` with named signals [rad, rad/s].
@@ -252,41 +254,42 @@ class FlexiblePlant(Shown, Hinted):
 
     @property
     def system(self) -> LinearSystem:
-        """The plant with its signals by name."""
+        """The plant as a `LinearSystem` with named signals."""
         return LinearSystem(*self.matrices(), self.inputs, self.outputs, self.states)
 
     def shift(self) -> Shift:
-        """Return by how many percent the structure moves the fast pole, and the price of trim.
+        """Return the relative change of the fast pole and of the trim per wind angle [percent].
 
-        The open-loop theory rests on these two.
+        The open-loop theory rests on these two numbers of the rigid vehicle.
 
         Raises
         ------
         InputError
-            For a rigid vehicle without a growing mode.
+            For a rigid vehicle without an unstable mode.
 
         Notes
         -----
-        With the left eigenvector l at the pole p, the wind asks l b_wind over l b_deflection of
-        deflection; of the rigid vehicle that is B K1, eq (15b).
+        With the left eigenvector l at the pole p, the deflection per wind angle is l b_wind over
+        l b_deflection; for the rigid vehicle it is B K1, eq (15b).
         """
-        growing = unstable_poles(self.rigid)
-        if not growing.shape[-1] or np.any(np.isnan(growing[..., 0])):
+        unstable = unstable_poles(self.rigid)
+        if not unstable.shape[-1] or np.any(np.isnan(unstable[..., 0])):
             raise InputError("shift() needs a vehicle with a growing mode; this one has none")
-        stiff = growing[..., 0]
+        rigid_pole = unstable[..., 0]
         A, B = self._airframe
-        pole, row = left_eigenvector(A, stiff)
-        reached = np.einsum("...i,...ij->...j", row, B)
-        turned = reached[..., 0] + pole**2 * reached[..., 2:].sum(axis=-1)
-        rigid = wind_strength(self.rigid, stiff[..., np.newaxis])[..., 0]
-        price = np.abs(reached[..., 1] / turned) / np.abs(rigid)
+        pole, row = left_eigenvector(A, rigid_pole)
+        coupling = np.einsum("...i,...ij->...j", row, B)
+        from_deflection = coupling[..., 0] + pole**2 * coupling[..., 2:].sum(axis=-1)
+        rigid_ratio = wind_over_deflection(self.rigid, rigid_pole[..., np.newaxis])[..., 0]
+        relative_trim = np.abs(coupling[..., 1] / from_deflection) / np.abs(rigid_ratio)
         return Shift(
-            plain(100.0 * (np.abs(pole) / np.abs(stiff) - 1.0)), plain(100.0 * (price - 1.0))
+            plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
+            plain(100.0 * (relative_trim - 1.0)),
         )
 
     @property
     def _sensors(self) -> dict[str, Filter]:
-        """The lags that there are, in the order of their states."""
+        """Lags of the sensors that the structure has, in the order of their states."""
         lags = {name: getattr(self.structure, name) for name in ("attitude_sensor", "rate_gyro")}
         return {name: lag for name, lag in lags.items() if lag is not None}
 
@@ -296,26 +299,30 @@ class FlexiblePlant(Shown, Hinted):
 
     @cached_property
     def _airframe(self) -> tuple[FloatArray, FloatArray]:
-        """A and B without sensors."""
-        v, found = self.vehicle, self._motions
-        rigid, bodies = len(self.rigid.states), found.rate.shape[-1] - 2
+        """Matrices A and B without sensors."""
+        v, accelerations = self.vehicle, self._motions
+        rigid, bodies = len(self.rigid.states), accelerations.rate.shape[-1] - 2
         count = rigid + 2 * bodies
-        places = np.concatenate([[0], rigid + 2 * np.arange(bodies)])  # of theta, eta, zeta
+        positions = np.concatenate([[0], rigid + 2 * np.arange(bodies)])  # of theta, eta, zeta
         A = np.zeros((*self.batch, count, count))
         B = np.zeros((*self.batch, count, len(self.inputs)))
         # Accelerations of all motions, from the states and from the inputs.
         drive = np.zeros((*self.batch, bodies + 2, count))
-        drive[..., places], drive[..., places + 1] = (
-            found.displacement[..., 1:],
-            found.rate[..., 1:],
+        drive[..., positions], drive[..., positions + 1] = (
+            accelerations.displacement[..., 1:],
+            accelerations.rate[..., 1:],
         )
-        drive[..., 0] += found.angle_of_attack
+        drive[..., 0] += accelerations.angle_of_attack
         if rigid > 2:
-            drive[..., 2] = -found.angle_of_attack
-        forces = [found.deflection, -found.angle_of_attack, found.deflection_acceleration]
+            drive[..., 2] = -accelerations.angle_of_attack
+        forces = [
+            accelerations.deflection,
+            -accelerations.angle_of_attack,
+            accelerations.deflection_acceleration,
+        ]
         forced = np.stack(forces[: B.shape[-1]], axis=-1)
-        A[..., places, places + 1] = 1.0
-        A[..., places + 1, :], B[..., places + 1, :] = drive[..., 1:, :], forced[..., 1:, :]
+        A[..., positions, positions + 1] = 1.0
+        A[..., positions + 1, :], B[..., positions + 1, :] = drive[..., 1:, :], forced[..., 1:, :]
         if rigid > 2:
             speed = np.asarray(v.velocity)
             slowing = (axial_acceleration(v) - STANDARD_GRAVITY * np.sin(v.attitude)) / speed
@@ -327,33 +334,36 @@ class FlexiblePlant(Shown, Hinted):
             A[..., 2, 3], A[..., 3, 2] = turning, -turning
         return A, B
 
-    def _seen(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """C and D of all outputs, before the lags of the sensors."""
-        few, first = len(self.outputs) - 3, len(self.rigid.states)
-        C = np.zeros((*self.batch, few + 3, count))
-        D = np.zeros((*self.batch, few + 3, len(self.inputs)))
-        C[..., :few, :few] = np.eye(few)
-        C[..., few, 0], D[..., few, 1] = 1.0, -1.0  # alpha = theta - gamma - alpha_w
-        if few > 2:
-            C[..., few, 2] = -1.0
+    def _output_matrices(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return C and D of all outputs, before the lags of the sensors."""
+        rigid_outputs, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
+        C = np.zeros((*self.batch, rigid_outputs + 3, count))
+        D = np.zeros((*self.batch, rigid_outputs + 3, len(self.inputs)))
+        C[..., :rigid_outputs, :rigid_outputs] = np.eye(rigid_outputs)
+        C[..., rigid_outputs, 0], D[..., rigid_outputs, 1] = (
+            1.0,
+            -1.0,
+        )  # alpha = theta - gamma - alpha_w
+        if rigid_outputs > 2:
+            C[..., rigid_outputs, 2] = -1.0
         C[..., -2, 0] = C[..., -1, 1] = 1.0
         for k, mode in enumerate(self.structure.bending):
-            C[..., -2, first + 2 * k] = mode.attitude_slope
-            C[..., -1, first + 2 * k + 1] = mode.rate_slope
+            C[..., -2, rigid_states + 2 * k] = mode.attitude_slope
+            C[..., -1, rigid_states + 2 * k + 1] = mode.rate_slope
         return C, D
 
 
 AnyPlant = Plant | FlexiblePlant
-"""What an autopilot controls, and what flies."""
+"""Rigid or flexible plant of autopilots and flights."""
 
 
 def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch") -> AnyPlant:
-    """Return the plant of a vehicle, flexible where it bends, sloshes or swings.
+    """Return the plant of a vehicle, flexible if the vehicle has a structure.
 
     Parameters
     ----------
     vehicle : Vehicle or LinearVehicle
-        The vehicle; `rigid` of it leaves its structure out.
+        The vehicle; its `rigid` has no structure.
     model : str, optional
         As of `Plant`; `usual_model` of the vehicle where it is not given.
     plane : {"pitch", "yaw"}
@@ -375,12 +385,50 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     if isinstance(vehicle, LinearVehicle) or vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
-    return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or USUAL_MODEL, plane)
+    return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or DEFAULT_MODEL, plane)
 
 
 def check_plant(plant: object) -> None:
-    """Raise `InputError` unless it is a plant, rigid or flexible."""
+    """Raise `InputError` unless `plant` is a plant, rigid or flexible."""
     if not isinstance(plant, AnyPlant):
         raise InputError(
             f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
         )
+
+
+def named_modes(plant: FlexiblePlant) -> tuple[tuple[str, ...], ComplexArray]:
+    """Return the names of bending modes and tanks, and their poles in the airframe.
+
+    The names are "bending 1", .., "slosh 1", .., as in the structure; the poles are those with Im >
+    0 [1/s], ``(..., n)``; NaN for a mode that does not oscillate.
+
+    Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
+    the frequencies of the structure. An oscillation of the rigid vehicle is omitted.
+    """
+    structure = plant.structure
+    bending = {f"bending {k}": mode.frequency for k, mode in enumerate(structure.bending, start=1)}
+    slosh = {}
+    for k, tank in enumerate(structure.slosh, start=1):
+        frequency = tank.frequency
+        if frequency is None:
+            frequency = np.sqrt(
+                axial_acceleration(plant.vehicle) / np.asarray(tank.pendulum_length)
+            )
+        slosh[f"slosh {k}"] = frequency
+    names = (*bending, *slosh)
+    frequencies = [np.broadcast_to(f, plant.batch) for f in (*bending.values(), *slosh.values())]
+    if not frequencies:
+        return (), np.zeros((*plant.batch, 0), dtype=complex)
+    poles = np.where(plant.poles.imag > 0.0, plant.poles, np.nan)
+    for rigid in np.moveaxis(plant.rigid.poles.astype(complex), -1, 0):
+        distance = np.abs(poles - rigid[..., np.newaxis])
+        nearest = distance <= np.nanmin(
+            np.where(np.isnan(distance), np.inf, distance), -1, keepdims=True
+        )
+        surplus = np.sum(~np.isnan(poles), axis=-1, keepdims=True) > len(names)
+        oscillates = rigid.imag[..., np.newaxis] > 0.0
+        poles = np.where(nearest & surplus & oscillates, np.nan, poles)
+    order = np.argsort(np.where(np.isnan(poles), np.inf, poles.imag), axis=-1)
+    poles = np.take_along_axis(poles, order, axis=-1)[..., : len(names)]
+    rank = np.argsort(np.argsort(np.stack(frequencies, axis=-1), axis=-1), axis=-1)
+    return names, np.take_along_axis(poles, rank, axis=-1)

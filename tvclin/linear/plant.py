@@ -1,4 +1,4 @@
-"""The plant: four linear models of the attitude, as transfer functions and in state space.
+"""Four linear models of the attitude, as transfer functions and in state space.
 
     model               denominator, d being the damping                   report, where d = 0
     fixed-path          s^2 + d s - beta^2                                 eq (5)
@@ -9,7 +9,7 @@
 
 Inputs are the deflection and the wind angle of attack; outputs are the attitude, its rate, the
 flight path angle (where the model has one) and the angle of attack. Everything is a deviation
-from the nominal flight. `Plant.tf` and `Plant.ss` lead to python-control.
+from the nominal flight. `Plant.tf` and `Plant.ss` convert to python-control.
 """
 
 from __future__ import annotations
@@ -25,33 +25,68 @@ from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import lines
 from tvclin.base.doors import Hinted
 from tvclin.base.errors import InputError, instance, one_of, positive
-from tvclin.linear.models import MODELS, usual_model
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import polynomials
 from tvclin.numerics.modal import ModalSystem
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
-from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, coefficients_of
 
 if TYPE_CHECKING:
     import control
 
-
+DEFAULT_MODEL = "drift-exact"
+"""Default model: the exact flight path, without an approximation."""
+MODELS = (FIXED_PATH, "drift", DEFAULT_MODEL, "drift-and-speed")
+ONE_POLE = (FIXED_PATH, "drift")
+"""Models that omit the slow mode of the flight path."""
 INPUTS = ("deflection", "wind")
-RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
-"""How to get a `Plant`, for messages where only a rigid one has an answer."""
+PLANT_HINT = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
+"""Hint on making a `Plant`, for messages where a flexible plant has no answer."""
 _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
+
+
+def available_models(coefficients: Coefficients) -> list[str]:
+    """Return the models that exist for coefficients: (B8) needs an aerodynamic moment."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
+    return [name for name in MODELS if name != "drift" or not without_moment]
+
+
+def default_model(vehicle: AnyVehicle | Coefficients) -> str:
+    """Return the default model: `DEFAULT_MODEL`, or "fixed-path" for an unknown flight path.
+
+    The path of `Coefficients` is unknown where C1, C2, b1, b2 and q are all zero.
+    """
+    if isinstance(vehicle, LinearVehicle):
+        return DEFAULT_MODEL if vehicle.path_known else FIXED_PATH
+    if isinstance(vehicle, Coefficients):
+        path = (vehicle.C1, vehicle.C2, vehicle.b1, vehicle.b2, vehicle.q)
+        return DEFAULT_MODEL if any(np.any(number) for number in path) else FIXED_PATH
+    return DEFAULT_MODEL
+
+
+def flexible_model(vehicle: AnyVehicle, model: str) -> str:
+    """Return the model of a vehicle: "drift" becomes "drift-exact" with bending or slosh."""
+    return DEFAULT_MODEL if model == "drift" and vehicle.structure is not None else model
+
+
+def models_of(vehicle: AnyVehicle) -> list[str]:
+    """Return the models that exist for the known data of a vehicle."""
+    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
+        return [FIXED_PATH]
+    return available_models(coefficients_of(vehicle))
 
 
 @dataclass(frozen=True)
 class Plant(Hinted):
-    """One linear model of one vehicle, or of a batch of them.
+    """Linear model of a vehicle, or of a batch of vehicles.
 
     Make it with `from_coefficients` or `from_vehicle`.
 
     Attributes
     ----------
     coefficients : Coefficients
-        The numbers of the model.
+        Coefficients of the model.
     model : str
         "fixed-path", "drift", "drift-exact" or "drift-and-speed".
     """
@@ -72,9 +107,9 @@ class Plant(Hinted):
     def from_coefficients(cls, coefficients: Coefficients, model: str | None = None) -> Self:
         """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent.
 
-        Without a model it is `usual_model(coefficients)`.
+        The default model is `default_model(coefficients)`.
         """
-        return cls(coefficients, usual_model(coefficients) if model is None else model)
+        return cls(coefficients, default_model(coefficients) if model is None else model)
 
     @classmethod
     def from_vehicle(
@@ -82,10 +117,10 @@ class Plant(Hinted):
     ) -> Self:
         """Return the plant of a vehicle in the pitch or the yaw plane.
 
-        Without a model it is `usual_model(vehicle)`. A vehicle that is known by its coefficients
-        is what these are of, in either plane.
+        The default model is `default_model(vehicle)`. A `LinearVehicle` has the same coefficients
+        in either plane.
         """
-        model = usual_model(vehicle) if model is None else model
+        model = default_model(vehicle) if model is None else model
         if isinstance(vehicle, LinearVehicle):
             return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
@@ -120,30 +155,30 @@ class Plant(Hinted):
 
     @property
     def rigid(self) -> Plant:
-        """The plant itself, as that of a `FlexiblePlant` is the one without its structure."""
+        """The plant itself; for a `FlexiblePlant`, the plant without its structure."""
         return self
 
     @property
     def structure(self) -> None:
-        """None: a `FlexiblePlant` has one."""
+        """None; a `FlexiblePlant` has a structure."""
 
     @property
     def sensed(self) -> tuple[str, str]:
-        """Names of the outputs that sensors give: attitude and attitude rate."""
+        """Names of the sensor outputs: attitude and attitude rate."""
         return "attitude", "attitude_rate"
 
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
-        """Return the plant whose deflection does `factor` times as much, moment and force alike.
+        """Return the plant with control moment and control force multiplied by `factor`.
 
         Raises
         ------
         InputError
             For a factor that is not positive.
         """
-        c, times = self.coefficients, positive("factor", factor)
-        with np.errstate(over="ignore"):  # what is beyond all numbers is refused as that
-            more = times * np.asarray(c.mu_delta)
-        return Plant(c.replace(mu_delta=more), self.model)
+        c, multiple = self.coefficients, positive("factor", factor)
+        with np.errstate(over="ignore"):  # an overflow is refused below
+            moment = multiple * np.asarray(c.mu_delta)
+        return Plant(c.replace(mu_delta=moment), self.model)
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -158,7 +193,7 @@ class Plant(Hinted):
 
     @cached_property
     def denominator(self) -> FloatArray:
-        """The characteristic polynomial, ``(..., order + 1)``, highest power first."""
+        """Characteristic polynomial, ``(..., order + 1)``, highest power first."""
         c, d = self.coefficients, self.coefficients.damping
         stiffness = c.C1 * d - c.mu_alpha
         last = {
@@ -176,7 +211,7 @@ class Plant(Hinted):
         return self._stack(last[self.model])
 
     def numerator(self, output: str, input: str) -> FloatArray:
-        """Return the numerator from `input` to `output`, over the one denominator.
+        """Return the numerator from `input` to `output`, over the common denominator.
 
         Shape ``(..., k)``, highest power first.
 
@@ -204,14 +239,14 @@ class Plant(Hinted):
 
     @cached_property
     def poles(self) -> AnyArray:
-        """All poles [1/s], the fastest growing first, ``(..., order)``; real where all are."""
+        """All poles [1/s] by falling real part, ``(..., order)``; real where all are."""
         poles = polynomials.roots(self.denominator)
         order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
         return np.take_along_axis(poles, order, axis=-1)
 
     @cached_property
     def modal(self) -> ModalSystem:
-        """The plant as a sum of modes; without meaning where poles are repeated."""
+        """Sum of modes of the plant; invalid where poles are repeated."""
         poles = polynomials.roots(self.denominator)
         slope = polynomials.value(polynomials.derivative(self.denominator), poles)
         slope = np.where(slope == 0.0, np.nan, slope)
@@ -227,7 +262,7 @@ class Plant(Hinted):
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:
-        """b1, b2 and q of the filter that makes trim of a wind, eq before (17).
+        """Coefficients b1, b2 and q of the filter from a wind to its trim, eq before (17).
 
         -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift -B alone.
         """
@@ -237,7 +272,7 @@ class Plant(Hinted):
         return c.b1, c.b2, c.q if self.model == "drift-and-speed" else 0.0
 
     def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
-        """Return one transfer function as `control.TransferFunction`.
+        """Return a transfer function as `control.TransferFunction`.
 
         Raises
         ------
@@ -280,7 +315,7 @@ class Plant(Hinted):
 
     @property
     def system(self) -> LinearSystem:
-        """The plant with its signals by name."""
+        """The plant as a `LinearSystem` with named signals."""
         return LinearSystem(*self.matrices(), self.inputs, self.outputs, self.states)
 
     @property
@@ -322,10 +357,10 @@ class Plant(Hinted):
         return A, B, C, D
 
     def path_per_attitude(self, poles: AnyArray) -> AnyArray:
-        """Return how much flight path angle goes with the attitude in a free mode e^(p t).
+        """Return the ratio of flight path angle to attitude in a free mode e^(p t), ``(..., N)``.
 
         From the flight path equation, (p + damping + q/p) gamma = attitude theta; the angle of
-        attack of the mode is what is left of its attitude.
+        attack of the mode is the remainder of its attitude.
 
         Parameters
         ----------
@@ -338,7 +373,7 @@ class Plant(Hinted):
             np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, turning)
         )
         resistance = poles * (poles + damping) + turning
-        free = resistance == 0.0  # in the drift model the path keeps whatever attitude is left
+        free = resistance == 0.0  # in the drift model the path angle is free
         return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
 
     def _attitude(self, input: str) -> FloatArray:
@@ -396,7 +431,10 @@ class Plant(Hinted):
 
 @dataclass(frozen=True)
 class _PathCoefficients:
-    """gamma' + damping gamma = attitude theta + deflection delta - wind alpha_w, all [1/s]."""
+    """Coefficients of gamma' + damping gamma = attitude theta + deflection delta - wind alpha_w.
+
+    All in 1/s.
+    """
 
     attitude: Any
     damping: Any

@@ -1,13 +1,13 @@
-"""The forced response of a plant, exact at any time and on the stability boundary.
+"""Forced response of a plant, exact at any time and on the stability boundary.
 
-The response is taken apart into the modes of the plant. A mode that does not grow is the
-discounted past of its inputs, carried from breakpoint to breakpoint. One that grows is written as
+The response is decomposed into the modes of the plant (`numerics.modal`). A stable mode is
+propagated from breakpoint to breakpoint. An unstable mode is written as
 
-    z(t) = R e^(p t) - (discounted future of its inputs),
+    z(t) = R e^(p t) - (remaining integral of its inputs),
 
-R being its residue, eq (4b). On the boundary R is zero and what remains decays, so nothing is
-lost; integrated forward, the same mode would be the difference of two numbers that grow with
-e^(p t). A residue that is zero within the rounding of its own sum counts as zero.
+R being its residue, eq (4b). On the boundary R is zero and the remainder decays, so that nothing is
+lost; integrated forward, the same mode would be the difference of two numbers that grow with e^(p
+t). A residue that is zero within the rounding of its own sum counts as zero.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, one_of, shown, times_row
-from tvclin.linear.plant import INPUTS, RIGID, Plant
+from tvclin.linear.plant import INPUTS, PLANT_HINT, Plant
 from tvclin.numerics import modal
 from tvclin.winds.histories import History
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """The responses of a batch.
+    """Responses of a batch.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Responses:
     labels: tuple[str, ...]
 
     def __getitem__(self, label: str) -> FloatArray:
-        """Return one output by its name, ``(..., n)``."""
+        """Return an output by its name, ``(..., n)``."""
         one_of("output", label, self.labels)
         return self.outputs[..., self.labels.index(label), :]
 
@@ -81,7 +81,7 @@ def attitude_response(
 
     Notes
     -----
-    Eqs (5), (B7) and (B8) answered mode by mode. On the stability boundary all digits are kept
+    Eqs (5), (B7) and (B8) are solved mode by mode. On the stability boundary all digits are kept
     at any time, where forward integration has lost them all beyond tau beta of about 12. Off the
     boundary the attitude grows without end, to infinity where floating point ends.
 
@@ -96,15 +96,17 @@ def attitude_response(
     >>> bool(np.isclose(response.outputs["attitude"][-1], limit / 0.107, rtol=1e-13))
     True
     """
-    found = attitude_responses(plant, deflection, wind, timepts)
-    if found.outputs.ndim > 2:
+    responses = attitude_responses(plant, deflection, wind, timepts)
+    if responses.outputs.ndim > 2:
         raise InputError(
-            f"attitude_response is for one case; got a batch of shape {found.outputs.shape[:-2]}"
-            " (use attitude_responses)"
+            f"attitude_response is for one case; got a batch of shape"
+            f" {responses.outputs.shape[:-2]} (use attitude_responses)"
         )
     name, title = plant.model, f"Exact response, {plant.model} model"
     inputs = dict(zip(INPUTS, (deflection, wind), strict=True))
-    return time_response(found.time, found.outputs, found.labels, name=name, title=title, **inputs)
+    return time_response(
+        responses.time, responses.outputs, responses.labels, name=name, title=title, **inputs
+    )
 
 
 def time_response(
@@ -118,8 +120,8 @@ def time_response(
 ) -> TimeResponseData:
     """Return outputs ``(n, m)`` at times ``(m,)`` [s] as `control.TimeResponseData`.
 
-    `labels`: names of the outputs. `name`, `title`: what responds, and the title of its plot.
-    `inputs`: what it responds to, by name.
+    `labels`: names of the outputs. `name`, `title`: name of the system, and title of its plot.
+    `inputs`: histories of the inputs, by name.
     """
     from control import TimeResponseData
 
@@ -145,7 +147,7 @@ def attitude_responses(
     timepts: ArrayLike,
     outputs: Sequence[str] | None = None,
 ) -> Responses:
-    """Return the exact responses of a batch: many winds, many plants, or both, in one call.
+    """Return the exact responses of a batch of winds, of plants, or of both, in one call.
 
     Parameters
     ----------
@@ -156,8 +158,8 @@ def attitude_responses(
     timepts : array_like
         Times [s], ``(n,)``, the same for all.
     outputs : sequence of str, optional
-        Which outputs, where not all are wanted; the others are not computed. They come in the
-        order of the plant.
+        Names of the outputs to compute, by default all. They are returned in the order of the
+        plant.
 
     Raises
     ------
@@ -166,29 +168,31 @@ def attitude_responses(
         broadcast, and for outputs that the model does not have.
     """
     times = times_row("timepts", timepts)
-    instance("plant", plant, Plant, RIGID)
-    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("plant", plant, Plant, PLANT_HINT)
+    instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     system, labels = plant.modal, plant.outputs
     if outputs is not None:
-        labels = _asked(outputs, labels)
+        labels = _selected_outputs(outputs, labels)
         system = system.select_outputs([plant.outputs.index(label) for label in labels])
-    found, near = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
-    if near is not None:
-        cases = np.flatnonzero(near)
+    values, indistinct = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
+    if indistinct is not None:
+        cases = np.flatnonzero(indistinct)
         if shape:
             plant = plant.cases(cases, shape)
             deflection, wind = (h.cases(cases, shape) for h in (deflection, wind))
-        found[near] = _by_lags(plant, labels, deflection, wind, times, cases.shape if shape else ())
-    return Responses(times, found, labels)
+        values[indistinct] = _by_lags(
+            plant, labels, deflection, wind, times, cases.shape if shape else ()
+        )
+    return Responses(times, values, labels)
 
 
-def _asked(outputs: Sequence[str], known: tuple[str, ...]) -> tuple[str, ...]:
+def _selected_outputs(outputs: Sequence[str], available: tuple[str, ...]) -> tuple[str, ...]:
     if not isinstance(outputs, tuple | list) or not outputs:
-        raise InputError(f"outputs must be some of {', '.join(known)}; got {shown(outputs)}")
-    asked = {one_of("outputs", label, known) for label in outputs}
-    return tuple(label for label in known if label in asked)
+        raise InputError(f"outputs must be some of {', '.join(available)}; got {shown(outputs)}")
+    selected = {one_of("outputs", label, available) for label in outputs}
+    return tuple(label for label in available if label in selected)
 
 
 def _by_lags(
@@ -199,21 +203,21 @@ def _by_lags(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> FloatArray:
-    """The response by a chain of lags, which needs no distinct poles (a vehicle without moment)."""
+    """Return the response by a chain of lags, which admits repeated poles (as without moment)."""
     rows, lagged = [], _lagged if shape else _latest
     for output in outputs:
-        parts = [
+        components = [
             lagged(plant, output, name, history)(times)
             for name, history in zip(INPUTS, (deflection, wind), strict=True)
         ]
-        rows.append(np.broadcast_to(parts[0] + parts[1], (*shape, times.size)))
+        rows.append(np.broadcast_to(components[0] + components[1], (*shape, times.size)))
     return np.stack(rows, axis=-2)
 
 
 def _lagged(plant: Plant, output: str, name: str, history: History) -> History:
-    """The history of an output that answers one input alone."""
+    """Return the history of an output in response to a single input."""
     return history.filter(plant.numerator(output, name), plant.denominator)
 
 
 _latest = lru_cache(maxsize=8)(_lagged)
-"""The same, kept: where one response is looked at again and again, it takes nearly all the time."""
+"""Cached `_lagged`, which takes nearly all the time of repeated calls for one response."""

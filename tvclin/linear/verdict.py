@@ -1,7 +1,7 @@
-"""The verdict of eq (4b): whether a deflection in a wind leaves a growing exponential behind.
+"""Residue condition, eq (4b): stability of the attitude under a deflection in a wind.
 
-It leaves none exactly when the residue of the attitude vanishes at every unstable pole. Residues
-come from the exact transforms; no verdict ever comes from watching a simulation.
+The attitude contains no unstable exponential exactly when its residue vanishes at every unstable
+pole. Residues come from the exact transforms; no verdict comes from a simulation.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tvclin.winds.histories import History, Piecewise
 
 @dataclass(frozen=True, eq=False)
 class Verdict(Shown):
-    """Whether a history leaves a growing exponential in the attitude, eq (4b).
+    """Verdict of the residue condition, eq (4b), on a deflection in a wind.
 
     Attributes
     ----------
@@ -31,25 +31,24 @@ class Verdict(Shown):
         True when every residue is zero within `tolerance`, ``(...)``.
     residues : ndarray
         Residue of the attitude [rad] at each unstable pole, ``(..., N)``, with the time counted
-        from the first breakpoint of the two histories, so that it means the same however late they
-        are.
+        from the first breakpoint of the two histories, so that it does not depend on their delay.
     tolerance : ndarray
-        The rounding [rad] to which each residue is known, ``(..., N)``.
-    left_over : LeftOver
-        What stays in the attitude for ever, which (4b) does not ask about but (4a) does.
+        Rounding error [rad] of each residue, ``(..., N)``.
+    final_motion : FinalMotion
+        Attitude long after the wind, which (4a) restricts but (4b) does not.
     """
 
     stable: Any
     residues: AnyArray
     tolerance: FloatArray
-    left_over: LeftOver
+    final_motion: FinalMotion
 
     _keys = "stable residues_deg tolerance_deg"
 
 
 @dataclass(frozen=True, eq=False)
-class LeftOver:
-    """What the attitude does long after the wind, besides the decaying terms.
+class FinalMotion:
+    """Attitude long after the wind, besides the decaying terms.
 
     Attributes
     ----------
@@ -57,10 +56,10 @@ class LeftOver:
         Constant attitude error [rad], ``(...)``; NaN where it ramps.
     rate : ndarray
         Slope of a ramp [rad/s], ``(...)``. Both are NaN for a plant with several poles at zero
-        (a vehicle without aerodynamic moment), of which nothing is said.
+        (a vehicle without aerodynamic moment).
     e_folding_times : ndarray
-        For each unstable pole that is excited, the time [s] in which it grows by e; NaN for the
-        others, ``(..., N)``.
+        E-folding time [s] of each unstable pole that is excited; NaN for the others,
+        ``(..., N)``.
     oscillates : bool or ndarray
         True when the plant has an undamped oscillation, ``(...)``.
     """
@@ -72,20 +71,20 @@ class LeftOver:
 
     def __str__(self) -> str:
         times = (f"{time:.4g} s" for time in np.ravel(self.e_folding_times) if np.isfinite(time))
-        each = [*dict.fromkeys(times)]
-        parts = [f"a growing mode with an e-folding time of {time}" for time in each[:1]]
-        if each[1:]:
-            parts = [f"growing modes with e-folding times of {' and '.join(each)}"]
-        ramps, errors = (np.degrees(_known(array)) for array in (self.rate, self.offset))
+        distinct = [*dict.fromkeys(times)]
+        texts = [f"a growing mode with an e-folding time of {time}" for time in distinct[:1]]
+        if distinct[1:]:
+            texts = [f"growing modes with e-folding times of {' and '.join(distinct)}"]
+        ramps, errors = (np.degrees(_nonzero_elements(array)) for array in (self.rate, self.offset))
         if ramps.size:
-            parts.append(f"a ramp of {ramps[0]:.4g} deg/s")
+            texts.append(f"a ramp of {ramps[0]:.4g} deg/s")
         elif errors.size:
-            parts.append(f"a constant attitude error of {errors[0]:.4g} deg")
+            texts.append(f"a constant attitude error of {errors[0]:.4g} deg")
         if np.any(np.isnan(self.rate)):
-            parts.append("what several poles at zero make of the deflection")
+            texts.append("what several poles at zero make of the deflection")
         if np.any(self.oscillates):
-            parts.append("an undamped oscillation")
-        return " and ".join(parts) or "nothing"
+            texts.append("an undamped oscillation")
+        return " and ".join(texts) or "nothing"
 
 
 def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
@@ -94,59 +93,59 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
     Parameters
     ----------
     plant, deflection, wind
-        As of `attitude_responses`.
+        As in `attitude_responses`.
 
     Notes
     -----
     Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
     """
     modes = unstable_modes(plant)
-    found, _, start = _at_poles(modes, deflection, wind)
+    values, _, start = _at_poles(modes, deflection, wind)
     with np.errstate(over="ignore"):
-        return found * np.exp(-modes.poles * start[..., np.newaxis])
+        return values * np.exp(-modes.poles * start[..., np.newaxis])
 
 
 def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
-    """Return whether this deflection in this wind leaves a growing exponential, eq (4b).
+    """Return the verdict of eq (4b) on a deflection in a wind.
 
-    It judges the history as it is: a deflection above the boundary that is held for ever is
+    It judges the history itself: a deflection above the boundary that is constant without end is
     unstable by (4b), although its capability is sufficient (see `requirement.is_sufficient`).
 
     Parameters
     ----------
     plant, deflection, wind
-        As of `attitude_responses`.
+        As in `attitude_responses`.
     """
     modes = unstable_modes(plant)
-    found, tolerance, _ = _at_poles(modes, deflection, wind)
-    zero = (np.abs(found) <= tolerance) | np.isnan(modes.poles)
+    values, tolerance, _ = _at_poles(modes, deflection, wind)
+    zero = (np.abs(values) <= tolerance) | np.isnan(modes.poles)
     stable = np.all(zero, axis=-1)
     with np.errstate(invalid="ignore"):
         e_folding = np.where(zero, np.nan, 1.0 / np.real(modes.poles))
     offset, rate = _final_attitude(plant, deflection, wind)
     return Verdict(
         bool(stable) if stable.ndim == 0 else stable,
-        found,
-        np.broadcast_to(tolerance, found.shape),
-        LeftOver(offset, rate, e_folding, _oscillates(plant)),
+        values,
+        np.broadcast_to(tolerance, values.shape),
+        FinalMotion(offset, rate, e_folding, _oscillates(plant)),
     )
 
 
 def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
-    """Return ``judge(plant, deflection, wind).stable``: True where (4b) is met."""
+    """Return ``judge(plant, deflection, wind).stable``: True where (4b) is satisfied."""
     return judge(plant, deflection, wind).stable
 
 
 def _at_poles(
     modes: Modes, deflection: History, wind: History
 ) -> tuple[AnyArray, FloatArray, FloatArray]:
-    """The residues [rad], the rounding to which they are known, and when the first input begins.
+    """Return the residues [rad], their rounding errors [rad], and the start of the inputs [s].
 
-    They are those of the same flight with its time counted from there [s], and so neither vanish
-    for a late wind nor overflow for an early one; e^(-p start) times them are those of the flight
-    as it is. Both are ``(..., N)``; NaN at a pole that is NaN.
+    The residues are those with the time counted from the start, and so neither vanish for a late
+    wind nor overflow for an early one; times e^(-p start) they are those of the flight. Both are
+    ``(..., N)``; NaN at a pole that is NaN.
     """
-    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     start = np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
     gains = (modes.deflection_residues, modes.wind_residues)
@@ -157,37 +156,37 @@ def _at_poles(
 def _final_attitude(
     plant: Plant, deflection: History, wind: History
 ) -> tuple[FloatArray, FloatArray]:
-    """The constant or the ramp that the last values of the inputs leave (final value theorem)."""
+    """Return the constant [rad] or the ramp [rad/s] of the attitude by the final value theorem."""
     denominator, *numerators = _without_common_zero(plant)
     last = denominator[..., -1]
     marginal = last == 0.0
-    several = marginal & (denominator[..., -2] == 0.0)
-    slope = np.where(several, np.nan, np.where(marginal, denominator[..., -2], 1.0))
-    orders = [_lowest(*pair) for pair in zip(numerators, (deflection, wind), strict=True)]
-    held, total = (first + second for first, second in zip(*orders, strict=True))
-    rate = np.where(marginal, held / slope, 0.0)
+    repeated = marginal & (denominator[..., -2] == 0.0)
+    slope = np.where(repeated, np.nan, np.where(marginal, denominator[..., -2], 1.0))
+    orders = [_low_order_terms(*pair) for pair in zip(numerators, (deflection, wind), strict=True)]
+    constant, total = (first + second for first, second in zip(*orders, strict=True))
+    rate = np.where(marginal, constant / slope, 0.0)
     drifted = np.where(rate == 0.0, total / slope, np.nan)
-    return np.where(marginal, drifted, held / np.where(marginal, 1.0, last)), rate
+    return np.where(marginal, drifted, constant / np.where(marginal, 1.0, last)), rate
 
 
-def _lowest(numerator: FloatArray, history: History) -> tuple[FloatArray, FloatArray]:
-    """The terms with 1/s and with s^0 of a numerator times the transform of a history.
+def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArray, FloatArray]:
+    """Return the terms with 1/s and with s^0 of a numerator times the transform of a history.
 
-    A history that does not die out is its final value from t = 0 on, and the rest of it.
+    A history that does not decay is its final value from t = 0 on, plus a remainder.
     """
     pieces, end = history.pieces, history.final_value
     constant = np.zeros(pieces.coefficients.shape[-3:], dtype=bool)
     constant[-1, :, 0] = True
     constant = constant & (pieces.rates == 0.0)[..., np.newaxis, :, np.newaxis]
-    rest = replace(pieces, coefficients=np.where(constant, 0.0, pieces.coefficients))
+    remainder = replace(pieces, coefficients=np.where(constant, 0.0, pieces.coefficients))
     slope = numerator[..., -2] if numerator.shape[-1] > 1 else 0.0
     with np.errstate(invalid="ignore"):  # a history without a final value
-        area = Piecewise(rest).laplace(0.0) - end * pieces.knots[..., -1]
+        area = Piecewise(remainder).laplace(0.0) - end * pieces.knots[..., -1]
         return numerator[..., -1] * end, numerator[..., -1] * area + slope * end
 
 
 def _without_common_zero(plant: Plant) -> list[FloatArray]:
-    """The denominator and the numerators, divided by s where it divides all of them (in yaw)."""
+    """Return denominator and numerators, divided by s where it divides all of them (in yaw)."""
     terms = [plant.denominator, *(plant.numerator("attitude", i) for i in INPUTS)]
     common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
     return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
@@ -200,6 +199,6 @@ def _oscillates(plant: Plant) -> Any:
     return np.any(undamped, axis=-1)
 
 
-def _known(array: FloatArray) -> FloatArray:
-    """The elements that are neither zero nor NaN."""
+def _nonzero_elements(array: FloatArray) -> FloatArray:
+    """Return the finite elements that are not zero."""
     return array[np.isfinite(array) & (array != 0.0)]

@@ -12,8 +12,7 @@ from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Margins, loop_margins
-from tvclin.linear.flexible import AnyPlant, check_plant
-from tvclin.linear.flexible_modes import named_modes
+from tvclin.linear.flexible import AnyPlant, check_plant, named_modes
 from tvclin.numerics.loop_margins import grid_frequencies, stability
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import broken, literal

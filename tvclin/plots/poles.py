@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.errors import different, instance, one_of, single
-from tvclin.linear.models import MODELS
 from tvclin.linear.modes import Modes, all_modes
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import MODELS, Plant
 from tvclin.plots.style import COLOURS, MARKS, WARM, control_plot, cycle, fine_grid, literal
 from tvclin.vehicle.coefficients import Coefficients
 

@@ -169,8 +169,8 @@ def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
             "angle must be a wind within 90 degrees, in radians; got a largest size of"
             f" {np.abs(angle).max():.6g} rad"
         )
-    nonzero = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
-    if not np.all(np.any(nonzero & (np.diff(time) > 0.0), axis=-1)):
+    has_wind = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
+    if not np.all(np.any(has_wind & (np.diff(time) > 0.0), axis=-1)):
         raise InputError(
             "angle must be a wind that is not zero throughout; got one that is zero wherever"
             f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"

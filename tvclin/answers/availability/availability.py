@@ -26,7 +26,7 @@ from tvclin.base.errors import (
     one_of,
     small_angle,
 )
-from tvclin.linear.models import MODELS, USUAL_MODEL
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
@@ -46,7 +46,7 @@ def availability(
     azimuth: ArrayLike,
     plane: str = BOTH,
     stop: str = "round",
-    model: str = USUAL_MODEL,
+    model: str = DEFAULT_MODEL,
     persistence: float | WindGrowth | PairGrowth | str | None = None,
     gust: History | None = None,
     gust_speed: float | None = None,

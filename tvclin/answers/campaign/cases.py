@@ -19,9 +19,8 @@ from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.linear.flexible import FlexiblePlant
-from tvclin.linear.models import flexible_model
 from tvclin.linear.modes import unstable_modes
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import Plant, flexible_model
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import WindEnsemble

@@ -22,7 +22,7 @@ from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.extremes import FALLEN_OVER
+from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.response import attitude_response
 from tvclin.vehicle.coefficients import BOTH
@@ -238,7 +238,7 @@ def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) ->
         response = made()
     except InputError:
         return {}
-    fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > FALLEN_OVER)
+    fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
     end = int(fallen[0]) if fallen.size else response.time.size - 1
     found = {
         f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))

@@ -29,8 +29,7 @@ from tvclin.control.margins.bands import band_margins
 from tvclin.control.margins.criteria import Criteria, Requirement
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
-from tvclin.linear.flexible_modes import named_modes
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant, named_modes
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 

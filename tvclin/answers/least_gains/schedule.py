@@ -13,7 +13,7 @@ from tvclin.answers.least_gains.least import least_deflection_gains
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.errors import InputError, instance, times_row
 from tvclin.control.autopilot.gains import GainSchedule
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.winds.histories import History
 
 
@@ -68,7 +68,7 @@ def least_gain_schedule(
     >>> [round(one.relative, 2) for one in found.each]
     [1.03, 1.14]
     """
-    instance("plants", plants, Plant, RIGID)
+    instance("plants", plants, Plant, PLANT_HINT)
     when = times_row("time", time)
     if plants.batch != when.shape:
         raise InputError(

@@ -14,7 +14,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.flights.closed_loop.many import NO_FLIGHT, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.modes import that_grow
+from tvclin.linear.modes import select_unstable
 
 _PAIR = "two unstable poles are a pair, for which no test of loss is known"
 _FIXED_PATH = "fixed-path"
@@ -28,7 +28,7 @@ def flight_reason(plant: AnyPlant, status: str) -> str:
         return ""
     if decidable(plant):
         return "its wind lasts for more than a million samples"
-    poles = that_grow(plant.poles)
+    poles = select_unstable(plant.poles)
     poles = poles[~np.isnan(poles)]
     if np.iscomplexobj(poles) and np.any(np.imag(poles) != 0.0):
         return _PAIR

@@ -14,8 +14,7 @@ from tvclin.answers.sizing.placing import PlacedWind
 from tvclin.answers.sizing.record import Sizing, beyond_one_pole
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.stops import Stop
-from tvclin.linear.models import ONE_POLE
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import ONE_POLE, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind

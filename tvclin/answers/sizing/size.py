@@ -35,8 +35,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -51,7 +50,7 @@ def size(
     *,
     times: ArrayLike | None = None,
     dead_bands: ArrayLike = (1.0, 0.5),
-    model: str = USUAL_MODEL,
+    model: str = DEFAULT_MODEL,
     plane: str = "pitch",
     placing: str | Mapping[str, str] = "peak",
     window: float = 20.0,

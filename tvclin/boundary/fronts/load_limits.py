@@ -27,7 +27,7 @@ from tvclin.boundary.optimum.grid import apart
 from tvclin.boundary.optimum.load_case import LoadCase
 from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.linear.deflections import HeldDeflection
+from tvclin.linear.deflections import ConstantDeflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
@@ -238,7 +238,7 @@ class LoadLimits:
         none = Piecewise(linear_pieces([start], [0.0], 0.0))
         name = "angle_of_attack"
         free = attitude_responses(case.plant, none, case.wind, times, [name])[name]
-        one = HeldDeflection(limit=1.0, start=start)
+        one = ConstantDeflection(limit=1.0, start=start)
         whole = attitude_responses(case.plant, one, 0.0 * case.wind, times, [name])[name]
         size = np.maximum.accumulate(np.abs(whole))
         return free, np.where(size > 0.0, size, np.inf)

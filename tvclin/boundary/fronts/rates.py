@@ -24,7 +24,7 @@ from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.rate_limit import least_peak_at_rate
-from tvclin.linear.modes import poles_in_words, unstable_poles
+from tvclin.linear.modes import poles_text, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -251,7 +251,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
     if poles.size and np.imag(poles[0]):
         raise InputError(
             "plant must have a real unstable pole as its fastest; it has"
-            f" {poles_in_words(unstable_poles(plant))}"
+            f" {poles_text(unstable_poles(plant))}"
         )
     unlimited = optimum_deflection(plant, wind, start)
     blind: float | None = 0.0

@@ -17,8 +17,8 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, number, single
-from tvclin.linear.modes import parted, unstable_poles, wind_strength
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.modes import separated_poles, unstable_poles, wind_over_deflection
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import check_end
 
@@ -116,9 +116,9 @@ def constraints_of(
     """
     _check_single(plant, wind)
     start, end = _check_times(wind, start, horizon)
-    poles = parted(unstable_poles(plant))
+    poles = separated_poles(unstable_poles(plant))
     poles = poles[np.imag(poles) >= 0.0]
-    strength = wind_strength(plant, poles)
+    strength = wind_over_deflection(plant, poles)
     if not np.all(np.isfinite(strength)):
         lost = poles[~np.isfinite(strength)][0]
         raise InputError(
@@ -135,7 +135,7 @@ def constraints_of(
 
 
 def _check_single(plant: Plant, wind: History) -> None:
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     single("plant", plant.batch)
     single("wind", wind.batch)

@@ -17,8 +17,8 @@ from tvclin.boundary.optimum.minimum_peak import optimum_of
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import ONSET_COMPILED, ONSET_PLAIN, from_onset
-from tvclin.linear.modes import parted, unstable_poles, wind_strength
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.modes import separated_poles, unstable_poles, wind_over_deflection
+from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
 from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
@@ -45,11 +45,11 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
     lambda . e, over the directions of lambda.
     """
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, wind=wind.batch)
     check_end(wind)
-    poles = parted(unstable_poles(plant))
+    poles = separated_poles(unstable_poles(plant))
     count = poles.shape[-1]
     if not count:
         return np.zeros(shape)
@@ -57,7 +57,9 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     if enough is not None and count > 2:
         shape = np.broadcast_shapes(shape, np.shape(enough))
         peaks = np.broadcast_to(enough, shape).ravel()
-    strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
+    strength = np.broadcast_to(wind_over_deflection(plant, poles), (*shape, count)).reshape(
+        -1, count
+    )
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
     with np.errstate(invalid="ignore"):
         demands = -strength * _moments(wind, poles, shape)
@@ -67,7 +69,7 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
 def peaks_of(poles: AnyArray, demands: AnyArray, enough: FloatArray | None = None) -> FloatArray:
     """Return the least peaks [rad] that meet the demands of modes, for each case.
 
-    `poles`: unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there
+    `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN where there
     is none, and both of a pair. `demands`: d_i of eq (C1) from the start of the control on [rad s],
     ``(n, m)``; infinite where the deflection does not reach a pole. `enough`: as of `least_peaks`,
     ``(n,)``.

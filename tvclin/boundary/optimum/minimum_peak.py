@@ -13,7 +13,7 @@ from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.dual import best_multipliers
 from tvclin.boundary.optimum.exponential_sums import Window
-from tvclin.linear.deflections import BangBang, HeldDeflection
+from tvclin.linear.deflections import BangBang, ConstantDeflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
@@ -144,7 +144,7 @@ def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
     deflection: History = (
         BangBang(limit=limit, switch_times=switches + start, start=start)
         if switches.size
-        else HeldDeflection(limit=limit, start=start)
+        else ConstantDeflection(limit=limit, start=start)
     )
     if np.isfinite(window.end):
         deflection = deflection.before(window.end + start)

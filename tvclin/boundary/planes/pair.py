@@ -12,7 +12,7 @@ from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, ending, instance
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.linear.deflections import trim_deflection
-from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
+from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -62,7 +62,7 @@ class Pair:
     def _strengths(self) -> tuple[FloatArray, FloatArray]:
         """-B K1 p for every mode of each plane."""
         pitch, yaw = (
-            np.asarray(-wind_strength(plant, poles) * poles)
+            np.asarray(-wind_over_deflection(plant, poles) * poles)
             for plant, poles in zip(self.plants, self.poles, strict=True)
         )
         return pitch, yaw
@@ -144,7 +144,7 @@ def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) 
         real = poles.size > 0 and not np.any(np.imag(poles))
         if not real or np.any(np.isnan(poles[..., 0])):
             kept = "it has none" if not poles.size else "a pair in two planes is not treated"
-            has = kept if one.batch else f"it has {poles_in_words(poles)}"
+            has = kept if one.batch else f"it has {poles_text(poles)}"
             raise InputError(f"{name} must have unstable poles, all real; {has}")
         if np.any(poles[..., 1:] > (1.0 - _TOGETHER) * poles[..., :1]):
             raise InputError(f"{name} must have a fastest pole that is single; two are together")

@@ -34,8 +34,7 @@ from tvclin.control.autopilot.wiring import (
 from tvclin.control.margins.bands import BandMargins, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Margins, loop_margins
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
-from tvclin.linear.flexible_modes import named_modes
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant, named_modes
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response

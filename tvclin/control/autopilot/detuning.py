@@ -21,8 +21,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins
-from tvclin.linear.flexible import FlexiblePlant
-from tvclin.linear.flexible_modes import named_modes
+from tvclin.linear.flexible import FlexiblePlant, named_modes
 from tvclin.numerics.loop_margins import stability
 from tvclin.vehicle.structure import SloshTank
 

@@ -21,7 +21,7 @@ from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import RATE_LIMIT_RANGE, FilteredLaw, Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import PLANT_HINT, Plant
 
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 
@@ -99,7 +99,7 @@ def design_law(
     0.8
     """
     design = LAWS[one_of("law", name, LAWS)]
-    instance("plant", plant, Plant, RIGID)
+    instance("plant", plant, Plant, PLANT_HINT)
     for key in options:
         if key != _OPTIONS.get(name):
             raise InputError(f"{key} is not of the law {name}; leave it out")

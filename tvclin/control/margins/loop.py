@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast, finite, flag, nonnegative, within
-from tvclin.linear.system import delay_parts
+from tvclin.linear.system import split_delay
 from tvclin.numerics.loop_margins import LoopAnalysis, analyse_loops
 from tvclin.numerics.loops import AnyLoop, Rational, StateLoop, rightmost_poles
 
@@ -425,7 +425,7 @@ class SampledLoop(Loop):
         w, margin = omega[case, column], margins[case, column]
         converged = np.zeros(case.size, dtype=bool)
         for _ in range(_MAX_NEWTON_STEPS if case.size else 0):
-            samples, rest = delay_parts(delay + margin, h)
+            samples, rest = split_delay(delay + margin, h)
             nu = np.tan(0.5 * w * h) / (0.5 * h)
             form, s = self.delayed_form(rest, case), 1j * nu[:, np.newaxis]
             L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]

@@ -32,7 +32,7 @@ from tvclin.kernels.flight_arrays import (
     Vehicles,
     Winds,
 )
-from tvclin.linear.system import delay_parts
+from tvclin.linear.system import split_delay
 
 _LONGEST = 1_000_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
@@ -85,7 +85,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     hardware, every = batch.hardware, np.arange(int(np.prod(own)))
     plant = batch.plant.system.cases(every, own)
     length, delay = (_spread(a, own) for a in (hardware.length, hardware.delay))
-    late, rest = delay_parts(delay, length)
+    late, rest = split_delay(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
     lengths = np.stack([length, *parts], axis=-1)
     pace = np.minimum(_spread(quickness(hardware.actuator), own), _AT_ONCE)[:, np.newaxis]

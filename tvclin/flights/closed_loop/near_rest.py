@@ -21,7 +21,7 @@ import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.flights.closed_loop.growth import step_near_rest
-from tvclin.linear.system import delay_parts
+from tvclin.linear.system import split_delay
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.batch import Batch
@@ -46,7 +46,7 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
     unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
-    samples, rest = delay_parts(hardware.delay, hardware.length)
+    samples, rest = split_delay(hardware.delay, hardware.length)
     loop = _response(batch.delayed(rest), name, float(samples))
     angles = _angles(batch, pace, float(samples))
     real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]

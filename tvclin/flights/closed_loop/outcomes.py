@@ -9,7 +9,7 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.boundary.recoverable import MOST_MODES
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.modes import left_eigenvector, that_grow
+from tvclin.linear.modes import left_eigenvector, select_unstable
 from tvclin.linear.plant import INPUTS
 
 SETTLING = 5.0
@@ -60,7 +60,7 @@ def decidable(plant: AnyPlant) -> BoolArray:
 
 def _growing(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The fast and the slow real unstable pole, NaN where there is none, and `reach`."""
-    poles = that_grow(plant.poles)
+    poles = select_unstable(plant.poles)
     size = int(np.prod(plant.batch))
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
     columns = np.ascontiguousarray(poles.T)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.control.autopilot.actuator import INPUTS, Actuator
-from tvclin.linear.system import LinearSystem, connect, rising
+from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.state_space import beside
 
 COARSE = 0.5 + 1e-9
@@ -46,7 +46,7 @@ def joint_steps(moving: LinearSystem, vehicle: int, parts: FloatArray, terms: in
 
     The wind goes on as the polynomial that it is now.
     """
-    steps = connect([moving, rising("wind", terms)], INPUTS[:1], ()).to_steps(parts.T)
+    steps = connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ()).to_steps(parts.T)
     order = len(moving.states)
     J = beside(steps.A[..., :order], steps.B, steps.A[..., order:])[..., :order, :]
     if order == vehicle:
@@ -62,7 +62,7 @@ def even_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
     As a polynomial it is a + (b - a) t/h.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
-    moved = connect([plant, rising("deflection", 2)], (), ()).to_steps(parts.T).A
+    moved = connect([plant, polynomial_input("deflection", 2)], (), ()).to_steps(parts.T).A
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:

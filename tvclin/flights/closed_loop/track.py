@@ -14,7 +14,7 @@ from tvclin.flights.closed_loop.sampled import flown
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS
-from tvclin.linear.system import LinearSystem, connect, rising
+from tvclin.linear.system import LinearSystem, connect, polynomial_input
 from tvclin.numerics.propagation import input_states, matrix_exponentials, piece_matrix
 from tvclin.winds.histories import History
 
@@ -87,7 +87,7 @@ def _rows(
     rows = np.zeros((n + 1, times.size))
     rows[:n] = at.free[:n]
     if np.any(at.bounded):
-        even = connect([bare, rising("deflection", 2)], (), ()).to_steps(at.once).A
+        even = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.once).A
         straight = at.moved(even, np.column_stack([vehicle, first, slope]))[:n]
         rows[:n] = np.where(at.bounded, straight, rows[:n])
     rows[:n] += _blown(bare.A, bare.B[:, 1], wind, at)

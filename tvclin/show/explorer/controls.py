@@ -17,7 +17,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.stops import STOPS
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
-from tvclin.linear.models import MODELS
+from tvclin.linear.plant import MODELS
 from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_of
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import round_up

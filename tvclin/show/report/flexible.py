@@ -8,9 +8,8 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.control.margins.criteria import band_table
-from tvclin.linear.flexible import FlexiblePlant
-from tvclin.linear.flexible_modes import named_modes
-from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.flexible import FlexiblePlant, named_modes
+from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks
 from tvclin.show.report.figures import figure_of
@@ -44,7 +43,7 @@ def flexible(found: Findings) -> Section | None:
     plan, f = found.plan, found.flexible
     if plan.vehicle.structure is None:
         return None
-    whole = plan.vehicle, plan.vehicle.structure, USUAL_MODEL, plan.plane
+    whole = plan.vehicle, plan.vehicle.structure, DEFAULT_MODEL, plan.plane
     plant = FlexiblePlant.from_vehicle(*whole) if f is None else f.plant
     blocks: list[Block] = [Paragraph(_words(plant)), *_modes(plant)]
     if f is None:

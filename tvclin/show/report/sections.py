@@ -11,8 +11,16 @@ from tvclin.answers.findings import Findings
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, Table, degrees, number, quantities, significant
 from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, extremes, shown_until
-from tvclin.linear.loads import response_table, wind_loads
+from tvclin.linear.extremes import (
+    COMPLETE,
+    OVERTURNED,
+    OVERTURNED_NOTE,
+    RELEASED,
+    extremes,
+    response_end,
+    response_table,
+    wind_loads,
+)
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots import (
@@ -209,16 +217,16 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
     """When a response has said all, and why."""
     wind = found.study.history
     longest = _TO_SHOW * float(wind.end)
-    shown = shown_until(plant, deflection, wind, longest)
+    shown = response_end(plant, deflection, wind, longest)
     words = {
-        LET_GO: "It ends where the attitude is back at zero: there an autopilot lets go of the"
+        RELEASED: "It ends where the attitude is back at zero: there an autopilot lets go of the"
         " limit.",
-        FALLEN: "It ends where the attitude error exceeds 90 degrees.",
-        WHOLE: "The attitude does not come back to zero in this time.",
+        OVERTURNED: "It ends where the attitude error exceeds 90 degrees.",
+        COMPLETE: "The attitude does not come back to zero in this time.",
     }
     said = words[shown.why]
-    if shown.why == FALLEN and (found.study.limit is None or found.study.sufficient):
-        said += f" {TURNED_OVER}"
+    if shown.why == OVERTURNED and (found.study.limit is None or found.study.sufficient):
+        said += f" {OVERTURNED_NOTE}"
     stands = extremes(plant, deflection, wind, shown.time)
     if stands.with_wind is None and stands.against_wind is None:
         said = "Trim stays within the limit, and the attitude at zero."
