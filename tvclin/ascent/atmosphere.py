@@ -22,8 +22,8 @@ HIGHEST = 86_000.0
 """Highest altitude [m]."""
 LOWEST = -5_000.0
 """Lowest altitude [m], to which the first layer is continued."""
-_BEYOND = 14_000.0
-"""So far [m] the ends of the range are continued; farther off the air stays what it is there."""
+_CONTINUATION = 14_000.0
+"""Height [m] over which both ends of the range are continued; beyond it the air is constant."""
 _EARTH_RADIUS = 6_356_766.0
 _GAS_CONSTANT = 8.31432 / 28.9644e-3
 _BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
@@ -62,7 +62,7 @@ def standard_atmosphere(altitude: ArrayLike) -> Air:
 
 def air_at(altitude: FloatArray) -> Air:
     """Return the air at geometric altitudes [m]; the ends of the range are continued."""
-    altitude = np.clip(altitude, LOWEST - _BEYOND, HIGHEST + _BEYOND)
+    altitude = np.clip(altitude, LOWEST - _CONTINUATION, HIGHEST + _CONTINUATION)
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
     temperatures, pressures = _bases()
     layer = np.clip(np.searchsorted(_BASES, height, side="right") - 1, 0, _BASES.size - 1)
@@ -78,7 +78,7 @@ def density_at(altitude: float) -> float:
 
     Flights ask for it at every step, so it is plain arithmetic.
     """
-    altitude = min(max(altitude, LOWEST - _BEYOND), HIGHEST + _BEYOND)
+    altitude = min(max(altitude, LOWEST - _CONTINUATION), HIGHEST + _CONTINUATION)
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
     bottom, base, pressure, lapse = _layers()[max(bisect_right(_BASES, height) - 1, 0)]
     above = height - bottom

@@ -1,4 +1,4 @@
-"""What a flight needs beyond a vehicle, most of it assumed where the report is silent."""
+"""Flight condition of a vehicle: altitude and specific impulse, which the report does not give."""
 
 from dataclasses import dataclass
 from os import PathLike
@@ -26,7 +26,7 @@ FLIGHT_TABLE = FileTable(
 
 @dataclass(frozen=True, kw_only=True)
 class FlightCondition:
-    """Where a vehicle's numbers hold, and how they change with time.
+    """Altitude of a vehicle at its time, and the specific impulse by which its mass falls.
 
     Parameters
     ----------
@@ -96,9 +96,9 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     >>> load_flight_condition("configuration-i").altitude
     11950.0
     """
-    text, place = vehicle_text(source)
-    table = {} if is_schedule(source) else table_of(text, place, FLIGHT_TABLE)
-    name = called(place)
+    text, path = vehicle_text(source)
+    table = {} if is_schedule(source) else table_of(text, path, FLIGHT_TABLE)
+    name = called(path)
     if not table:
         raise InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"

@@ -2,9 +2,9 @@
 
     V' = (T - F_A)/m - g sin gamma,   gamma' = -g cos(gamma)/V,   h' = V sin gamma
 
-Thrust, inertia and damping stay, the mass falls with the specific impulse, and F_A and N go with
-the dynamic pressure. The report gives none of these histories (nor tables against Mach, nor an
-altitude): flights on this trajectory are reconstructed, not those of 1968.
+Thrust, inertia and damping are constant, the mass falls with the specific impulse, and F_A and N
+are proportional to the dynamic pressure. The report gives none of these histories (nor tables
+against Mach, nor an altitude): flights on this trajectory are reconstructed, not flown in 1968.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class NominalFlight:
         return self.vehicle.mass - flow * (np.asarray(t, dtype=float) - self._time)
 
     def pressure_ratio(self, speed: Any, altitude: Any) -> Any:
-        """Return the dynamic pressure at an air speed and altitude over that of the vehicle."""
+        """Return the ratio of a dynamic pressure, by air speed and altitude, to the vehicle's."""
         density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
         return density / self._density * (speed / self.vehicle.velocity) ** 2
 

@@ -42,11 +42,11 @@ _KEYS = {
     "velocity_m_per_s": "velocity",
     "attitude_deg": "attitude",
 }
-"""The columns of a file, and of which field of the vehicle each is."""
-_LEAST_B = 1e-9
-"""In size, of plants: without any moment of the air the path does not follow from coefficients."""
-_MOST_ROWS = 100_000
-"""A schedule of more times than that is a step that was given in the wrong unit."""
+"""Fields of the vehicle by columns of a file."""
+_MIN_B = 1e-9
+"""Smallest |B| of plants: without a moment of the air coefficients do not give the path."""
+_MAX_ROWS = 100_000
+"""Rows of a schedule; more are a step that was given in the wrong unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ class FlightSchedule(Shown):
 
     @property
     def time(self) -> FloatArray:
-        """The times again, by the name under which a flight through a sounding has them."""
+        """The times [s], ``(n,)``, by the name that flights through soundings use."""
         return self.times
 
     @property
@@ -140,7 +140,7 @@ class FlightSchedule(Shown):
 
     @property
     def flight_path_angle(self) -> FloatArray:
-        """The flight path angle at the times [rad], ``(n,)``: nominally that of the attitude."""
+        """Nominal flight path angle at the times [rad], ``(n,)``: equal to the attitude."""
         return np.broadcast_to(np.asarray(self.vehicle.attitude), self.times.shape)
 
     @property
@@ -167,7 +167,7 @@ class FlightSchedule(Shown):
         return self.held(times)
 
     def held(self, time: ArrayLike) -> Vehicle:
-        """Return the vehicle at any time [s]: outside the schedule that of its nearer end."""
+        """Return the vehicle at any time [s], constant outside the schedule."""
         times = finite("time", time, "s")
         numbers = {
             name: np.interp(times, self.times, values) if np.ndim(values) else values
@@ -176,30 +176,30 @@ class FlightSchedule(Shown):
         return self.vehicle.replace(**numbers, time=times)
 
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
-        """Return the plants at times [s], as `held`; also where the air has no moment."""
+        """Return the plants at any times [s]; without a moment of the air B is the smallest."""
         v = self.held(time)
-        least = _LEAST_B * np.asarray(v.control_force)
-        force = np.maximum(v.normal_force_slope, least)
+        smallest = _MIN_B * np.asarray(v.control_force)
+        force = np.maximum(v.normal_force_slope, smallest)
         arm = np.asarray(v.aerodynamic_arm)
-        weak = np.abs(v.normal_force_slope * arm) < least * np.abs(v.control_arm)
+        weak = np.abs(v.normal_force_slope * arm) < smallest * np.abs(v.control_arm)
         if np.any(weak):
-            longer = np.copysign(least * np.abs(v.control_arm) / force, arm)
+            longer = np.copysign(smallest * np.abs(v.control_arm) / force, arm)
             arm, force = np.where(weak, longer, arm), np.where(weak, force, v.normal_force_slope)
             v = v.replace(aerodynamic_arm=arm, normal_force_slope=force)
         return Plant.from_vehicle(v, model, plane)
 
     @property
     def parts(self) -> tuple[FlightSchedule, ...]:
-        """The flight in parts, in each of which the air turns the vehicle to one side alone."""
+        """Intervals of the flight, in each of which the aerodynamic arm has one sign."""
         arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
-        times, turned = self.times, np.flatnonzero(np.abs(arm) > _LEAST_B * np.abs(arm).max())
-        at = turned[:-1][arm[turned[:-1]] * arm[turned[1:]] < 0.0]
-        turns = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])
-        ends = [None, *turns.tolist(), None]
-        return tuple(self.between(*both) for both in pairwise(ends)) if turns.size else (self,)
+        times, signed = self.times, np.flatnonzero(np.abs(arm) > _MIN_B * np.abs(arm).max())
+        at = signed[:-1][arm[signed[:-1]] * arm[signed[1:]] < 0.0]
+        zeros = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])
+        ends = [None, *zeros.tolist(), None]
+        return tuple(self.between(*pair) for pair in pairwise(ends)) if zeros.size else (self,)
 
     def between(self, start: float | None = None, stop: float | None = None) -> FlightSchedule:
-        """Return the part of the flight from one time [s] to another; to its ends without them.
+        """Return the flight between two times [s], by default its first and its last.
 
         Raises
         ------
@@ -218,12 +218,12 @@ class FlightSchedule(Shown):
         return FlightSchedule(self.held(times), self.nominal_at(times), altitude, self.notes)
 
     def nominal_at(self, time: ArrayLike) -> Any:
-        """Return the nominal deflection [rad] at times [s]; outside that of the nearer end."""
+        """Return the nominal deflection [rad] at any times [s], constant outside the schedule."""
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
         return np.interp(finite("time", time, "s"), self.times, values)
 
     def place(self, time: float) -> str:
-        """Return where the flight is at a time [s], in words: its altitude where that is known."""
+        """Return the altitude at a time [s] in words, or the time alone where it is not known."""
         if self.altitude is None:
             return f"the height at {time:.4g} s"
         height = float(np.interp(time, self.times, self.height))
@@ -292,15 +292,18 @@ class FlightSchedule(Shown):
         """
         flight = nominal_flight(vehicle, condition, start=start, stop=stop)
         width = number("step", step, positive, "s")
-        own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-        if (flight.stop - flight.start) / width > _MOST_ROWS:
-            raise InputError(f"step must give at most {_MOST_ROWS} rows; got {width:.6g} s")
-        before, after = np.arange(own, flight.start, -width), np.arange(own, flight.stop, width)
+        reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+        if (flight.stop - flight.start) / width > _MAX_ROWS:
+            raise InputError(f"step must give at most {_MAX_ROWS} rows; got {width:.6g} s")
+        before, after = (
+            np.arange(reference, end, step)
+            for end, step in ((flight.start, -width), (flight.stop, width))
+        )
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
         return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])
 
 
 def _numbers(vehicle: Vehicle) -> dict[str, Any]:
-    """The numbers of a vehicle by name, but its time."""
-    found = {name: getattr(vehicle, name) for name in NUMBERS if name != "time"}
-    return {name: value for name, value in found.items() if value is not None}
+    """Return the numbers of a vehicle by name, without its time."""
+    numbers = {name: getattr(vehicle, name) for name in NUMBERS if name != "time"}
+    return {name: value for name, value in numbers.items() if value is not None}

@@ -24,10 +24,10 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
-"""How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
-_OWN_TABLE = FileTable("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
+"""Nominal flight before and after the time of a vehicle [s], where no span is given."""
+_FLIGHT_COLUMNS = FileTable("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
 SOURCE_TABLE = FileTable("[schedule]", words=("source",))
-"""A [schedule] that names the flight in place of its lists."""
+"""A [schedule] that names the flight in label of its lists."""
 
 
 def load_schedule(
@@ -74,14 +74,14 @@ def load_schedule(
     if table is not None:
         return schedule_of(table, name)
     vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
-    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-    first = own - _BEFORE if start is None else start
-    last = own + _AFTER if stop is None else stop
+    reference = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    first = reference - _BEFORE if start is None else start
+    last = reference + _AFTER if stop is None else stop
     return FlightSchedule.from_flight(vehicle, condition, start=first, stop=last, step=step)
 
 
 def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> AnyVehicle:
-    """Return a vehicle by name or from a file, or that of a flight schedule at a time [s].
+    """Return the vehicle of a name, a file, or a flight schedule at a time [s].
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def schedule_of(table: dict[str, Any], source: str) -> FlightSchedule:
 
 
 Row = tuple[str, dict[str, Any]]
-"""What a row is called in messages, and its keys and values."""
+"""Label of a row in messages, and its values by key."""
 
 
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
@@ -123,16 +123,16 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
-    for place, row in _with_inertia_rates(rows):
-        with naming(f"{source}, {place}"):
-            others.append(_taken(row))
+    for label, row in _with_inertia_rates(rows):
+        with naming(f"{source}, {label}"):
+            others.append(_pop_flight_columns(row))
             vehicles.append(build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
     times = [float(np.asarray(v.time)) for v in vehicles]
-    for (place, _), before, now in zip(rows[1:], times, times[1:], strict=False):
+    for (label, _), before, now in zip(rows[1:], times, times[1:], strict=False):
         if now <= before:
-            raise InputError(f"{source}, {place}: time_s must rise; got {now:g} after {before:g}")
+            raise InputError(f"{source}, {label}: time_s must rise; got {now:g} after {before:g}")
     first = vehicles[0]
     names = [name for name in NUMBERS if getattr(first, name) is not None]
     columns: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
@@ -142,7 +142,7 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
 
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
-    """The rows from the first that moves on, as no wind angle is defined before; and a note."""
+    """Return the rows from the first with a speed on, as wind angles need one, and a note."""
     speeds = [key for key, (name, _) in VEHICLE_TABLE.keys.items() if name == "velocity"]
     still = 0
     while still < len(rows) and any(rows[still][1].get(key) == 0.0 for key in speeds):
@@ -154,17 +154,17 @@ def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
 
 
 def _with_inertia_rates(rows: list[Row]) -> list[Row]:
-    """The rows, with the rate of the inertia that the damping of a jet needs, where not given."""
+    """Return rows with the rate of the inertia, by differences, where jet damping needs it."""
     keys = VEHICLE_TABLE.keys
     values = [
         {keys[key][0]: value * keys[key][1] for key, value in row.items() if key in keys}
         for _, row in rows
         if all(isinstance(value, float | int) for key, value in row.items() if key in keys)
     ]
-    whole = len(values) == len(rows) and all(
+    complete = len(values) == len(rows) and all(
         {"time", "moment_of_inertia"} <= set(v) for v in values
     )
-    if not whole or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
+    if not complete or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
         return rows
     times, inertias = (
         np.array([v[name] for v in values]) for name in ("time", "moment_of_inertia")
@@ -173,13 +173,13 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
         return rows
     (key,) = VEHICLE_TABLE.write({"inertia_rate": 0.0})
     rates = np.gradient(inertias, times).tolist()
-    return [(place, row | {key: rate}) for (place, row), rate in zip(rows, rates, strict=True)]
+    return [(label, row | {key: rate}) for (label, row), rate in zip(rows, rates, strict=True)]
 
 
-def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
-    """Take nominal deflection [rad] and altitude [m] out of a row: zero and None if not there."""
-    found = _OWN_TABLE.read({key: row.pop(key) for key in _OWN_TABLE.keys if key in row})
-    return found.get("nominal_deflection", 0.0), found.get("altitude")
+def _pop_flight_columns(row: dict[str, Any]) -> tuple[float, float | None]:
+    """Remove nominal deflection [rad] and altitude [m] from a row; by default zero and None."""
+    values = _FLIGHT_COLUMNS.read({key: row.pop(key) for key in _FLIGHT_COLUMNS.keys if key in row})
+    return values.get("nominal_deflection", 0.0), values.get("altitude")
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
@@ -188,40 +188,40 @@ def _csv_rows(text: str, source: str) -> list[Row]:
     for key in keys:
         if keys.count(key) > 1:
             raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
-    places = [f"line {n}" for n in sheet.line]
+    labels = [f"line {n}" for n in sheet.line]
     columns = zip(keys, zip(*sheet.cells, strict=True), strict=True)
-    return _rows({k: _column(called(source), places, k, c) for k, c in columns}, places)
+    return _rows({k: _column(called(source), labels, k, c) for k, c in columns}, labels)
 
 
 def _known_keys(headings: Headings) -> float:
-    """The keys of vehicle files and of schedules in a line."""
-    known = {*VEHICLE_TABLE.every_key, *_OWN_TABLE.keys}
+    """Return the number of keys of vehicle files and schedules in a line."""
+    known = {*VEHICLE_TABLE.every_key, *_FLIGHT_COLUMNS.keys}
     return float(sum(heading.text in known for heading in headings))
 
 
-def _column(source: str, places: list[str], key: str, cells: tuple[str, ...]) -> Any:
-    """The values of a column, or the one that stands in its first line only."""
+def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) -> Any:
+    """Return the values of a column, or one value if its first line alone has it."""
     if key != "time_s" and cells[0] and not any(cells[1:]):
-        return _cell(source, places[0], key, cells[0])
-    return [_cell(source, place, key, cell) for place, cell in zip(places, cells, strict=True)]
+        return _cell(source, labels[0], key, cells[0])
+    return [_cell(source, label, key, cell) for label, cell in zip(labels, cells, strict=True)]
 
 
-def _cell(source: str, place: str, key: str, text: str) -> Any:
+def _cell(source: str, label: str, key: str, text: str) -> Any:
     if text and key == "name":
         return text
     try:
         value = float(text) if text else MISSING_NUMBERS[0]
     except ValueError:
-        raise InputError(f"{source}, {place}: {key} must be a number; got {shown(text)}") from None
+        raise InputError(f"{source}, {label}: {key} must be a number; got {shown(text)}") from None
     if value in MISSING_NUMBERS:
         raise InputError(
-            f"{source}, {place}: {key} is missing; give it in every line, or in the first only"
+            f"{source}, {label}: {key} is missing; give it in every line, or in the first only"
         )
     return value
 
 
 def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
-    """The table [schedule] of a TOML file; None where there is none."""
+    """Return the table [schedule] of a TOML file, or None."""
     document, source = tables_of(text, source), called(source)
     table = document.get("schedule")
     others = document.keys() - {"schedule"}
@@ -248,9 +248,9 @@ def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
     return _rows(table, [f"row {i + 1}" for i in range(len(times))])
 
 
-def _rows(table: dict[str, Any], places: list[str]) -> list[Row]:
-    """The rows of columns, of which a single value holds for all."""
+def _rows(table: dict[str, Any], labels: list[str]) -> list[Row]:
+    """Return the rows of columns; a single value is that of every row."""
     return [
-        (place, {key: v[i] if isinstance(v, list) else v for key, v in table.items()})
-        for i, place in enumerate(places)
+        (label, {key: v[i] if isinstance(v, list) else v for key, v in table.items()})
+        for i, label in enumerate(labels)
     ]

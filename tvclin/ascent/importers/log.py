@@ -22,8 +22,8 @@ from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
     powered,
-    rows_kept,
     schedule_of_flight,
+    thinned_rows,
 )
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
@@ -40,15 +40,15 @@ from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.wind_angles import angle_in_plane
 
 _WIND = {"wind_angle": "angle", "wind_speed": "speed", "flight_path_angle": "angle"}
-"""What a log holds beside a flight; the angle of attack is one of its quantities already."""
+"""Quantities of a log for its wind; the angle of attack is one of a flight as well."""
 _KNOWN = QUANTITIES | _WIND
 _OPTIONAL = ("altitude", "nominal_deflection", "pitch_damping")
-"""Quantities of which a column in an unknown unit is left out."""
+"""Quantities of which a column in an unknown unit is omitted."""
 
 
 @dataclass(frozen=True, eq=False)
 class SimulatedFlight(Shown):
-    """A simulated flight and the wind that it met.
+    """A simulated flight and the wind that it encountered.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class SimulatedFlight(Shown):
 
     @property
     def profile(self) -> WindProfile:
-        """The same wind over height, as it blows along a flight to the north (azimuth zero).
+        """Wind over height along a flight to the north (azimuth zero).
 
         Raises
         ------
@@ -81,7 +81,7 @@ class SimulatedFlight(Shown):
         return WindProfile(height=height, east=np.zeros(height.size), north=speed, source="the log")
 
     def write_wind(self, path: str | PathLike[str]) -> None:
-        """Write the wind over height as `read_sounding` reads it.
+        """Write the wind over height to a file that `read_sounding` reads.
 
         Parameters
         ----------
@@ -144,60 +144,60 @@ def read_log(
     sheet = _sheet(path, wanted)
     if wanted is None:
         wanted = map_of(_by_our_names(sheet), _KNOWN)
-    found = mapped_columns(sheet, wanted, _KNOWN)
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found)
+    read = mapped_columns(sheet, wanted, _KNOWN)
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=read)
     flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
     angle, how = _wind(flight)
-    source = {str(one[2]) for one in wanted.values()}
-    rest = [one.text for one in sheet.headings if one.text not in source]
-    left_out = [f"left out: {', '.join(rest)}"] if rest else []
-    left_out += sheet.notes
-    still = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
-    flight = replace(flight, columns=still).noted(f"wind: {how}", *left_out)
+    sources = {str(source) for _, _, source in wanted.values()}
+    omitted = [heading.text for heading in sheet.headings if heading.text not in sources]
+    notes = [f"left out: {', '.join(omitted)}"] if omitted else []
+    notes += sheet.notes
+    others = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
+    flight = replace(flight, columns=others).noted(f"wind: {how}", *notes)
     name = Path(a_path("path", path)).stem
     schedule = schedule_of_flight(flight, vehicle_columns(flight), name, most_rows)
-    kept, _ = rows_kept(flight["time"], {"wind": angle}, most_rows)
-    return SimulatedFlight(schedule, SampledWind(time=flight["time"][kept], angle=angle[kept]))
+    rows, _ = thinned_rows(flight["time"], {"wind": angle}, most_rows)
+    return SimulatedFlight(schedule, SampledWind(time=flight["time"][rows], angle=angle[rows]))
 
 
 def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
     if a_path("path", path).suffix.lower() == ".mat":
         return _matlab_sheet(path)
 
-    def fit(found: Headings) -> float:
-        names = _names(found).values()
+    def fit(headings: Headings) -> float:
+        names = _names(headings).values()
         return len(names) if "time" in names else 0.0
 
     missing = "column names with the time among them, as time_s"
-    known = fit if wanted is None else fit_of(wanted)
-    return read_sheet(path, "the log of a simulation", known, missing)
+    counted = fit if wanted is None else fit_of(wanted)
+    return read_sheet(path, "the log of a simulation", counted, missing)
 
 
 def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
-    """The vectors of equal length in a .mat file as a table; single numbers as columns."""
-    source, found = called(file := a_path("path", path)), read_matlab(file)
-    if len(found) == 1 and isinstance(only := next(iter(found.values())), dict):
-        found = dict(only)
+    """Return the vectors of equal length in a .mat file as a table; single numbers as columns."""
+    source, variables = called(file := a_path("path", path)), read_matlab(file)
+    if len(variables) == 1 and isinstance(structure := next(iter(variables.values())), dict):
+        variables = dict(structure)
     numbers = {
-        k: one.astype(float)
-        for k, one in found.items()
-        if isinstance(one, np.ndarray) and one.ndim <= 1
+        name: values.astype(float)
+        for name, values in variables.items()
+        if isinstance(values, np.ndarray) and values.ndim <= 1
     }
-    rows = max((one.size for one in numbers.values()), default=0)
-    columns = {name: one for name, one in numbers.items() if one.size in (1, rows)}
+    rows = max((values.size for values in numbers.values()), default=0)
+    columns = {name: values for name, values in numbers.items() if values.size in (1, rows)}
     if rows < 2:
-        held = shown(", ".join(found)) if found else "nothing"
-        raise InputError(f"{source} must hold vectors of one length; it holds {held}")
+        names = shown(", ".join(variables)) if variables else "nothing"
+        raise InputError(f"{source} must hold vectors of one length; it holds {names}")
     if rows * len(columns) > MAX_NUMBERS:
         raise too_large(source, f"{MAX_NUMBERS // 1_000_000} million numbers")
-    whole = np.stack([np.broadcast_to(one, rows) for one in columns.values()], axis=1)
-    cells = tuple(tuple(map(repr, row)) for row in whole.tolist())
+    table = np.stack([np.broadcast_to(values, rows) for values in columns.values()], axis=1)
+    cells = tuple(tuple(map(repr, row)) for row in table.tolist())
     headings = tuple(Heading(k, name, name, None) for k, name in enumerate(columns))
     return Sheet(Text(source, ()), headings, np.arange(1, rows + 1), cells)
 
 
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
-    """Our key or name in each heading's text, and of which quantity it is, by the text."""
+    """Return the quantities of headings with a key of ours, or its name and a unit, by text."""
     keys = FileTable("columns", _KNOWN).keys
     found = {one.text: keys[one.text][0] for one in headings if one.text in keys}
     plain = {one.text: one.name for one in headings if one.name in _KNOWN and one.unit is not None}
@@ -216,7 +216,7 @@ def _by_our_names(sheet: Sheet) -> dict[str, str | float]:
 
 
 def _wind(flight: Flight) -> tuple[FloatArray, str]:
-    """The wind angle [rad], and what it is made of."""
+    """Return the wind angle [rad], ``(n,)``, and its origin in words."""
     have = flight.columns
     if "wind_angle" in have:
         return flight["wind_angle"], flight.origin("wind_angle")
@@ -231,6 +231,6 @@ def _wind(flight: Flight) -> tuple[FloatArray, str]:
         )
     alpha, origin = flight["angle_of_attack"], flight.origin("angle_of_attack")
     if "flight_path_angle" in have:
-        turned = flight["attitude"] - flight["flight_path_angle"]
-        return turned - alpha, f"attitude less flight path less {origin}"
+        inertial = flight["attitude"] - flight["flight_path_angle"]
+        return inertial - alpha, f"attitude less flight path less {origin}"
     return -alpha, f"{origin} with its sign turned, and the motion of the vehicle in it"

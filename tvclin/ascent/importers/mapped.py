@@ -49,16 +49,16 @@ QUANTITIES = {
     "nominal_deflection": "angle",
     "pitch_damping": "damping moment",
 }
-"""What may be mapped: the names of vehicle files, and what arms and forces are made of."""
-_EITHER = {
+"""Dimensions of the quantities of a map: keys of vehicle files, and factors of arms and forces."""
+_FACTORS = {
     "weight": ("mass",),
     "aerodynamic_arm": ("gravity_station", "pressure_station"),
     "control_arm": ("gravity_station", "gimbal_station"),
     "normal_force_slope": ("dynamic_pressure", "reference_area", "normal_force_coefficient_slope"),
     "axial_force": ("dynamic_pressure", "reference_area", "axial_force_coefficient"),
 }
-"""What stands in the place of a quantity."""
-_PLAIN = ("moment_of_inertia", "thrust", "velocity", "attitude")
+"""Quantities from which another one is computed."""
+_DIRECT = ("moment_of_inertia", "thrust", "velocity", "attitude")
 
 
 def read_table(
@@ -112,25 +112,25 @@ def read_table(
     time = str(wanted["time"][2])
     missing = f"column names with {shown(time)} among them"
     sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
-    found = mapped_columns(sheet, wanted, QUANTITIES)
-    flight = Flight(source=sheet.text.source, places=sheet.places, columns=found, notes=sheet.notes)
+    read = mapped_columns(sheet, wanted, QUANTITIES)
+    flight = Flight(source=sheet.text.source, places=sheet.places, columns=read, notes=sheet.notes)
     flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
     return schedule_of_flight(flight, vehicle_columns(flight), "mapped table", most_rows)
 
 
 Wanted = dict[str, tuple[str, float | None, str | float]]
-"""For each quantity our key, the factor of its unit where it has one, and what is to be read."""
+"""By quantity: the key in the map, the factor of its unit if it has one, and the source."""
 
 
 def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) -> Wanted:
-    """Return what a map asks for; `InputError` for what is not known, twice there or missing."""
+    """Return the quantities of a map; `InputError` for unknown, double and missing ones."""
     if not isinstance(columns, Mapping):
         raise InputError(
             "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
     known = FileTable("columns", dict(quantities)).keys
-    found: Wanted = {}
+    mapped: Wanted = {}
     for key, source in columns.items():
         bare = key if isinstance(key, str) and key in quantities else None
         if bare is None and key not in known:
@@ -139,32 +139,32 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
                 f" {shown(key)}"
             )
         name, factor = (bare, None) if bare is not None else known[key]
-        if name in found:
-            raise InputError(f"columns has {name} twice, as {found[name][0]} and {key}; keep one")
+        if name in mapped:
+            raise InputError(f"columns has {name} twice, as {mapped[name][0]} and {key}; keep one")
         if not isinstance(source, str):
             number(f"columns: {key}", source)
             if factor is None and quantities[name] != "number":
                 unit = next(iter(UNITS[quantities[name]]))
                 raise InputError(f"columns: {key} is a number without a unit; write {name}_{unit}")
-        found[name] = (key, factor, source)
-    _check_complete(found)
-    return found
+        mapped[name] = (key, factor, source)
+    _check_complete(mapped)
+    return mapped
 
 
-def _check_complete(found: Wanted) -> None:
-    if "time" not in found or not isinstance(found["time"][2], str):
+def _check_complete(mapped: Wanted) -> None:
+    if "time" not in mapped or not isinstance(mapped["time"][2], str):
         raise InputError("columns must name the column of the time, as time = 'Time (s)'")
-    for name in (*_PLAIN, *_EITHER):
-        others = _EITHER.get(name, ())
-        if name in found and others and others[-1] in found:
-            raise InputError(f"columns has both {name} and {others[-1]}; keep one")
-        if name not in found and not (others and all(one in found for one in others)):
-            made = f", or {', '.join(others)}" if others else ""
-            raise InputError(f"columns must have {name}{made}")
+    for name in (*_DIRECT, *_FACTORS):
+        factors = _FACTORS.get(name, ())
+        if name in mapped and factors and factors[-1] in mapped:
+            raise InputError(f"columns has both {name} and {factors[-1]}; keep one")
+        if name not in mapped and not (factors and mapped.keys() >= set(factors)):
+            alternative = f", or {', '.join(factors)}" if factors else ""
+            raise InputError(f"columns must have {name}{alternative}")
 
 
 def fit_of(wanted: Wanted) -> Fit:
-    """Return the fit of a line of names: its columns that a map names, with the time among them."""
+    """Return the function that counts the columns of a line that a map names; 0 without a time."""
     names = {" ".join(one[2].split()) for one in wanted.values() if isinstance(one[2], str)}
     time = " ".join(str(wanted["time"][2]).split())
 
@@ -176,17 +176,17 @@ def fit_of(wanted: Wanted) -> Fit:
 
 
 def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
-    same = " ".join(name.split())
-    found = [one for one in headings if same in (one.text, one.name)]
-    if len(found) > 1:
-        raise InputError(f"the column {shown(name)} is there {len(found)} times; keep one")
-    return found[0] if found else None
+    words = " ".join(name.split())
+    matches = [heading for heading in headings if words in (heading.text, heading.name)]
+    if len(matches) > 1:
+        raise InputError(f"the column {shown(name)} is there {len(matches)} times; keep one")
+    return matches[0] if matches else None
 
 
 def mapped_columns(
     sheet: Sheet, wanted: Wanted, quantities: Mapping[str, str]
 ) -> dict[str, Column]:
-    """Return the columns of a sheet that a map asks for."""
+    """Return the columns of a sheet by the quantities of a map."""
     return {name: _column(sheet, name, quantities[name], *one) for name, one in wanted.items()}
 
 
@@ -209,17 +209,17 @@ def _column(
         )
     if factor is None:
         return sheet.numbers(heading, dimension)
-    known = WRITTEN[dimension]
+    units = WRITTEN[dimension]
     if name in ("weight", "thrust", "axial_force"):
-        known = known | {"lb": POUND_FORCE}  # as many tools write a force
-    theirs = unit_of(heading.unit, known) if heading.unit else None
-    if heading.unit and theirs is None:
+        units = units | {"lb": POUND_FORCE}  # as many tools write a force
+    unit = unit_of(heading.unit, units) if heading.unit else None
+    if heading.unit and unit is None:
         raise InputError(
             f"{sheet.text.source}: the unit of the column {shown(heading.text)}, which columns has"
-            f" for {key}, is not known; known are {', '.join(filter(None, known)) or 'none'}; if"
+            f" for {key}, is not known; known are {', '.join(filter(None, units)) or 'none'}; if"
             " the bracket is no unit, leave it out of the name"
         )
-    if theirs is not None and not np.isclose(theirs.factor, factor):
+    if unit is not None and not np.isclose(unit.factor, factor):
         raise InputError(
             f"{sheet.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
             " the unit of the column, or without a unit where the column names its own"
@@ -229,7 +229,7 @@ def _column(
 
 
 def _is_coefficient(heading: Heading) -> bool:
-    """Whether a name is that of C_N and not of its slope."""
+    """Return whether a column holds the coefficient C_N itself, not its slope."""
     name = letters(heading.name)
     slope = ("alpha", "derivative", "slope", "cna", "perrad", "perdeg", "cla")
     if any(not c.isascii() for c in heading.name):  # an alpha, or what became of it
@@ -240,10 +240,10 @@ def _is_coefficient(heading: Heading) -> bool:
 
 
 def vehicle_columns(flight: Flight) -> dict[str, Column]:
-    """Return the fields of a vehicle, and altitude and nominal deflection, of a flight."""
+    """Return the columns of a vehicle's fields, altitude and nominal deflection of a flight."""
     have = flight.columns
-    known = (*_PLAIN, "altitude", "nominal_deflection", "pitch_damping", *_EITHER)
-    made = {name: have[name] for name in known if name in have}
+    names = (*_DIRECT, "altitude", "nominal_deflection", "pitch_damping", *_FACTORS)
+    made = {name: have[name] for name in names if name in have}
     if "weight" not in made:
         made["weight"] = weight_of(flight)
     if "aerodynamic_arm" not in made:
@@ -252,9 +252,9 @@ def vehicle_columns(flight: Flight) -> dict[str, Column]:
         made["control_arm"] = control_arm_of(flight, have["gimbal_station"])
     for name in ("normal_force_slope", "axial_force"):
         if name not in made:
-            parts = [have[one] for one in _EITHER[name]]
-            values = parts[0].values * parts[1].values * parts[2].values
-            made[name] = Column(values, " times ".join(one.origin for one in parts))
+            factors = [have[factor] for factor in _FACTORS[name]]
+            values = factors[0].values * factors[1].values * factors[2].values
+            made[name] = Column(values, " times ".join(factor.origin for factor in factors))
             if name == "normal_force_slope":
-                check_slope(parts[2].values)
+                check_slope(factors[2].values)
     return made

@@ -57,7 +57,7 @@ _OF_OPENROCKET = {
 """Names in English that are known."""
 _ROD = re.compile(r"Event LAUNCHROD occurred at t=([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?) s")
 _ROUGH = 5e-3
-"""An inertia or a density that is rounded by more is told."""
+"""Relative rounding of an inertia or a density above which there is a note."""
 
 
 _WITH_UNITS = 3
@@ -126,7 +126,7 @@ def _column(sheet: Sheet, name: str) -> Column:
 
 
 def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
-    """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
+    """Return pressure and temperature, or density, or pressure; and any speed of sound."""
     found = sheet.optional("sound", "Speed of sound", "speed", notes)
     pressure = sheet.optional("pressure", "Air pressure", "pressure", notes)
     if pressure:
@@ -145,12 +145,12 @@ def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
 
 
 def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
-    """The attitude above the horizon, or else the direction of flight."""
+    """Return the attitude above the horizon, or the path angle where it is not exported."""
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
     if heading is not None:
         found = sheet.numbers(heading, "angle")
-        told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
-        return told | sheet.optional("climb", "Vertical velocity", "speed", notes)
+        attitude = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
+        return attitude | sheet.optional("climb", "Vertical velocity", "speed", notes)
     vertical = sheet.find("Vertical velocity")
     if vertical is None:
         raise InputError(
@@ -164,7 +164,7 @@ def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
 
 
 def _altitude(sheet: Sheet, ground: float | None) -> dict[str, Column]:
-    """The altitude above the sea, to which winds belong."""
+    """Return the altitude above the sea, which winds refer to."""
     sea = sheet.find("Altitude above sea level")
     if sea is not None:
         if ground is not None:
@@ -190,21 +190,21 @@ def _own_slope(sheet: Sheet) -> dict[str, Column]:
 
 
 def unread(sheet: Sheet) -> list[str]:
-    """Return what to say of columns that are not read."""
+    """Return notes on columns that are not read."""
     one, parts = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None), []
     if not any(letters(_DAMPING) in h.names for h in sheet.headings):
         parts = [h for h in sheet.headings if h.names[0].startswith(letters(_DAMPING))]
-    told = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
+    notes = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
     if one is not None:
-        told += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
-    return told
+        notes += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
+    return notes
 
 
 def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
-    """Return the damping of a flight, unless its jet has the wrong sign, and what to say of it.
+    """Return the damping of a flight, unless its jet has the wrong sign, and notes on it.
 
-    OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away;
-    l_e is the `exit_arm` [m].
+    OpenRocket adds damping of the air and of the jet, m' l_e^2, which it subtracted before August
+    2026; l_e is the `exit_arm` [m].
     """
     if "damping" not in flight.columns:
         return {}, []
@@ -227,8 +227,8 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 
 
 def rounded(sheet: Sheet, flight: Flight) -> list[str]:
-    """Return what to say of an inertia or a density that was written with too few decimals."""
-    told = []
+    """Return notes on an inertia or a density that was written with too few decimals."""
+    notes = []
     for name, dimension, header in (
         ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
         ("density", "density", _DENSITY),
@@ -242,15 +242,15 @@ def rounded(sheet: Sheet, flight: Flight) -> list[str]:
         decimals = max(len(cell.partition(".")[2]) for cell in written)
         part = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
         if part.max() >= _ROUGH:
-            told.append(
+            notes.append(
                 f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g}"
                 " percent of it; export more, or another unit"
             )
-    return told
+    return notes
 
 
 def free(sheet: Sheet, flight: Flight) -> BoolArray:
-    """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
+    """Return which rows are free flight: beyond the rod, with a centre of pressure, ``(n,)``."""
     events = [_ROD.search(content) for content in sheet.text.lines]
     times = [float(one[1]) for one in events if one is not None]
     cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
@@ -258,7 +258,7 @@ def free(sheet: Sheet, flight: Flight) -> BoolArray:
 
 
 _WINDY = 0.02
-"""Speeds over the ground and through the air that differ by more: there was wind."""
+"""Relative difference of ground speed and air speed above which the simulation had wind."""
 _HEAT_RATIO = 1.4
 _GAS_CONSTANT = 287.053
 """R of dry air [J/(kg K)], as OpenRocket has it."""
@@ -337,10 +337,10 @@ def read_openrocket(
     slope = flight.columns["slope"] if given is None else given_slope(flight, given)
     check_slope(slope.values)
     made = _vehicle(flight, gimbal, slope, reference_area)
-    damping, told = trusted_damping(flight, made["control_arm"])
+    damping, notes = trusted_damping(flight, made["control_arm"])
     made |= damping
     flight = flight.noted(
-        *omitted, *unread(sheet), *told, *rounded(sheet, flight), *_wind(flight), *sheet.notes
+        *omitted, *unread(sheet), *notes, *rounded(sheet, flight), *_wind(flight), *sheet.notes
     )
     return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
 
@@ -362,18 +362,18 @@ def _wind(flight: Flight) -> list[str]:
 def _vehicle(
     flight: Flight, gimbal: float, slope: Column, reference_area: float | None
 ) -> dict[str, Column]:
-    """The fields of a vehicle over the rows of a flight."""
+    """Return the columns of a vehicle's fields over the rows of a flight."""
     if "temperature" in flight.columns:
         density = flight["pressure"] / (_GAS_CONSTANT * flight["temperature"])
         q = 0.5 * density * flight["velocity"] ** 2
         air = f"{flight.origin('pressure')} and {flight.origin('temperature')}"
-        told = f"q = p V^2/(2 R T) of {air}"
+        pressure_origin = f"q = p V^2/(2 R T) of {air}"
     elif "density" in flight.columns:
         q = 0.5 * flight["density"] * flight["velocity"] ** 2
-        told = f"q = rho V^2/2 of {flight.origin('density')}"
+        pressure_origin = f"q = rho V^2/2 of {flight.origin('density')}"
     else:
         q = 0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2
-        told = (
+        pressure_origin = (
             f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}, up to 1.4"
             " percent too small: export Air temperature too"
         )
@@ -382,7 +382,7 @@ def _vehicle(
     if reference_area is not None:
         area = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
         on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"
-    origin = f"q S dC_N/dalpha; {told}; {on}; slope: {slope.origin}"
+    origin = f"q S dC_N/dalpha; {pressure_origin}; {on}; slope: {slope.origin}"
     return {
         "weight": weight_of(flight),
         "moment_of_inertia": flight.columns["moment_of_inertia"],

@@ -21,9 +21,9 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.winds.soundings.wind_table import SITE_ELEVATIONS
 
 _BURNING = 0.05
-"""Part of the largest thrust, below which the motor is taken as burnt out."""
+"""Fraction of the largest thrust below which the motor counts as burnt out."""
 _MIN_POSITIVE, _MAX_SIZE = 1e-12, 1e12
-"""No number of a flight is larger in SI units, and none that must be positive smaller."""
+"""Bounds of the numbers of a flight in SI units: of positive ones below, of all sizes above."""
 _POSITIVE = {
     *("mass", "weight", "moment_of_inertia", "thrust", "velocity", "mach", "density", "pressure"),
     *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area", "temperature"),
@@ -32,11 +32,11 @@ _POSITIVE = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Flight:
-    """Rows of a flight, one after the other.
+    """Rows of a flight, in the order of their times.
 
-    `source`: what to call the whole in messages. `places`: what to call each row. `columns`:
-    numbers in SI units by name, NaN where there is none; `time`, `thrust` and `velocity` are there.
-    `notes`: what a reader should know.
+    `source`: name of the flight in messages. `places`: name of each row in messages. `columns`:
+    numbers in SI units by name, NaN where one is missing, with `time`, `thrust` and `velocity`
+    among them. `notes`: remarks for the reader.
     """
 
     source: str
@@ -48,21 +48,21 @@ class Flight:
         return self.columns[name].values
 
     def origin(self, name: str) -> str:
-        """Return where a column came from."""
+        """Return the origin of a column in words."""
         return self.columns[name].origin
 
     def noted(self, *notes: str) -> Flight:
-        """Return the same with notes more."""
+        """Return the flight with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 
     def rows(self, index: IndexArray) -> Flight:
-        """Return some rows of it."""
+        """Return the flight with the rows of an index alone."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
         return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
 
 
 def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float | None) -> Flight:
-    """Return the rows of one burn, of which no number is missing.
+    """Return the rows of one burn; `InputError` where a number of them is missing.
 
     `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
     [s].
@@ -96,7 +96,7 @@ def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float |
         raise InputError(
             f"{flight.source} must hold two or more rows of powered flight; got {chosen.size}"
         )
-    return flight.rows(chosen).noted(*_left_out(flight, inside & ~later, index, first[0], last))
+    return flight.rows(chosen).noted(*_omitted(flight, inside & ~later, index, first[0], last))
 
 
 def _check_times(flight: Flight) -> None:
@@ -113,7 +113,7 @@ def _check_times(flight: Flight) -> None:
 
 
 def _check_complete(flight: Flight, chosen: IndexArray) -> None:
-    """Refuse rows in which a number is missing, or is none that a flight can have."""
+    """Raise `InputError` for rows with a missing or an impossible number."""
     for name, column in flight.columns.items():
         values = column.values[chosen]
         lost = chosen[~np.isfinite(values)]
@@ -132,10 +132,10 @@ def _check_complete(flight: Flight, chosen: IndexArray) -> None:
             )
 
 
-def _left_out(
+def _omitted(
     flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
 ) -> list[str]:
-    """What to say of the rows that were not taken."""
+    """Return notes on the rows that are omitted."""
     time = flight["time"][index]
     taken = plural(last - first, "row")
     notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {taken}"]
@@ -297,15 +297,15 @@ def schedule_of_flight(
     check_masses(flight, values["weight"])
     check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
-    kept, off = rows_kept(time, values, most)
-    thin = f"thinned to {kept.size} rows: straight lines are within {100 * off:.2g} percent"
-    thinned = (thin,) if kept.size < time.size else ()
-    beside = {key: values.pop(key)[kept] for key in _NOT_OF_VEHICLE if key in values}
-    numbers: dict[str, Any] = {key: one[kept] for key, one in values.items()}
-    vehicle = Vehicle(name=name, time=time[kept], **numbers)
+    rows, error = thinned_rows(time, values, most)
+    thin = f"thinned to {rows.size} rows: straight lines are within {100 * error:.2g} percent"
+    thinned = (thin,) if rows.size < time.size else ()
+    others = {key: values.pop(key)[rows] for key in _NOT_OF_VEHICLE if key in values}
+    numbers: dict[str, Any] = {key: column[rows] for key, column in values.items()}
+    vehicle = Vehicle(name=name, time=time[rows], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]
     notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle))
-    return FlightSchedule(vehicle, **beside, notes=notes)
+    return FlightSchedule(vehicle, **others, notes=notes)
 
 
 def aerodynamic_arm_of(flight: Flight) -> Column:
@@ -315,7 +315,7 @@ def aerodynamic_arm_of(flight: Flight) -> Column:
 
 
 def control_arm_of(flight: Flight, gimbal: Column) -> Column:
-    """Return l_c = x_gimbal - x_CG [m]; `InputError` unless it is that of a gimbal in metres."""
+    """Return l_c = x_gimbal - x_CG [m]; `InputError` for a gimbal in another unit."""
     gravity = flight.columns["gravity_station"]
     check_gimbal(flight, gimbal.values, gravity.values)
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
@@ -328,7 +328,7 @@ def weight_of(flight: Flight) -> Column:
 
 
 def given_slope(flight: Flight, given: Slope) -> Column:
-    """Return the slope that is given [1/rad] at the Mach number of each row."""
+    """Return a specified slope [1/rad] at the Mach number of each row."""
     slopes = slope_over_mach(given)
     return Column(slopes.at(flight["mach"]), slopes.origin)
 
@@ -362,12 +362,12 @@ def _stable(vehicle: Vehicle) -> tuple[str, ...]:
     return (f"stable at {part} of {arm.size} times, where a fixed path needs no deflection",)
 
 
-def rows_kept(
+def thinned_rows(
     time: FloatArray, values: dict[str, FloatArray], most: int
 ) -> tuple[IndexArray, float]:
-    """Return the rows to keep, and how far lines between them are off, in parts of the largest.
+    """Return the indices of thinned rows, and the largest error of lines between them, relative.
 
-    All where they are few; else the ends, and again and again the row that is farthest off.
+    All rows up to `most`; else the first and the last, and repeatedly the row of largest error.
     """
     if time.size <= most:
         return np.arange(time.size), 0.0

@@ -21,7 +21,7 @@ from tvclin.base.sheet import Column
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _SAMPLES = 401
-"""Times between rail and burnout at which the flight is asked."""
+"""Times between rail and burnout at which the flight is sampled."""
 _OF_FLIGHT = {
     "velocity": "speed",
     "altitude": "z",
@@ -97,17 +97,17 @@ def schedule_from_rocketpy(
     for key, name in _ANGLES.items():
         found = _sampled(flight, name, time, "flight")
         columns[key] = Column(np.radians(found.values), f"{found.origin}, in degrees")
-    told = Flight(
+    simulated = Flight(
         source="the RocketPy flight",
         places=tuple(f"the RocketPy flight at {t:.4g} s" for t in time),
         columns=columns,
     )
-    told = powered(told, np.ones(time.size, dtype=bool), start, stop)
-    slope, centre, left_out = _aerodynamics(rocket, told["mach"], names)
+    simulated = powered(simulated, np.ones(time.size, dtype=bool), start, stop)
+    slope, centre, omitted = _aerodynamics(rocket, simulated["mach"], names)
     check_slope(slope)
-    made = _vehicle(told, rocket, gimbal, slope, centre)
-    notes = [*left_out, *_generic(rocket)]
-    return schedule_of_flight(told.noted(*notes), made, "RocketPy flight", most_rows)
+    made = _vehicle(simulated, rocket, gimbal, slope, centre)
+    notes = [*omitted, *_generic(rocket)]
+    return schedule_of_flight(simulated.noted(*notes), made, "RocketPy flight", most_rows)
 
 
 def _vehicle(
@@ -148,7 +148,7 @@ def _vehicle(
 def _aerodynamics(
     rocket: Any, mach: FloatArray, without: tuple[str, ...]
 ) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Slope [1/rad] and position of the centre of pressure [m], some surfaces left out."""
+    """Return slope [1/rad], centre of pressure [m], ``(n,)`` each, and notes, without surfaces."""
     slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
     surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
@@ -169,12 +169,12 @@ def _aerodynamics(
         raise InputError(
             "without must leave a slope of the normal force; nothing is left of the rocket's"
         )
-    told = f"left out of slope and centre of pressure: {', '.join(without)}; drag and mass stay"
-    return slope, moment / slope, [told] if without else []
+    note = f"left out of slope and centre of pressure: {', '.join(without)}; drag and mass stay"
+    return slope, moment / slope, [note] if without else []
 
 
 def _generic(rocket: Any) -> list[str]:
-    """What to say of surfaces that RocketPy itself leaves out of slope and centre of pressure."""
+    """Return a note on surfaces that RocketPy omits from slope and centre of pressure."""
     pairs = getattr(rocket, "aerodynamic_surfaces", ())
     names = [
         str(getattr(one, "name", ""))
@@ -197,7 +197,7 @@ def _attribute(one: Any, name: str) -> Any:
 
 
 def _sampled(one: Any, name: str, at: FloatArray, called: str) -> Column:
-    """The values of a function of time or Mach number."""
+    """Return the values of a function of time or Mach number, ``(n,)``."""
     function: Callable[[float], Any] = _attribute(one, name)
     try:
         values = np.array([float(function(float(x))) for x in at])
