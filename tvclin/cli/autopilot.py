@@ -182,10 +182,7 @@ class _Found:
             "boundaries_deg": bounds,
             **picked(found, "minimum_deg wind_gain"),
             "worst_duration": self.worst,
-            "criteria": {
-                **picked(self.case.held_to, "name requirements"),
-                "met": self.criteria_met,
-            },
+            "criteria": picked(self.case.held_to, "name requirements") | {"met": self.criteria_met},
             "limit_deg": self.limit,
             "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
             "autopilot_requirement_nominal_deg": self.flown
