@@ -164,7 +164,7 @@ def test_the_card_of_a_flight(benchmark: Any) -> None:
     nozzle = tv.Nozzle(limit=np.radians(1.0), rate_limit=np.radians(10.0), data=hinge)
     case = tv.Case(vehicle=schedule.vehicle, nozzle=nozzle)
     others = [("triangular", 4.0, 12.0), ("rectangular", 3.0, 4.0)]
-    asked = tv.answers.SizingAsked(
+    asked = tv.answers.SizingRequest(
         schedule=schedule,
         others=tuple(tv.ShapedWind(shape, np.radians(deg), tau) for shape, deg, tau in others),
         start=50.0,

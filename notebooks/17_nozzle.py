@@ -100,7 +100,7 @@ case = tv.Case(
     wind=tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust),
     nozzle=nozzle,
 )
-flight = tv.answers.SizingAsked(
+flight = tv.answers.SizingRequest(
     schedule=tv.load_schedule("made-up-launcher"), start=40.0, stop=90.0, every=10.0
 )
 card = tv.answers.flight_card(case, flight)

@@ -182,7 +182,7 @@ def doors(folder: Path) -> dict[str, Door]:
     calm = tv.WindProfile(height=[0.0, 40e3], east=[0.0, 5.0], north=[0.0, 0.0])
     archive = tv.winds.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
-    days_asked = tv.answers.AvailabilityAsked(flight=schedule, soundings=archive, azimuth=1.5)
+    days_asked = tv.answers.AvailabilityRequest(flight=schedule, soundings=archive, azimuth=1.5)
     months = tv.winds.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
     climb = tv.winds.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
@@ -192,8 +192,8 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.answers.SizingAsked(schedule=schedule, every=30.0)
-    once = tv.answers.SizingAsked(schedule=schedule, start=66.0, stop=66.0)
+    asked = tv.answers.SizingRequest(schedule=schedule, every=30.0)
+    once = tv.answers.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
     carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
@@ -350,8 +350,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "Availability.to_csv": Door(available.to_csv, {"path": folder / "available.csv"}),
         "Availability.today": Door(available.today, {"profile": west}),
         "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
-        "AvailabilityAsked": Door(
-            tv.answers.AvailabilityAsked,
+        "AvailabilityRequest": Door(
+            tv.answers.AvailabilityRequest,
             {
                 "flight": schedule,
                 "soundings": archive,
@@ -364,7 +364,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "gust_speed": 9.0,
             },
         ),
-        "AvailabilityAsked.availability": Door(
+        "AvailabilityRequest.availability": Door(
             days_asked.availability, {"case": study.case, "progress": None}
         ),
         "BangBang": Door(
@@ -605,8 +605,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "History.laplace_magnitude": Door(wind.laplace_magnitude, {"s": 0.5}),
         "History.probe_times": Door(wind.probe_times, {"between": 4}),
         "History.shift": Door(wind.shift, {"dt": 1.0}),
-        "LawsAsked": Door(
-            tv.answers.LawsAsked,
+        "LawsRequest": Door(
+            tv.answers.LawsRequest,
             {
                 "names": ("trim",),
                 "winds": ("triangle",),
@@ -781,12 +781,12 @@ def doors(folder: Path) -> dict[str, Door]:
         "Sizing.arising": Door(sizing.arising, {"name": "K = 1"}),
         "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
         "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
-        "SizingAsked": Door(
-            tv.answers.SizingAsked,
+        "SizingRequest": Door(
+            tv.answers.SizingRequest,
             {
                 **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
                 "others": (shaped,),
-                "soundings": {"west": tv.answers.SoundingAsked(west, 1.5)},
+                "soundings": {"west": tv.answers.SoundingRequest(west, 1.5)},
                 "window": 20.0,
                 "start": 60.0,
                 "stop": 70.0,
@@ -794,13 +794,13 @@ def doors(folder: Path) -> dict[str, Door]:
                 "count": "K = 1",
             },
         ),
-        "SizingAsked.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
-        "SizingAsked.counted": Door(asked.counted, {"found": sizing, "sign": "head"}),
-        "SizingAsked.pulses": Door(asked.pulses, {"case": study.case}),
-        "SizingAsked.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
-        "SizingAsked.times": Door(asked.times, {"case": study.case}),
-        "SizingAsked.total": Door(asked.total, {"case": study.case, "found": sizing}),
-        "SizingAsked.winds": Door(asked.winds, {"case": study.case}),
+        "SizingRequest.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
+        "SizingRequest.counted": Door(asked.counted, {"found": sizing, "sign": "head"}),
+        "SizingRequest.pulses": Door(asked.pulses, {"case": study.case}),
+        "SizingRequest.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
+        "SizingRequest.times": Door(asked.times, {"case": study.case}),
+        "SizingRequest.total": Door(asked.total, {"case": study.case, "found": sizing}),
+        "SizingRequest.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
             tv.winds.Soundings,
             {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
@@ -812,8 +812,8 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Soundings.with_utc_offset": Door(archive.with_utc_offset, {"utc_offset": -5.0}),
         "Soundings.select": Door(archive.select, {"month": 2, "year": 2024, "hour": 0}),
-        "SoundingAsked": Door(
-            tv.answers.SoundingAsked, {"profile": west, "azimuth": 1.5, "bias": calm}
+        "SoundingRequest": Door(
+            tv.answers.SoundingRequest, {"profile": west, "azimuth": 1.5, "bias": calm}
         ),
         "Study.from_vehicle": Door(
             tv.Study.from_vehicle,
@@ -847,7 +847,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "switch": "report",
                 "sign": "frozen",
                 "nozzle": tv.Nozzle(limit=0.01, stop="square"),
-                "laws": tv.answers.LawsAsked(),
+                "laws": tv.answers.LawsRequest(),
                 "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
                 "dispersions": dispersions,
@@ -1208,7 +1208,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlightCard.to_csv": Door(
             tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
-        "SizingAsked.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
+        "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
         "controllability_ratio": Door(
             tv.answers.controllability_ratio,
             {

@@ -31,7 +31,7 @@ BOOSTER = SCHEDULE.vehicle
 
 
 def asked(**given):
-    return tv.answers.SizingAsked(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
+    return tv.answers.SizingRequest(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
 
 
 def plan(**given):
@@ -86,8 +86,8 @@ JET = tv.WindProfile(height=[7e3, 10e3, 13e3, 15e3], east=[0.0, 25.0, 5.0, 0.0],
 
 
 def in_the_jet(azimuth, **told):
-    sounding = tv.answers.SoundingAsked(JET, azimuth=np.radians(azimuth))
-    return tv.answers.SizingAsked(schedule=HELD, pulse=False, soundings={"jet": sounding}, **told)
+    sounding = tv.answers.SoundingRequest(JET, azimuth=np.radians(azimuth))
+    return tv.answers.SizingRequest(schedule=HELD, pulse=False, soundings={"jet": sounding}, **told)
 
 
 @pytest.mark.parametrize("azimuth", [90.0, 270.0])
@@ -155,14 +155,14 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     """The sounding begins at 7 km, where the flight is at 46 s."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[7e3, 10e3, 15e3], east=[0.0, 25.0, 0.0], north=[0.0] * 3)
-    sounding = tv.answers.SoundingAsked(jet, azimuth=np.radians(90.0))
+    sounding = tv.answers.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
+    found = tv.answers.flight_card(case, tv.answers.SizingRequest(schedule=held, **told)).verdict
     assert found.met is None
     assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in found.words
-    offered = tv.answers.SizingAsked(schedule=held, **told | {"start": 46.0})
+    offered = tv.answers.SizingRequest(schedule=held, **told | {"start": 46.0})
     assert tv.answers.flight_card(case, offered).verdict.met is True
 
 
@@ -170,12 +170,12 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     """At 64.0294 s: what is offered is not beyond it."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[0.0, 8e3, 10004.9], east=[5.0, 25.0, 5.0], north=[0.0] * 3)
-    sounding = tv.answers.SoundingAsked(jet, azimuth=np.radians(90.0))
+    sounding = tv.answers.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.answers.flight_card(case, tv.answers.SizingAsked(schedule=held, **told)).verdict
+    found = tv.answers.flight_card(case, tv.answers.SizingRequest(schedule=held, **told)).verdict
     assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
-    offered = tv.answers.SizingAsked(schedule=held, stop=64.02, **told)
+    offered = tv.answers.SizingRequest(schedule=held, stop=64.02, **told)
     assert tv.answers.flight_card(case, offered).verdict.met is True
 
 
@@ -191,7 +191,7 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
     case = plan(nozzle=tv.Nozzle(limit=5.0 * DEG))
 
     def card(start, model="drift-exact"):
-        flown = tv.answers.SizingAsked(schedule=flight, start=start, stop=20.0, every=10.0)
+        flown = tv.answers.SizingRequest(schedule=flight, start=start, stop=20.0, every=10.0)
         return tv.answers.flight_card(replace(case, model=model), flown)
 
     found = card(10.0)

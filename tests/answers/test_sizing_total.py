@@ -131,7 +131,7 @@ def test_the_controllability_ratio_is_that_of_its_parts():
     booster = SCHEDULE.at(66.0)
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
     wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust, gust_at=3.75)
-    asked = tv.answers.SizingAsked(
+    asked = tv.answers.SizingRequest(
         schedule=SCHEDULE,
         start=66.0,
         stop=66.0,
@@ -163,10 +163,10 @@ def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehic
 ):
     """B(t) and alpha_w(t) of (B1e) from the rows of the schedule alone, every hundredth second."""
     flight = tv.load_schedule(write(tmp_path / "pad.csv"))
-    asked = tv.answers.SizingAsked(
+    asked = tv.answers.SizingRequest(
         schedule=flight,
         pulse=False,
-        soundings={"jet": tv.answers.SoundingAsked(sounding(), np.radians(90.0))},
+        soundings={"jet": tv.answers.SoundingRequest(sounding(), np.radians(90.0))},
         window=window,
         varying=False,
         every=10.0,

@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tests.studies import FLIGHT
 from tvclin.answers.campaign.file import TABLES, parse_campaign
-from tvclin.answers.sizing.asked_winds import SoundingAsked
+from tvclin.answers.sizing.request import SoundingRequest
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example
 from tvclin.base.units import UNITS
@@ -381,16 +381,16 @@ def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
         ({"pulse": False}, "a sizing needs a wind: a pulse or a sounding"),
         ({"dead_bands": ()}, "dead_bands must hold one number or more"),
         (
-            {"soundings": {"low": SoundingAsked(low, 0.0)}},
+            {"soundings": {"low": SoundingRequest(low, 0.0)}},
             "low: the flight does not reach the wind",
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.answers.SizingAsked(schedule=schedule, **given).sizing(plan())
+            tv.answers.SizingRequest(schedule=schedule, **given).sizing(plan())
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    asked = tv.answers.SizingAsked(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
+    asked = tv.answers.SizingRequest(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
     for plane in ("pitch", "yaw"):
         case = replace(plan(), plane=plane)
         met = asked.at(case, 66.0, case.wind)

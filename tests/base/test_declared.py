@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tests.doors import hostile
-from tvclin.answers.availability.asked import AvailabilityAsked
+from tvclin.answers.availability.request import AvailabilityRequest
 from tvclin.answers.nozzle import Nozzle
-from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
+from tvclin.answers.sizing.request import SIZE_TABLE, SizingRequest
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import example
 from tvclin.base.declared import (
@@ -27,7 +27,7 @@ from tvclin.base.errors import InputError, between, positive, small_angle
 from tvclin.base.files import tables_of
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 
-EACH = (SizingAsked, StudyPlan, Nozzle, AutopilotDesign, AvailabilityAsked)
+EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
 
 
 @dataclass(frozen=True, kw_only=True)

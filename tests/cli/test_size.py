@@ -13,7 +13,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.answers.campaign.quick import part_in_a_wind
 from tvclin.answers.case import Case
-from tvclin.answers.sizing.asked import SizingAsked
+from tvclin.answers.sizing.request import SizingRequest
 from tvclin.cli.app import app
 from tvclin.plots import curves_of, sizing_chart
 
@@ -326,7 +326,7 @@ def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
 
 
 def test_a_figure_of_one_flight_time_is_refused_before_anything_is_computed(monkeypatch) -> None:
-    monkeypatch.setattr(SizingAsked, "sizing", None)
+    monkeypatch.setattr(SizingRequest, "sizing", None)
     result = run("size", "configuration-i", "--from", "66", "--to", "66", "--plot", "a.png")
 
     assert result.exit_code == 2

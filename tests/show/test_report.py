@@ -94,7 +94,7 @@ def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
 def plan() -> tv.answers.StudyPlan:
     """Return the example in calm air's dynamic pressure, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.answers.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
+    laws = tv.answers.LawsRequest(names=("trim", "autopilot"), sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight, sign="frozen")
 

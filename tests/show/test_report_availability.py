@@ -11,7 +11,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
-from tvclin.answers.availability.asked import AVAILABILITY_TABLE
+from tvclin.answers.availability.request import AVAILABILITY_TABLE
 from tvclin.answers.findings import find
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study

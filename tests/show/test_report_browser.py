@@ -61,7 +61,9 @@ _LINES = """return [...document.querySelectorAll('figure svg path')]
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Open the example's page, with fewer laws and cases, in a browser without a window."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.answers.LawsAsked(names=("trim",), winds=("triangle", "1 - cosine"), sample_rate=20.0)
+    laws = tv.answers.LawsRequest(
+        names=("trim",), winds=("triangle", "1 - cosine"), sample_rate=20.0
+    )
     page = tmp_path_factory.mktemp("page") / "report.html"
     page.write_text(tv.report_html(replace(whole, laws=laws, cases=200)), encoding="utf-8")
     options = webdriver.ChromeOptions()

@@ -215,6 +215,6 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
 def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):
-        laws = tv.answers.LawsAsked(names=("trim",), sample_rate=rate)
+        laws = tv.answers.LawsRequest(names=("trim",), sample_rate=rate)
         found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
         assert f"sampled at {rate:g} Hz" in str(control.laws(found))

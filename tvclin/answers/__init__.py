@@ -3,7 +3,7 @@
 - One wind: `is_sufficient`, `required_deflection`, `survivable_peak`; of a `Case` with its `Nozzle`
   a `Study`, or with dispersions `disperse_study`.
 - Files: `load_study`, `load_sizing`, `load_campaign`; as records `StudyPlan`,
-  `SizingAsked`, `SoundingAsked`, `AvailabilityAsked`, `LawsAsked`, `Document`.
+  `SizingRequest`, `SoundingRequest`, `AvailabilityRequest`, `LawsRequest`, `Document`.
 - A flight: its `size`, with numbers by `Requirement`, the `DeflectionTotal` of `total_deflection`,
   `worst_total`, and the `ControllabilityRatio` of `controllability_ratio`.
 - Days of an archive: `tvclin.availability`; what the wind may become: `PairGrowth`, `WindGrowth`.

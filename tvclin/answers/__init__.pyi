@@ -1,9 +1,9 @@
-from .availability.asked import AvailabilityAsked as AvailabilityAsked
 from .availability.confidence import Part as Part
 from .availability.growth import PairGrowth as PairGrowth
 from .availability.growth import WindGrowth as WindGrowth
 from .availability.record import Availability as Availability
 from .availability.record import Today as Today
+from .availability.request import AvailabilityRequest as AvailabilityRequest
 from .campaign.dispersions import Dispersion as Dispersion
 from .campaign.dispersions import Dispersions as Dispersions
 from .campaign.engine import open_campaign as open_campaign
@@ -36,11 +36,11 @@ from .requirement import RequiredDeflection as RequiredDeflection
 from .requirement import is_sufficient as is_sufficient
 from .requirement import required_deflection as required_deflection
 from .requirement import survivable_peak as survivable_peak
-from .sizing.asked import SizingAsked as SizingAsked
-from .sizing.asked_winds import SoundingAsked as SoundingAsked
 from .sizing.ratio import ControllabilityRatio as ControllabilityRatio
 from .sizing.ratio import controllability_ratio as controllability_ratio
 from .sizing.record import Sizing as Sizing
+from .sizing.request import SizingRequest as SizingRequest
+from .sizing.request import SoundingRequest as SoundingRequest
 from .sizing.size import size as size
 from .sizing.total import DeflectionTotal as DeflectionTotal
 from .sizing.total import total_deflection as total_deflection
@@ -49,7 +49,7 @@ from .study import Study as Study
 from .study_file.plan import StudyPlan as StudyPlan
 from .study_file.read import load_sizing as load_sizing
 from .study_file.read import load_study as load_study
-from .trials import LawsAsked as LawsAsked
+from .trials import LawsRequest as LawsRequest
 from .trials import LawTrial as LawTrial
 from .trials import law_trials as law_trials
 from .trials import standard_laws as standard_laws

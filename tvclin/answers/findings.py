@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.nozzle_cards.record import FlightCard
-    from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.sizing.record import Sizing
+    from tvclin.answers.sizing.request import SizingRequest
     from tvclin.answers.sizing.total import DeflectionTotal
-    from tvclin.answers.trials import LawsAsked, LawTrial
+    from tvclin.answers.trials import LawsRequest, LawTrial
     from tvclin.boundary.fronts.load_record import LoadFront
     from tvclin.boundary.fronts.rate_record import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -248,7 +248,7 @@ def _asked(plan: StudyPlan) -> dict[str, Any]:
 
 
 def _trials(
-    plan: StudyPlan, study: Study, loop: Loop, asked: LawsAsked, told: Told
+    plan: StudyPlan, study: Study, loop: Loop, asked: LawsRequest, told: Told
 ) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
@@ -331,12 +331,12 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
 
 
-def _flight(plan: StudyPlan, asked: SizingAsked, told: Told) -> tuple[Sizing, DeflectionTotal]:
+def _flight(plan: StudyPlan, asked: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:
     found = asked.sizing(plan, told)
     return found, asked.total(plan, found)
 
 
-def _card(plan: StudyPlan, asked: SizingAsked, told: Told) -> FlightCard:
+def _card(plan: StudyPlan, asked: SizingRequest, told: Told) -> FlightCard:
     from tvclin.answers.nozzle_cards.whole import flight_card
 
     return flight_card(plan, asked, str(asked.card), progress=told)

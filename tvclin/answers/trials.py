@@ -47,7 +47,7 @@ _RATE = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class LawsAsked:
+class LawsRequest:
     """The laws that are to be flown, and in which winds.
 
     Attributes
@@ -68,7 +68,7 @@ class LawsAsked:
         checked(self)
 
 
-LAWS_TABLE = file_table("[laws]", LawsAsked)
+LAWS_TABLE = file_table("[laws]", LawsRequest)
 
 
 @dataclass(frozen=True)

@@ -137,7 +137,7 @@ def availability(
     model: Given = MODEL,
     sign: Given = replace(SIGN, shown={"sign": "that of each sounding"}),
     question: Given = Given(
-        "answers.availability.asked.AvailabilityAsked", "plane known_to confidence"
+        "answers.availability.request.AvailabilityRequest", "plane known_to confidence"
     ),
     only: ArchiveOptions = GROUP,
     begin: float | None = asked(

@@ -37,7 +37,7 @@ def card(
     ),
     seed: int | None = asked("Seed of the noise.", shown="0"),
     steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
-    question: Given = Given("answers.sizing.asked.SizingAsked", _FLIGHT, "sizing"),
+    question: Given = Given("answers.sizing.request.SizingRequest", _FLIGHT, "sizing"),
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
     sign: Given = Given(STUDY, "sign"),

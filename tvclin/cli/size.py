@@ -12,11 +12,10 @@ from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
 from tvclin.answers.case import FROZEN
 from tvclin.answers.quantity import DEAD_BAND, Requirement
 from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.asked import SizingAsked
-from tvclin.answers.sizing.asked_winds import SoundingAsked
 from tvclin.answers.sizing.notes import hundredths
 from tvclin.answers.sizing.ratio import ControllabilityRatio
 from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.request import SizingRequest, SoundingRequest
 from tvclin.answers.sizing.total import DeflectionTotal, total_table
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
@@ -70,7 +69,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
         metavar="TIME",
     )
 
-    def soundings(self) -> dict[str, SoundingAsked]:
+    def soundings(self) -> dict[str, SoundingRequest]:
         """Return the soundings of the files by name, and by the time that was asked for."""
         files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
         if degrees is not None and not files and self.wind_direction_deg is None:
@@ -87,14 +86,14 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 f" {len(times)} for {len(files)}"
             )
         names = [called(file.name) for file in files]
-        found: dict[str, SoundingAsked] = {}
+        found: dict[str, SoundingRequest] = {}
         for file, label, time in zip_longest(files, names, times):
             name = " at ".join(filter(None, (label, time)))
             if time is None and names.count(label) > 1:
                 name = called(file)
             if name in found:
                 raise InputError(f"--winds gives {name} twice")
-            found[name] = SoundingAsked(
+            found[name] = SoundingRequest(
                 read_sounding(file, time=time, **self.reading), azimuth, mean
             )
         return found
@@ -158,7 +157,7 @@ def size(
     planes: PlaneOptions = GROUP,
     sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
-    question: Given = Given("answers.sizing.asked.SizingAsked", at="sizing"),
+    question: Given = Given("answers.sizing.request.SizingRequest", at="sizing"),
     disperse: bool = switch(
         "--disperse",
         "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",
@@ -245,7 +244,7 @@ def _print(
     say_notes((*found.notes, *said))
 
 
-def _hints(asked: SizingAsked, found: Sizing) -> Iterator[str]:
+def _hints(asked: SizingRequest, found: Sizing) -> Iterator[str]:
     """Which options would tell more than what was found."""
     first, last = found.schedule.span
     begin, end = (float(time) for time in (found.times.min(), found.times.max()))
@@ -293,7 +292,7 @@ def flight_asked(
     return case
 
 
-def _dispersed(case: StudyPlan, asked: SizingAsked, found: Sizing) -> float:
+def _dispersed(case: StudyPlan, asked: SizingRequest, found: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
     counted = asked.counted(found, case.sign)
     if counted.quantity != DEAD_BAND or counted not in found.worst:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.availability.asked import AVAILABILITY_TABLE
+from tvclin.answers.availability.request import AVAILABILITY_TABLE
 from tvclin.answers.campaign.dispersions import (
     CORRELATION_TABLE,
     DEFAULT_DISPERSIONS,
@@ -21,7 +21,7 @@ from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION
 from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.load import LOAD_TABLE
 from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
-from tvclin.answers.sizing.asked import SIZE_TABLE
+from tvclin.answers.sizing.request import SIZE_TABLE
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at

@@ -24,9 +24,9 @@ from tvclin.answers.nozzle_cards.unjudged import flight_reason, unjudged_flights
 from tvclin.answers.nozzle_cards.verdict import NozzleVerdict, needed_of
 from tvclin.answers.planes import rectangle
 from tvclin.answers.quantity import in_wind
-from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.notes import doubtful_winds
 from tvclin.answers.sizing.placing import PlacedWind, WindOf, angle_at, place_in
+from tvclin.answers.sizing.request import SizingRequest
 from tvclin.answers.varying_equations import at_pressure
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
@@ -63,7 +63,7 @@ _SETTLED, _AFTER = 7.5, 15.0
 
 def flight_card(
     case: Case,
-    asked: SizingAsked,
+    asked: SizingRequest,
     law: str = "trim",
     *,
     noise: float = 0.0,
@@ -78,7 +78,7 @@ def flight_card(
     case : Case
         Its nozzle, which has a limit, its model and planes, its first pulse, and the gains of the
         law "autopilot".
-    asked : SizingAsked
+    asked : SizingRequest
         The flight, its times and its winds.
     law : str
         One of `tvclin.control.LAWS`, designed anew at each flight time.
@@ -102,19 +102,19 @@ def flight_card(
     ------
     InputError
         For a case without a limit, an unknown law, numbers out of range, and as
-        `SizingAsked.winds`.
+        `SizingRequest.winds`.
 
     Examples
     --------
     >>> import numpy as np, tvclin as tv
     >>> plan = tv.answers.load_sizing("configuration-i")
     >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
-    >>> asked = tv.answers.SizingAsked(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
+    >>> asked = tv.answers.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
     >>> card = tv.answers.flight_card(case, asked)
     >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
     (True, 0.3)
     """
-    instance("asked", asked, SizingAsked, "see load_sizing")
+    instance("asked", asked, SizingRequest, "see load_sizing")
     one_of("law", law, LAWS)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
@@ -171,7 +171,7 @@ class _Flying:
     """What all flights of a card share."""
 
     case: Case
-    asked: SizingAsked
+    asked: SizingRequest
     limit: float
     law: str
     noise: float

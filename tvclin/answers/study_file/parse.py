@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
 from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.availability.request import AVAILABILITY_TABLE, AvailabilityRequest
 from tvclin.answers.campaign.file import (
     beside,
     design_of,
@@ -18,10 +18,9 @@ from tvclin.answers.campaign.file import (
 )
 from tvclin.answers.document import DOCUMENT_TABLE, Document
 from tvclin.answers.load import LOAD_TABLE, LoadBound
-from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
-from tvclin.answers.sizing.asked_winds import SoundingAsked
+from tvclin.answers.sizing.request import SIZE_TABLE, SizingRequest, SoundingRequest
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.trials import LAWS_TABLE, LawsAsked
+from tvclin.answers.trials import LAWS_TABLE, LawsRequest
 from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
@@ -57,7 +56,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         "wind": lambda: _wind(document, folder, subject),
         "sizing": lambda: _sizing(document, folder),
         "availability": lambda: _availability(document, folder),
-        "laws": lambda: LAWS_TABLE.made(document, lambda one: LawsAsked(**LAWS_TABLE.read(one))),
+        "laws": lambda: LAWS_TABLE.made(document, lambda one: LawsRequest(**LAWS_TABLE.read(one))),
         "nozzle": lambda: nozzle_of(document),
         "load": lambda: LOAD_TABLE.made(document, lambda one: LoadBound(**LOAD_TABLE.read(one))),
         "design": lambda: design_of(document),
@@ -89,7 +88,7 @@ def _criteria(table: dict[str, Any]) -> Criteria:
     return named.with_limits("the study file", **limits)
 
 
-def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
+def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
     """Return what a document asks of a flight; None without [schedule] and [size]."""
     measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
     soundings = dict(measured)
@@ -111,7 +110,7 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
                 " peak_deg in each [[wind]]"
             )
         given = {"peak_speed": speed} | given
-    return SizingAsked(
+    return SizingRequest(
         **_flight(document, folder),
         others=tuple(one for one in others if isinstance(one, ShapedWind)),
         soundings=soundings,
@@ -120,7 +119,7 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     )
 
 
-def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityAsked | None:
+def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequest | None:
     """Return what a document asks of an archive of soundings; None without [availability]."""
     if "availability" not in document:
         return None
@@ -143,7 +142,7 @@ def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityAske
     if "dates" in given:
         wanted["dates"] = folder / str(given.pop("dates"))
     offset = given.pop("utc_offset_hours", 0.0)
-    return AvailabilityAsked(
+    return AvailabilityRequest(
         flight=_flight(document, folder)["schedule"],
         soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
         gust_speed=_gust_speed(document),
@@ -187,7 +186,7 @@ def _is_vehicle(source: str | Path) -> bool:
     return "vehicle" in source_tables(source)
 
 
-def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
+def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingRequest]:
     given = SOUNDING_TABLE.read(table)
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
@@ -199,4 +198,4 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
     named = Path(file).name
     whole = called(folder / file)  # the name alone: the page is the same from another folder
     profile = replace(profile, source=profile.source.replace(whole, named, 1))
-    return table.get("name") or named, SoundingAsked(profile, given["azimuth"])
+    return table.get("name") or named, SoundingRequest(profile, given["azimuth"])

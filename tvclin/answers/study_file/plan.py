@@ -17,11 +17,11 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 
 if TYPE_CHECKING:
-    from tvclin.answers.availability.asked import AvailabilityAsked
+    from tvclin.answers.availability.request import AvailabilityRequest
     from tvclin.answers.campaign.dispersions import Dispersions
     from tvclin.answers.load import LoadBound
-    from tvclin.answers.sizing.asked import SizingAsked
-    from tvclin.answers.trials import LawsAsked
+    from tvclin.answers.sizing.request import SizingRequest
+    from tvclin.answers.trials import LawsRequest
     from tvclin.control.margins.criteria import Criteria
 
 
@@ -39,7 +39,7 @@ class StudyPlan(Case):
     switch : str
         What is compared with the dead band, in the boundaries shown: trim (literal) or the wind
         (report).
-    laws : LawsAsked, optional
+    laws : LawsRequest, optional
         Laws to be flown.
     criteria : Criteria, optional
         What its margins are held to.
@@ -55,9 +55,9 @@ class StudyPlan(Case):
         Fraction of dispersed flights that the deflection is to cover.
     confidence : float
         Confidence with which it does.
-    sizing : SizingAsked, optional
+    sizing : SizingRequest, optional
         What is asked of the whole flight.
-    availability : AvailabilityAsked, optional
+    availability : AvailabilityRequest, optional
         An archive of soundings: on how many days it flies.
     load : LoadBound, optional
         What the structure bears.
@@ -73,7 +73,7 @@ class StudyPlan(Case):
     wind: ShapedWind | History = DEFAULT_WIND
     dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
     switch: str = word(SWITCHES, "literal")
-    laws: LawsAsked | None = None
+    laws: LawsRequest | None = None
     criteria: Criteria | None = None
     dispersions: Dispersions | None = None
     cases: int = count(2000)
@@ -81,8 +81,8 @@ class StudyPlan(Case):
     method: str = word(METHODS, "plain")
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
-    sizing: SizingAsked | None = None
-    availability: AvailabilityAsked | None = None
+    sizing: SizingRequest | None = None
+    availability: AvailabilityRequest | None = None
     load: LoadBound | None = None
     document: Document | None = None
 
@@ -99,14 +99,14 @@ class StudyPlan(Case):
         names = ("laws", "criteria", "dispersions", "sizing", "availability", "load")
         if all(getattr(self, name) is None for name in names):
             return
-        from tvclin.answers.availability.asked import AvailabilityAsked
+        from tvclin.answers.availability.request import AvailabilityRequest
         from tvclin.answers.campaign.dispersions import Dispersions
         from tvclin.answers.load import LoadBound
-        from tvclin.answers.sizing.asked import SizingAsked
-        from tvclin.answers.trials import LawsAsked
+        from tvclin.answers.sizing.request import SizingRequest
+        from tvclin.answers.trials import LawsRequest
         from tvclin.control.margins.criteria import Criteria
 
-        kinds = LawsAsked, Criteria, Dispersions, SizingAsked, AvailabilityAsked, LoadBound
+        kinds = LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound
         makers = (
             "of the standard laws",
             "see Criteria.custom",

@@ -21,7 +21,7 @@ from tvclin.vehicle.file import COEFFICIENTS, is_schedule, source_tables, vehicl
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
 if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked_winds import SoundingAsked
+    from tvclin.answers.sizing.request import SoundingRequest
 
 
 _STUDIES, _VEHICLES = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
@@ -70,7 +70,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
 
 
 def load_sizing(
-    source: str | PathLike[str], soundings: Mapping[str, SoundingAsked] | None = None
+    source: str | PathLike[str], soundings: Mapping[str, SoundingRequest] | None = None
 ) -> StudyPlan:
     """Return a plan that asks of a flight: of a study file, or a schedule or vehicle with defaults.
 
@@ -78,7 +78,7 @@ def load_sizing(
     ----------
     source : str or path
         A study file with [schedule], or what `load_schedule` makes a schedule of.
-    soundings : dict of str to SoundingAsked, optional
+    soundings : dict of str to SoundingRequest, optional
         Winds over height, beside those of a study file. Where neither gives a wind it is a triangle
         of 5 degrees for 7.5 seconds.
 
@@ -94,11 +94,11 @@ def load_sizing(
     >>> plan.sizing.times(plan)[[0, 1, -1]]
     array([ 44.75,  45.  , 112.25])
     """
-    from tvclin.answers.sizing.asked import SizingAsked
+    from tvclin.answers.sizing.request import SizingRequest
     from tvclin.ascent.schedule_file import load_schedule
 
     if soundings is not None:
-        instance("soundings", soundings, Mapping, "of names to SoundingAsked")
+        instance("soundings", soundings, Mapping, "of names to SoundingRequest")
     more = dict(soundings or {})
     if _is_study(source):
         plan = load_study(source)
@@ -109,7 +109,7 @@ def load_sizing(
         more = {**plan.sizing.soundings, **more}
         return replace(plan, sizing=replace(plan.sizing, soundings=more))
     flight = load_schedule(source)
-    asked = SizingAsked(schedule=flight, source=str(source), pulse=not more, soundings=more)
+    asked = SizingRequest(schedule=flight, source=str(source), pulse=not more, soundings=more)
     return StudyPlan(vehicle=flight.vehicle, sizing=asked)
 
 
@@ -143,7 +143,7 @@ def _is_study(source: str | PathLike[str]) -> bool:
 def example() -> str:
     """Return the study file of the package, which is commented and names every declared key."""
     from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
-    from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked
+    from tvclin.answers.sizing.request import SIZE_TABLE, SizingRequest
     from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 
     folder = files("tvclin.answers.study_file")
@@ -151,7 +151,7 @@ def example() -> str:
     each: tuple[tuple[FileTable, type], ...] = (
         (NOZZLE_TABLE, Nozzle),
         (AUTOPILOT_TABLE, AutopilotDesign),
-        (SIZE_TABLE, SizingAsked),
+        (SIZE_TABLE, SizingRequest),
     )
     for table, kind in each:
         text = completed(text, table, kind)

@@ -8,8 +8,8 @@ from tvclin.answers.availability import answer_tables
 from tvclin.answers.availability.record import Availability
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.asked import SizingAsked
 from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.request import SizingRequest
 from tvclin.answers.sizing.total import total_table
 from tvclin.base.lines import Line, degrees, number
 from tvclin.plots import availability_chart, sizing_chart
@@ -55,7 +55,7 @@ def _over_flight(found: Findings) -> list[Block]:
     return [*blocks, *notes]
 
 
-def _measured(asked: SizingAsked) -> Iterator[Block]:
+def _measured(asked: SizingRequest) -> Iterator[Block]:
     """The soundings that the flight goes through, with station, date and direction of flight."""
     for name, sounding in asked.soundings.items():
         source = sounding.profile.source or "given without a source"

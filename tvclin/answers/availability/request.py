@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AvailabilityAsked:
+class AvailabilityRequest:
     """What the availability of a case depends on beside the case.
 
     Attributes
@@ -102,7 +102,7 @@ class AvailabilityAsked:
 
 AVAILABILITY_TABLE = file_table(
     "[availability]",
-    AvailabilityAsked,
+    AvailabilityRequest,
     quantities={
         "persistence": "angle",
         "persistence_hours": "number",

@@ -1,7 +1,9 @@
-"""What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do.
+"""The sizing of a flight as a request: its schedule, its winds, and what else the nozzle turns.
 
 Model, planes, limit and stop are those of the case, and so is the first of its pulses.
 """
+
+from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,7 +14,6 @@ from numpy.typing import NDArray
 
 from tvclin.answers.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
 from tvclin.answers.quantity import TRIM, Requirement, requirement_among
-from tvclin.answers.sizing.asked_winds import FlightWinds, SoundingAsked
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.ratio import ControllabilityRatio, controllability_ratio
@@ -20,15 +21,17 @@ from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.signed import base_of, by_direction
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.ascent.measured_wind import gust_at
+from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
     NotKnownError,
+    bearing,
     between,
     each,
     instance,
+    naming,
     nonnegative,
     nonzero,
     number,
@@ -37,9 +40,136 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.control.laws.registry import LAWS
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import ShapedWind, component_in
+from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
+
+
+@dataclass(frozen=True, eq=False)
+class SoundingRequest:
+    """A wind over height that the flight goes through.
+
+    Attributes
+    ----------
+    profile : WindProfile
+        The wind; see `read_sounding`.
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    bias : WindProfile, optional
+        The mean wind for which the flight path is biased, as of `fly_through`.
+    """
+
+    profile: WindProfile
+    azimuth: float
+    bias: WindProfile | None = None
+
+    def __post_init__(self) -> None:
+        instance("profile", self.profile, WindProfile, "see read_sounding")
+        object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
+        if self.bias is not None:
+            instance("bias", self.bias, WindProfile, "see read_sounding")
+
+
+@dataclass(frozen=True, eq=False)
+class FlightWinds:
+    """What blows on the flight of a case.
+
+    `case`: its planes, model, nozzle and sign count. `schedule`: the flight. `pulses`: whose peak
+    meets each flight time, with the gust of the case. `soundings`: by name. `peak_speed`,
+    `gust_speed`: wind speeds [m/s] in place of the angles of pulses and their gust. `window`: of a
+    sounding, about each flight time [s]. `dead_band`: for which a gust comes at its worst time.
+    """
+
+    case: Case
+    schedule: FlightSchedule
+    pulses: tuple[ShapedWind, ...]
+    soundings: Mapping[str, SoundingRequest]
+    peak_speed: float | None
+    gust_speed: float | None
+    window: float | None
+    dead_band: float
+
+    @property
+    def by_name(self) -> dict[str, WindOf]:
+        """The winds as `size` takes them; soundings are in flight time. It raises as `winds`."""
+        sign = self.case.sign
+        if sign in SIGNS and any(one.heading is not None for one in self.pulses):
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        return {self._name(one): self._met(one) for one in self.pulses} | {
+            name: self._flown(name, one) for name, one in self.soundings.items()
+        }
+
+    @property
+    def gust(self) -> GustOf | None:
+        """The gust as each vehicle of the flight meets it."""
+        gust: History | None = getattr(self.case.wind, "gust", None)
+        if self.gust_speed is None or gust is None:
+            return gust
+        return gust_of_speed(gust, self.gust_speed, self.case.planes)
+
+    def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
+        """Return the case of a vehicle of the flight, in a pulse as it meets it."""
+        case = self.case
+        return Case(
+            vehicle=vehicle,
+            model=case.model,
+            plane=case.plane,
+            wind=self._blows(vehicle, pulse),
+            nozzle=case.nozzle,
+            design=case.design,
+            sign=case.sign,
+        )
+
+    def _blows(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """A pulse with the angles at which a vehicle meets it and its gust."""
+        if self.peak_speed is not None:
+            pulse = pulse.with_speed(self.peak_speed, vehicle, self.case.plane)
+        if self.gust_speed is not None:
+            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, self.case.plane)
+        return pulse
+
+    def _met(self, pulse: ShapedWind) -> WindOf:
+        """A pulse as vehicles meet it: its part in the plane, or for both planes the vector."""
+        case = self.case
+
+        def met(vehicle: Vehicle) -> History | PlaneWind:
+            blows = self.case_of(vehicle, pulse).wind_at(self.dead_band)
+            attitude = float(np.asarray(vehicle.attitude))
+            if case.planes != BOTH:
+                return blows.in_plane(case.plane, attitude).history({})
+            peaks = blows.peaks(attitude)
+            return PlaneWind(**{plane: component_in(blows, peaks, plane) for plane in PLANES})
+
+        return met
+
+    def _flown(self, name: str, sounding: SoundingRequest) -> WindOf:
+        with naming(name):
+            return fly_through(
+                sounding.profile,
+                self.schedule,
+                azimuth=sounding.azimuth,
+                plane=self.case.planes,
+                window=self.window,
+                gust=self.gust,
+                pressure=self.case.sign != FROZEN,
+                bias=sounding.bias,
+            )
+
+    def _name(self, pulse: ShapedWind) -> str:
+        name = f"{pulse.shape} wind of {_strength(pulse.peak, self.peak_speed)}"
+        if pulse.gust is None:
+            return f"{name}, {pulse.duration:g} s"
+        gust, peak = pulse.gust, _strength(float(pulse.gust.peak), self.gust_speed)
+        return f"{name}, {pulse.duration:g} s, gust of {peak}, {gust.end - gust.onset:g} s"
+
+
+def _strength(peak: float, speed: float | None) -> str:
+    return f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
+
 
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
@@ -48,7 +178,7 @@ _MOST_TIMES = 10_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SizingAsked:
+class SizingRequest:
     """What the sizing of a flight depends on beside its case.
 
     Attributes
@@ -66,7 +196,7 @@ class SizingAsked:
     peak_speed : float, optional
         Peak wind speed of the pulses [m/s], in place of their angle: the vehicle meets it at the
         angle of its flight time, by eq (B1e).
-    soundings : dict of str to SoundingAsked
+    soundings : dict of str to SoundingRequest
         Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
         time, or when the dead band that counts needs most, of a sounding about each flight time.
     gust_speed : float, optional
@@ -112,7 +242,7 @@ class SizingAsked:
     others: tuple[ShapedWind, ...] = ()
     peak_speed: float | None = quantity("speed", None, nonzero, option=None)
     gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
-    soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
+    soundings: Mapping[str, SoundingRequest] = field(default_factory=dict)
     window: float | None = quantity("time", None, positive, shown="all of it")
     start: float | None = quantity(
         "time", None, key="from", option="--from", shown="the earliest possible"
@@ -140,8 +270,8 @@ class SizingAsked:
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
         object.__setattr__(self, "others", each("others", self.others, ShapedWind, "of one shape"))
-        instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
-        each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
+        instance("soundings", self.soundings, Mapping, "of names to SoundingRequest")
+        each("soundings", tuple(self.soundings.values()), SoundingRequest, "with their azimuth")
         checked(self)
         if not self.pulse and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
@@ -334,4 +464,4 @@ class SizingAsked:
         ]
 
 
-SIZE_TABLE = file_table("[size]", SizingAsked)
+SIZE_TABLE = file_table("[size]", SizingRequest)
