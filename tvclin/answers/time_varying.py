@@ -58,7 +58,7 @@ to both sides, or more than once while the path drifts. With less than the first
 the linear range."""
 _MIN_LIMIT = 1e-12
 """A limit [rad] in place of zero."""
-_EVEN_STEP = 0.2
+_EVEN_STEP = 0.125
 """Length of an even step times the fastest rate, through winds whose breakpoints are not ends."""
 _SLOWEST = 0.25
 """The slowest rate [1/s] that sets even steps."""
