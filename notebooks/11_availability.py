@@ -103,7 +103,7 @@ later = tv.availability(
     azimuth=azimuth,
     persistence=tv.answers.PairGrowth(hours=3.5),
 )
-print(later.notes[-1])
+print(*later.notes, sep="\n")
 print(later.part())
 today = later.today(soundings[3])
 print(f"today: {np.degrees(today.most):.3f} deg of {np.degrees(today.limit):.3f}, go: {today.go}")
