@@ -244,8 +244,8 @@ class Curves:
 
 def _smaller(trim: FloatArray, demand: FloatArray, side: float | None) -> FloatArray:
     """Return min(trim, demand) to either side, or to one, as sizes; zero where signs differ."""
-    alike = trim * demand > 0.0 if side is None else np.minimum(side * trim, side * demand) > 0.0
-    return np.where(alike, np.minimum(np.abs(trim), np.abs(demand)), 0.0)
+    apart = trim * demand <= 0.0 if side is None else np.minimum(side * trim, side * demand) <= 0.0
+    return np.where(apart, 0.0, np.minimum(np.abs(trim), np.abs(demand)))  # NaN stays
 
 
 def _vertex(values: FloatArray) -> FloatArray:
