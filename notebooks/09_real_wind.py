@@ -96,7 +96,7 @@ _ = sizing_chart(found)
 
 # %% [markdown]
 # A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it
-# is the error of freezing the vehicle at the peak of the wind, in calm air's dynamic pressure.
+# is the error of freezing the vehicle at the peak of the wind, at nominal dynamic pressure.
 
 # %%
 both = tv.size(flight, {"real wind": met}, times=peak_time, dead_bands=1.0, varying=True)

@@ -108,10 +108,10 @@ B = abs(float(study.coefficients.B * study.wind.peak))
 with_drift = study.boundaries[study.model]
 full = float(np.abs(with_drift.deflection)[study.dead_bands == 1.0][0])
 worst = np.degrees(study.required_deflection)
-enough = "enough" if study.sufficient else "not enough"
+verdict = "SUFFICIENT" if study.sufficient else "NOT SUFFICIENT"
 answer = (
     f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in {speed:g} m/s of wind within "
     f"{duration:g} s ({full / B:.2f} of full trim), and {worst:.2f} deg where it is a head "
-    f"wind, so {np.degrees(limit):g} deg are {enough}."
+    f"wind, so {np.degrees(limit):g} deg are {verdict}."
 )
 print(answer)

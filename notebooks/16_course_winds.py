@@ -157,10 +157,10 @@ plain = (limit - askew) / need
 print(f"by the root {factor:.3f}, in proportion {plain:.3f}")
 
 # %%
-enough = "enough" if total.sufficient else "not enough"
+verdict = "SUFFICIENT" if total.sufficient else "NOT SUFFICIENT"
 answer = (
     f"The balloon asks for {np.degrees(need):.2f} deg with trim; with "
-    f"{np.degrees(askew):g} deg of misalignment {np.degrees(limit):g} deg are {enough}, and the "
+    f"{np.degrees(askew):g} deg of misalignment {np.degrees(limit):g} deg are {verdict}, and the "
     f"wind may be {factor:.2f} times as strong."
 )
 print(answer)

@@ -123,7 +123,7 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     assert total.sufficient is False
     words = " ".join(text(line) for line in total.verdict)
     assert "NOT SUFFICIENT at this rate limit" in words
-    assert f"{np.degrees(total.needed_rate):.3f} deg/s needed" in words
+    assert f"{np.degrees(total.needed_rate):.3f} deg/s required" in words
     assert tv.answers.worst_total(found, "K = 1", rate_limit=1e-3).sufficient is False
 
 

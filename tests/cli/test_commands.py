@@ -1,6 +1,7 @@
 """The command line: exit codes, JSON that equals the library, and never a traceback."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -414,3 +415,18 @@ def test_a_table_of_boundaries_says_which_of_them_are_not_all_that_is_required()
     assert f"Note: K = 0.25, tau*beta 20: {minimum} after trim is larger." in exact
     assert "Note: K = 1, 0.75, 0.5, tau*beta 4 to 20: in flight" in exact
     assert "Note" not in run("boundary", "--tau-beta", "4").output
+
+
+@pytest.mark.thorough
+def test_an_empty_folder_is_refused_and_the_backend_of_a_terminal_is_left_out(tmp_path) -> None:
+    assert "must name a directory" in CliRunner().invoke(app, ["reproduce", "--output", ""]).stderr
+    words = [sys.executable, "-m", "tvclin", "boundary", "--plot", str(tmp_path / "limits.png")]
+    done = subprocess.run(words, env=os.environ | {"MPLBACKEND": "nonsense"}, check=False)
+    assert done.returncode == 0
+
+
+def test_the_vehicle_of_a_flight_has_a_name_and_its_altitude_in_its_file(tmp_path) -> None:
+    file = tmp_path / "at.toml"
+    CliRunner().invoke(app, ["init", "--from", "configuration-i", "--at", "66", str(file)])
+    assert tv.load_vehicle(file).name
+    assert "# altitude_m = 11950" in file.read_text(encoding="utf-8")

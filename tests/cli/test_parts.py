@@ -265,6 +265,10 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     def base(*more):
         return found(STUDY | {"nozzle": {"limit_deg": 2.0}}, *more)
 
+    def own(result):
+        """The answer of the question itself, without that of the study beside it."""
+        return re.sub(r'"required_deflection_deg": .*', "", result.stdout)
+
     assert base().exit_code in (0, 1), base().output
     wrong = {}
     in_files = IN_FILES | {"shape of the stop": {"nozzle": {"stop": "square"}}}
@@ -276,7 +280,7 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     for part, change in in_files.items():
         more = ("--flown",) if question == "margins" and part in IN_FLIGHT else ()
         result = found(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change), *more)
-        changed = result.exit_code in (0, 1) and result.stdout != base(*more).stdout
+        changed = result.exit_code in (0, 1) and own(result) != own(base(*more))
         said = " ".join(result.stderr.split())
         listed = " ".join(re.findall(r"what the file says of (.*?) is left out here", said))
         named = part in listed

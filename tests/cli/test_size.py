@@ -83,7 +83,7 @@ def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
     short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--count", "trim")
 
     assert enough.exit_code == 0
-    assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg left after the reserve\n", enough.output)
+    assert re.search(r"deg: SUFFICIENT, 0\.0\d+ deg remaining after the reserve\n", enough.output)
     assert "limit that keeps 10 % in reserve" in enough.output
     assert short.exit_code == 1
     assert re.search(r"deg: NOT SUFFICIENT, short by 0\.1\d+ deg\n", short.output)
@@ -156,7 +156,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
 
     assert (enough.exit_code, short.exit_code) == (1, 1)
     assert (lower.exit_code, unasked.exit_code) == (0, 0)
-    assert "deg: NOT KNOWN to be sufficient; where the winds are known 0.2" in enough.output
+    assert "deg: NOT KNOWN; where the winds are known 0.2" in enough.output
     assert "\nNOT SIZED above 12.0 km (66.19 s)\n" in enough.output
     document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]

@@ -681,7 +681,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     total = enough.flight[1]
     left = np.degrees(0.9 * total.limit - total.total)
     assert numbers(flight.over_flight(enough))["total.left_deg"] == pytest.approx(left, rel=1e-12)
-    assert any("left after the reserve" in one for one in words(flight.over_flight(enough)))
+    assert any("remaining after the reserve" in one for one in words(flight.over_flight(enough)))
 
 
 @pytest.mark.thorough

@@ -69,16 +69,16 @@ class AutopilotRequirement:
 def autopilot_requirement(
     case: Case, plant: AnyPlant, autopilot: Autopilot, need: CaseRequirement | None
 ) -> AutopilotRequirement:
-    """Return the autopilot requirement of a case, in the plane of the case.
+    """Return the autopilot requirement of a case, in its plane alone.
 
     `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
     none, as in a sounding, whose requirement is that at nominal dynamic pressure. `InputError` as
     `closed_loop_boundary`.
     """
-    of_both = 1.0 if need is None else need.of_both
-    nominal = autopilot_boundary(case, plant, autopilot, of_both)
-    head, counts = head_wind_boundary(case, autopilot, need), counts_head(need)
-    return AutopilotRequirement(nominal, head, counts, of_both)
+    nominal = autopilot_boundary(case, plant, autopilot)
+    return AutopilotRequirement(
+        nominal, head_wind_boundary(case, autopilot, need), counts_head(need)
+    )
 
 
 def counts_head(need: CaseRequirement | None) -> bool:
@@ -87,19 +87,19 @@ def counts_head(need: CaseRequirement | None) -> bool:
 
 
 def head_wind_boundary(
-    case: Case, autopilot: Autopilot, need: CaseRequirement | None
+    case: Case, autopilot: Autopilot, need: CaseRequirement | None, of_both: float = 1.0
 ) -> ClosedLoopBoundary | None:
     """Return the boundary of an autopilot at the peak of a head wind; None if not flown."""
     if need is None or not counts_head(need):
         return None
     with suppress(InputError):
         denser = at_peak_pressure(case, need)
-        return autopilot_boundary(denser, denser.plant, autopilot, need.of_both)
+        return autopilot_boundary(denser, denser.plant, autopilot, of_both)
     return None
 
 
 def autopilot_boundary(
-    case: Case, plant: AnyPlant, autopilot: Autopilot, of_both: float
+    case: Case, plant: AnyPlant, autopilot: Autopilot, of_both: float = 1.0
 ) -> ClosedLoopBoundary:
     """Return the boundary of an autopilot, flown with the hardware of a case; its plane's part."""
     part = (case.nozzle.limit or 0.0) / of_both

@@ -316,7 +316,7 @@ def _in_a_head_wind(
 
     if study.ratio_to_nominal <= 1.0:
         return None
-    stop = head_wind_boundary(plan, loop.autopilot, study) if loop else None
+    stop = head_wind_boundary(plan, loop.autopilot, study, study.of_both) if loop else None
     rates = None
     with suppress(InputError):
         denser = at_peak_pressure(plan, study)

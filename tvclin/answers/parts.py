@@ -59,7 +59,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "boundary": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "poles": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "margins": _CALM,
-    "autopilot": ("rate limit", *_CALM),
+    "autopilot": _SEVERAL,
     "laws": (*_CALM, "limit"),
     "fly": _CALM,
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
@@ -126,8 +126,8 @@ def refusal(question: str, option: str) -> str | None:
         if option in options and question in QUESTIONS:
             if entry(question, part) == COMPUTED:
                 return (
-                    f"tvclin {question} takes no {option}: the {part} is given in its file, or as"
-                    f" tvclin {question} --help says"
+                    f"tvclin {question} takes no {option}: a study file gives it the {part}"
+                    " (tvclin init --study my.toml writes one)"
                 )
             every = [f"tvclin {one}" for one in who_computes(part)]
             do = "do" if len(every) > 1 else "does"

@@ -11,7 +11,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_notes import nominal_pressure
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, listed, significant, text
-from tvclin.base.quantities import satisfaction, sufficiency, survival
+from tvclin.base.quantities import NOMINAL, satisfaction, sufficiency, survival
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import DIGITS, unit_factor
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
@@ -234,7 +234,7 @@ def _flight(found: Findings) -> Question:
     total = found.flight[1]
     whole = f"the whole flight of {asked.source}" if asked.source else "the whole flight"
     whose = f"{whole} requires"
-    reserve = " with its reserve" if total.reserve else ""
+    reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
     line: Line = (whole, reserve)
     if total.sufficient is None:
         line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
@@ -381,7 +381,8 @@ def _flexible(found: Findings) -> Question:
         return Question("flexible flight", None, (_reason(found, "flexible"),))
     part = f" with the {found.study.plane} plane's part of the stop" * found.study.in_both
     flexible, rigid = f.flight.fates
-    line: Line = (f"flown at {f.sample_rate:g} Hz{part} the flexible vehicle {flexible}",)
+    flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{part}"
+    line: Line = (f"{flown} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:
         line += (f", the rigid one {rigid}",)
     least = abs(float(f.boundaries[0].deflection)) * found.study.of_both

@@ -244,6 +244,8 @@ def main() -> None:
         sys.stdout.reconfigure(errors="replace")
     if not re.fullmatch(r"0*[1-9]\d{0,3}", os.environ.get("COLUMNS", "1")):
         del os.environ["COLUMNS"]
+    if sys.argv[1:2] != ["explore"]:  # a kernel draws by its own; all other figures go into files
+        os.environ["MPLBACKEND"] = "agg"
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     gc.set_threshold(100_000)  # to look for garbage again and again while modules load finds none
     app(prog_name="tvclin")

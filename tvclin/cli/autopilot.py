@@ -23,7 +23,18 @@ from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_nominal_pressure
 from tvclin.cli.least import LeastOptions, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles_document, print_autopilot, print_bounds
-from tvclin.cli.options import GROUP, LIMIT, MOTION, SAMPLE_RATE, At, Given, Rigid, Shown, Source
+from tvclin.cli.options import (
+    BOTH_LIMITS,
+    GROUP,
+    MOTION,
+    SAMPLE_RATE,
+    STUDY,
+    At,
+    Given,
+    Rigid,
+    Shown,
+    Source,
+)
 from tvclin.cli.output import answer, print_tables, say, say_notes, say_required
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
@@ -45,7 +56,7 @@ def autopilot(
     vehicle: Source = "configuration-i",
     time: At = None,
     blows: WindOptions = GROUP,
-    limit: Given = LIMIT,
+    limits: Given = BOTH_LIMITS,
     gains: Given = GAINS,
     loop: LoopOptions = GROUP,
     samples: Given = SAMPLE_RATE,
@@ -53,6 +64,7 @@ def autopilot(
     least: LeastOptions = GROUP,
     rigid: Rigid = False,
     motion: Given = MOTION,
+    sign: Given = Given(STUDY, "sign"),
     shown: Shown = GROUP,
 ) -> None:
     """Print what an autopilot requires in a wind, compared with trim and the boundaries.
@@ -70,7 +82,7 @@ def autopilot(
     Exit code 0: the criteria are MET, and the limit is SUFFICIENT or not given; 1: they are NOT
     MET, as of an unstable loop, the limit is NOT SUFFICIENT, or that is NOT KNOWN; 2: bad input.
     """
-    changes = [one.over for one in (limit, samples, motion, criteria, least, gains, loop)]
+    changes = [one.over for one in (limits, samples, motion, sign, criteria, least, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
@@ -78,10 +90,11 @@ def autopilot(
         loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
         compared = compare_with_trim(case.plant, loop_of, wind)
         worst, need = _worst(compared, case.wind_in_plane), study_requirement(case)
+        alone = replace(case, nozzle=replace(case.nozzle, stop=None))  # in this plane
         flown, reason = None, "the loop is not stable"
         if compared.margins.stable:
             try:
-                flown = autopilot_requirement(case, case.plant, loop_of, need)
+                flown = autopilot_requirement(alone, case.plant, loop_of, study_requirement(alone))
             except InputError as error:
                 reason = str(error)
         found = _Found(case, compared, worst, sought, need, flown, reason)

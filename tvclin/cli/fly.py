@@ -9,7 +9,7 @@ import typer
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.base.errors import one_of, within
+from tvclin.base.errors import Faults, one_of, within
 from tvclin.base.lines import listed
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
@@ -120,14 +120,18 @@ def fly(
     case = case_of(vehicle, *changes, rigid=rigid, time=time)
     engine, *law = what.on(case, along_trajectory, flies, rate_limit, rigid)
     name = blows.name(case)
-    case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
+    condition, faults = None, Faults()
+    with faults.kept():
+        case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
+    with faults.kept():
+        condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
+    faults.tell()
     start, length = float(case.history.onset), until * float(case.history.end - case.history.onset)
     if engine == "linear":
         with waiting("flying"):
             flying = LinearCase(case, name, *law)
             found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
         one = flight_case(Flying(case, name, *law), engine, condition, length)
         with waiting("flying"):
             found = fly_nonlinear(one, boundary, length, points)

@@ -89,7 +89,8 @@ class Compared:
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "boundary_deg": None if ends is None else self.both(ends),
             "pressure": self.case.pressure,
-            **({} if self.required is None else picked(self.required, "required_deflection_deg")),
+            "required_deflection_deg": self.required
+            and float(np.degrees(self.required.required_deflection)),
             "notes": self.notes,
             **self.facts,
         }

@@ -10,21 +10,25 @@ from tvclin.cli.progress import bar
 
 
 def reproduce(
-    output: Path = asked("Directory for the files; made if it is missing.", Path("reproduced")),
+    output: str = asked(
+        "Directory for the files; made if it is missing.", "reproduced", metavar="DIRECTORY"
+    ),
 ) -> None:
     """Write the report's figures (PNG) and their numbers (CSV); say where they differ from print.
 
     Figures 6 to 11 also show flights, so it takes a minute or two.
     """
-    from tvclin.base.errors import install
+    from tvclin.base.errors import InputError, install
     from tvclin.base.files import called
     from tvclin.base.lines import plural
     from tvclin.plots.flown import chosen_engine
     from tvclin.show.reproduce import DIFFERENCES
     from tvclin.show.reproduce import reproduce as write_everything
 
+    if not output.strip():
+        raise InputError("--output must name a directory; got an empty name")
     with bar("figures") as progress:
-        written = write_everything(output, progress)
+        written = write_everything(Path(output), progress)
     for path in written:
         typer.echo(called(path))
     if chosen_engine(None) == "planar":

@@ -6,6 +6,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
@@ -168,13 +169,13 @@ def size(
     ),
     plot: Plot = None,
 ) -> None:
-    """Say how much deflection a flight needs at each time, and whether its limit is enough.
+    """Print the required deflection at each time of a flight, its budget, and the verdict on it.
 
     A pulse is placed so that its peak meets each flight time; a sounding is flown through. With
     --winds there is a pulse only if an option or the study file asks for one. Options count more
     than a study file.
 
-    Exit code 0: the limit is enough, or none was given; 1: it is not, or that is not known, as
+    Exit code 0: the limit is SUFFICIENT, or none was given; 1: NOT SUFFICIENT, or NOT KNOWN, as
     where a sounding ends below the flight; 2: bad input.
     """
     from tvclin import plots
@@ -254,6 +255,11 @@ def _hints(asked: SizingRequest, found: Sizing) -> Iterator[str]:
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
     known_from, known_to = found.known_times[:, 0].max(), found.known_times[:, 1].min()
+    required = next(iter(found.required.values()))
+    known = found.times[np.isfinite(required).all(axis=1)]
+    if known.size:  # a gust may make more times unknown than the end of a sounding
+        known_from = max(known_from, known[0] if known[0] > begin else -np.inf)
+        known_to = min(known_to, known[-1] if known[-1] < end else np.inf)
     options = [f"--from {hundredths(known_from, up=True)}"] if begin < known_from else []
     options += [f"--to {hundredths(known_to, up=False)}"] if end > known_to else []
     if options:

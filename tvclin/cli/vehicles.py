@@ -75,11 +75,22 @@ def init(
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:
     """The text of the file of the vehicle of a flight schedule at a time [s]."""
-    from tvclin.ascent.schedule_file import load_vehicle_at
+    import numpy as np
+
+    from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at
     from tvclin.base.errors import InputError
     from tvclin.vehicle.file import needs_time, vehicle_file
     from tvclin.vehicle.linear_vehicle import whole_vehicle
 
     if time is None:
         raise InputError(needs_time(schedule))
-    return vehicle_file(whole_vehicle(load_vehicle_at(schedule, time), "--from"))
+    vehicle = whole_vehicle(load_vehicle_at(schedule, time), "--from")
+    flight, key = load_schedule(schedule), f"{Path(schedule).stem} at {time:g} s"
+    text = vehicle_file(vehicle.replace(name=vehicle.name or key))
+    if flight.altitude is None:
+        return text
+    height = float(np.interp(time, flight.times, flight.height))
+    return (
+        f"{text}\n# [flight]  # for tvclin fly --along-trajectory\n# altitude_m = {height:.10g}\n"
+        "# specific_impulse_s = 260  # of this vehicle\n"
+    )

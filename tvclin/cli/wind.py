@@ -12,7 +12,16 @@ from tvclin.answers.case_requirement import CaseRequirement, pulse_of
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
-from tvclin.base.errors import InputError, between, nonnegative, nonzero, number, one_of, positive
+from tvclin.base.errors import (
+    Faults,
+    InputError,
+    between,
+    nonnegative,
+    nonzero,
+    number,
+    one_of,
+    positive,
+)
 from tvclin.base.quantities import NOMINAL
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import SHAPE, TIME_HELP, asked
@@ -271,9 +280,13 @@ class BlowingOptions(BiasOptions):
         own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
-        whole, azimuth = whole_vehicle(plan.vehicle, "--winds"), azimuth_of(self.azimuth_deg)
-        if whole.time is None:
-            raise InputError("--winds needs a vehicle with its time of flight, time_s")
+        whole, faults = whole_vehicle(plan.vehicle, "--winds"), Faults()
+        with faults.kept():
+            azimuth = azimuth_of(self.azimuth_deg)
+        with faults.kept():
+            if whole.time is None:
+                raise InputError("--winds needs a vehicle with its time of flight, time_s")
+        faults.tell()
         length = number("--window", chosen(self.window, _WINDOW), positive, "s")
         met, time = self._met(plan, source, azimuth, length), float(whole.time)
         placed = place(met, whole, time, "peak", length)

@@ -1,7 +1,8 @@
 """A sizing as tables over flight time, and what stands in their columns, in words."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import compress, repeat
 
 import numpy as np
 
@@ -20,6 +21,8 @@ _MARKS = {
 """What the marks of flight times mean in a table of the worst winds."""
 _OFF = "{} off by [%]"
 """Head of the column with the error of a frozen requirement."""
+_MAX_FREEZING_ERROR = 1.0
+"""Relative error above which a frozen requirement is no approximation, as at a low speed."""
 
 
 def marks_line(s: Sizing) -> str:
@@ -56,10 +59,11 @@ def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[
         names: list[Requirement],
         last: Sequence[str],
         more: list[list[Line]],
+        shown: Iterable[bool] = repeat(True),
     ) -> Table:
         head = ("time [s]", *map(_short, names), *last)
         each = zip(times, _required(s, names, wind), more, strict=True)
-        rows = tuple((time, *needs, *cells) for time, needs, cells in each)
+        rows = tuple((time, *needs, *cells) for time, needs, cells in compress(each, shown))
         return Table(f"{caption} [deg]{of}", head, rows)
 
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(s.times)]
@@ -71,13 +75,18 @@ def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[
     if s.freezing_error:
         band = Requirement(dead_band=s.dead_bands[0])
         off = [[_off(s, band, i, wind)] for i in range(s.times.size)]
+        errors = (_freezing_error(s, band, i, wind) for i in range(s.times.size))
+        shown = [abs(error) <= _MAX_FREEZING_ERROR for error in errors]
         caption, last = "The same with the vehicle frozen at each flight time", [_OFF.format(band)]
         if whole:
             caption = "Required deflection with the vehicle frozen at each flight time"
             off = [[*one, *more] for one, more in zip(off, marks, strict=True)]
             last += doubts
         times = keys if whole else [_time(time) for time in s.times]
-        tables.append(of_names(caption, times, frozen, last, off))
+        if not all(shown):
+            caption += ", where that is off by at most 100 %"
+        if any(shown):
+            tables.append(of_names(caption, times, frozen, last, off, shown))
     if s.alone:
         alone = (f"{plane} alone" for plane in s.alone)
         head = ["time [s]", "both planes", *alone, "pitch alone misses [%]"]
@@ -182,9 +191,15 @@ def _marks(s: Sizing, i: int) -> str:
 
 def _off(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
     """By how much a frozen requirement is off at a flight time, in the worst wind or in one."""
+    percent = 100.0 * _freezing_error(s, name, i, wind)
+    return number(f"{_key(i, wind)}.frozen_off_percent", percent, 1)
+
+
+def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> float:
+    """Relative error of a frozen requirement at a flight time, in the worst wind or in one."""
     along = s.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
-    return number(f"{_key(i, wind)}.frozen_off_percent", 100.0 * s.freezing_error[name][i, j], 1)
+    return float(np.nan_to_num(s.freezing_error[name][i, j]))
 
 
 def _short(requirement: Requirement) -> str:

@@ -33,6 +33,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
+from tvclin.base.quantities import sufficiency
 from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -131,26 +132,26 @@ class DeflectionTotal(Shown):
 
     @property
     def verdict(self) -> tuple[Cell, ...]:
-        """Whether the limit is enough, and where the total is not known, each as a line."""
+        """The verdict on the limit, and where the total is not known, each as a line."""
         said: list[Cell] = []
         if self.limit is not None and self.left is not None:
             left = degrees("total.left", abs(self.left), unit="deg")
-            beside = " left after the reserve" if self.reserve else " left"
-            line: Cell = ("SUFFICIENT, ", *left, beside)
+            beside = " remaining after the reserve" if self.reserve else " remaining"
+            line: Cell = (f"{sufficiency(True)}, ", *left, beside)
             if self.sufficient is None:
-                known = "NOT KNOWN to be sufficient; where the winds are known "
+                known = f"{sufficiency(None)}; where the winds are known "
                 line = (known, *line[1:])
             if not self.lines:
-                line = ("NOT KNOWN",)
+                line = (sufficiency(None),)
             elif self.sufficient is False:
                 lacks = self.required - self.limit
                 short = degrees("total.short", lacks, unit="deg")
                 if lacks < _SMALL:
                     short = significant("total.short_deg", np.degrees(lacks), unit="deg")
                 of = " of a limit that keeps the reserve" if self.reserve else ""
-                line = ("NOT SUFFICIENT, short by ", *short, of)
+                line = (f"{sufficiency(False)}, short by ", *short, of)
                 if lacks <= 0.0:
-                    line = ("NOT SUFFICIENT at this rate limit",)
+                    line = (f"{sufficiency(False)} at this rate limit",)
             limit = degrees("total.limit", self.limit, unit="deg")
             said.append(("Limit ", *limit, ": ", *line))
         if self.not_sized:
@@ -158,9 +159,11 @@ class DeflectionTotal(Shown):
         if self.rate_limit is not None:
             there = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
             needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
-            word = "NOT SUFFICIENT, " if self.too_slow else ""
-            line = (*needed, " needed") if np.isfinite(self.needed_rate) else ("no rate is enough",)
-            line = ("NOT KNOWN",) if np.isnan(self.needed_rate) else line
+            word = f"{sufficiency(False)}, " if self.too_slow else ""
+            line = (*needed, " required")
+            if not np.isfinite(self.needed_rate):
+                unknown = np.isnan(self.needed_rate)
+                line = (sufficiency(None) if unknown else "no rate is sufficient",)
             said.append(("Rate limit ", *there, f": {word}", *line))
         return tuple(said)
 
