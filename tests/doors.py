@@ -21,7 +21,7 @@ from tvclin.answers.least_gains import least
 from tvclin.answers.sizing.total import Line
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.doors import CHAPTERS
-from tvclin.flights.closed_loop import in_step
+from tvclin.flights.closed_loop import fly_planes as in_step
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 

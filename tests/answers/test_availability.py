@@ -13,7 +13,7 @@ from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
 from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.ascent.measured_wind import gust_of_speed
-from tvclin.flights.closed_loop.edges import FINE, LAST_PARTS
+from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}

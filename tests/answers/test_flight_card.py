@@ -14,7 +14,7 @@ from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
 from tvclin.answers.questions import questions
 from tvclin.base.lines import text
 from tvclin.control.laws.law import NoisyLaw
-from tvclin.flights.closed_loop.nozzle import fly_nozzle
+from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.show.report.verdict import sentence
 
 DEG = float(np.radians(1.0))

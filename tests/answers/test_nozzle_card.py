@@ -13,7 +13,7 @@ from tvclin.answers.nozzle_cards.card import card_of
 from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.answers.nozzle_cards.motion import Motion
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.flights.closed_loop.nozzle import fly_nozzle
+from tvclin.flights.closed_loop.fly import fly_nozzle
 
 PER_DEGREE = 180.0 / np.pi
 BENCH = tv.answers.NozzleData(

@@ -17,7 +17,7 @@ from tvclin.boundary.open_loop import (
     with_larger_requirements,
 )
 from tvclin.cli.app import app
-from tvclin.flights.engines import planar_verdict
+from tvclin.flights.flown_boundary import planar_verdict
 
 PEAK = np.radians(5.0)
 

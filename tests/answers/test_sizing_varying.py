@@ -8,7 +8,7 @@ import tvclin as tv
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
 from tvclin.ascent.flight_condition import load_flight_condition
-from tvclin.flights.engines import planar_verdict
+from tvclin.flights.flown_boundary import planar_verdict
 
 PEAK = np.radians(0.01)
 BANDS = (1.0, 0.5, 0.0)

@@ -203,7 +203,7 @@ def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monke
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
     monkeypatch.setattr("tvclin.answers.trials.law_trials", lambda *_, **__: [])
     monkeypatch.setattr(
-        "tvclin.plots.laws.law_curve", lambda _, __, tau, ___, **____: np.ones_like(tau)
+        "tvclin.plots.trade_offs.law_curve", lambda _, __, tau, ___, **____: np.ones_like(tau)
     )
     winds, file = ("--wind", "triangle", "--wind", "opposite gusts"), tmp_path / "laws.svg"
     result = run("laws", "--model", "fixed-path", *winds, "--json", "--plot", str(file))

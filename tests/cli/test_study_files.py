@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.answers.findings import find
 from tvclin.answers.parts import told
 from tvclin.cli.app import app
-from tvclin.flights.flexible import fly_sampled
+from tvclin.flights.theory_comparison import fly_sampled
 
 STUDY = """
 [study]

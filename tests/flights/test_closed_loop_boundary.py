@@ -22,7 +22,7 @@ from tvclin import (
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control import WindEstimator
 from tvclin.control.laws.law import Measurement
-from tvclin.flights.closed_loop.edges import OPEN
+from tvclin.flights.closed_loop.survival_limit import OPEN
 
 PEAK = np.radians(5.0)
 NAME = "configuration-i"

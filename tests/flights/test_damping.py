@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.boundary.closed_forms import triangular_limit
-from tvclin.flights.planar.equations import PlanarMotion
+from tvclin.flights.planar import PlanarMotion
 from tvclin.flights.sixdof.model import model_xml
 
 DEGREE = np.radians(1.0)

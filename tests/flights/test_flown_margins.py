@@ -10,11 +10,11 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.turns import usual
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.flown_record import CHANGES, NearRest
-from tvclin.flights.closed_loop.growth import worst_near_rest
-from tvclin.flights.closed_loop.near_rest import (
+from tvclin.flights.closed_loop.flown_margins import CHANGES, NearRest
+from tvclin.flights.closed_loop.sampled_stability import (
     delay_at_growth,
     factors_at_growth,
+    worst_near_rest,
 )
 
 PEAK = np.radians(5.0)

@@ -14,8 +14,8 @@ from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
+from tvclin.flights.closed_loop.continuous import Loop
 from tvclin.flights.closed_loop.fly import LinearEquations
-from tvclin.flights.closed_loop.regimes import Loop
 from tvclin.linear.plant import MODELS
 
 CASES = [

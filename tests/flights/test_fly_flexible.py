@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.growth import worst_near_rest
+from tvclin.flights.closed_loop.sampled_stability import worst_near_rest
 
 VEHICLE = tv.load_vehicle("configuration-i")
 MODE = tv.vehicle.BendingMode(

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.turns import drawn
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.growth import step_near_rest
+from tvclin.flights.closed_loop.sampled_stability import step_near_rest
 
 VEHICLE = tv.load_vehicle("made-up-booster")
 STRUCTURE = VEHICLE.structure

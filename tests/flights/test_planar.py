@@ -14,7 +14,7 @@ from tvclin.ascent.atmosphere import standard_atmosphere
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.flights import ReportControl
-from tvclin.flights.planar.equations import PlanarMotion
+from tvclin.flights.planar import PlanarMotion
 
 DEGREE = np.radians(1.0)
 NAMES = ("configuration-i", "configuration-ii")

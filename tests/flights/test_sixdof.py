@@ -18,10 +18,9 @@ from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.flights.sixdof.airframe import Airframe
-from tvclin.flights.sixdof.case import SixDof
-from tvclin.flights.sixdof.departure import course_of
 from tvclin.flights.sixdof.engine import Engine
-from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
+from tvclin.flights.sixdof.fly_sixdof import SixDof
+from tvclin.flights.sixdof.model import DEFLECTIONS, course_of, model_xml, planet_xml
 
 pytest.importorskip("jsbsim")
 

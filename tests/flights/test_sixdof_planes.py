@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.flights.sixdof.planes import planes_verdict
+from tvclin.flights.sixdof.fly_sixdof import planes_verdict
 
 pytest.importorskip("jsbsim")
 

@@ -9,9 +9,8 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.flexible import BOOSTER, MODES, TANKS
 from tests.turns import usual
-from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.batch_arrays import flights
-from tvclin.flights.closed_loop.growth import worst_near_rest
+from tvclin.flights.closed_loop.batch import Hardware, flights, one_flight
+from tvclin.flights.closed_loop.sampled_stability import worst_near_rest
 
 PEAK = np.radians(5.0)
 PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")

@@ -19,7 +19,7 @@ import pytest
 import tvclin as tv
 from tests.clock import Endless, ending
 from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile, public
-from tvclin.flights.flexible import NOT_KNOWN
+from tvclin.flights.theory_comparison import NOT_KNOWN
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 for extra in ("ipywidgets", "jinja2", "jsbsim", "latex2mathml", "pyarrow"):

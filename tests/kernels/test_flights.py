@@ -7,7 +7,7 @@ import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.flights.closed_loop import sampled
-from tvclin.flights.closed_loop.gusts import polynomial_pieces
+from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded, slow_ends

@@ -11,7 +11,7 @@ import tvclin as tv
 from tests.control.test_flexible_loops import AUTOPILOT, booster
 from tests.turns import usual
 from tvclin import plots
-from tvclin.plots.locus import LocusPoles
+from tvclin.plots.root_locus import LocusPoles
 
 mpl.use("Agg")
 

@@ -7,12 +7,12 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from tvclin.plots.frequency_response import box_sides
 
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin import plots
-from tvclin.plots.bode_and_nichols import box_sides
-from tvclin.plots.locus import LocusPoles
+from tvclin.plots.root_locus import LocusPoles
 
 mpl.use("Agg")
 

@@ -18,7 +18,7 @@ from tvclin.answers.requirement import covers
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
+from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.margins import Margins
-    from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
-    from tvclin.flights.closed_loop.flown_record import FlownMargins
+    from tvclin.flights.closed_loop.flown_margins import FlownMargins
+    from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
     from tvclin.linear.flexible import AnyPlant
 
 Told = Callable[[float, float], None]

@@ -15,8 +15,8 @@ from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import FilteredLaw, Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins
-from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.flexible import SampledFlight, fly_sampled
+from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
+from tvclin.flights.theory_comparison import SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, Shift, plant_of
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle

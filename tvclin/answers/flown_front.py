@@ -28,8 +28,14 @@ from tvclin.base.lines import Line, Table, degrees
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.fronts.rates import rate_front
 from tvclin.control.laws.registry import LAWS
-from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.closed_loop.edges import ABOVE, LEVELS, PARTS, STEPS
+from tvclin.flights.closed_loop.survival_limit import (
+    ABOVE,
+    LEVELS,
+    PARTS,
+    STEPS,
+    ClosedLoopBoundary,
+    closed_loop_boundary,
+)
 
 _STOPS = ("no sudden stop of it", "a sudden stop in its middle")
 _HIGHEST = 3.0

@@ -15,9 +15,9 @@ from tvclin.base.errors import InputError, between, instance, nonzero, number, p
 from tvclin.boundary.fronts.load_record import LoadFront
 from tvclin.boundary.fronts.loads import load_front
 from tvclin.control.laws.law import Law
-from tvclin.flights.closed_loop.many import SURVIVED
-from tvclin.flights.closed_loop.nozzle import fly_nozzle
-from tvclin.flights.flexible import FATES, NOT_KNOWN
+from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.flights.closed_loop.fly_many import SURVIVED
+from tvclin.flights.theory_comparison import FATES, NOT_KNOWN
 from tvclin.winds.wind_angles import beyond_linear
 
 

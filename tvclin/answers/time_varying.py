@@ -370,7 +370,9 @@ class LimitedFlights:
         Infinite where flights with `high` [rad] diverge too, with which the law should never be
         limited.
         """
-        from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+        from tvclin.flights.closed_loop.survival_limit import (
+            edges_above_losses,  # late: with all flights
+        )
 
         bottom = np.maximum(low, _MIN_LIMIT)
         top, required = np.maximum(high, bottom), np.empty(bottom.shape)
@@ -388,7 +390,7 @@ class LimitedFlights:
 
         Above the first, limits are tried every `STRIDE`, as by `requirement`.
         """
-        from tvclin.flights.closed_loop.edges import STRIDE
+        from tvclin.flights.closed_loop.survival_limit import STRIDE
 
         low = np.maximum(limit, _MIN_LIMIT)
         span = np.log(np.maximum(high / low, 1.0))

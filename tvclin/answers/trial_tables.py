@@ -11,7 +11,7 @@ from tvclin.base.lines import Line, Table, number
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.flights.closed_loop.edges import ABOVE, ALWAYS, NEVER, OK, PARTS, STEPS
+from tvclin.flights.closed_loop.survival_limit import ABOVE, ALWAYS, NEVER, OK, PARTS, STEPS
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 

@@ -20,8 +20,8 @@ from tvclin.base.errors import callable_for, each, flag, instance, number, posit
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
-from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant

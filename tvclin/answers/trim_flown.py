@@ -48,7 +48,9 @@ def trim_law_flown(plant: Plant, wind: History, flies: BoolArray, least: FloatAr
     which = np.flatnonzero(np.broadcast_to(flies, shape))
     if not which.size:
         return found
-    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+    from tvclin.flights.closed_loop.survival_limit import (
+        edges_above_losses,  # late: with all flights
+    )
 
     low = np.maximum(least.ravel()[which], _TINY)
     for k in range(0, which.size, _TOGETHER):
@@ -116,7 +118,7 @@ def _survives(
     What is too long to be flown does not survive, nor does what has no limit (NaN).
     """
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.flights.closed_loop.many import fly_many
+    from tvclin.flights.closed_loop.fly_many import fly_many
     from tvclin.flights.closed_loop.outcomes import decidable
 
     c = plant.coefficients

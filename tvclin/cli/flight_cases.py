@@ -15,11 +15,10 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
-from tvclin.flights.beside import FlightBeside, fly_beside, linear_boundary
-from tvclin.flights.control import ReportControl
-from tvclin.flights.engines import ENGINES
-from tvclin.flights.falls import watched_until
-from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.flights.flown_boundary import ENGINES, flown_boundary
+from tvclin.flights.nozzle_command import ReportControl
+from tvclin.flights.theory_comparison import FlightBeside, fly_beside, linear_boundary
+from tvclin.flights.verdict import watched_until
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.vehicle.linear_vehicle import whole_vehicle

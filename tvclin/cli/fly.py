@@ -33,7 +33,7 @@ from tvclin.cli.options import (
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.flights.engines import ENGINES
+from tvclin.flights.flown_boundary import ENGINES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 _LONGEST = 20.0

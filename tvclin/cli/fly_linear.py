@@ -15,8 +15,8 @@ from tvclin.cli.flight_cases import REPORT, Flying
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
-from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.flexible import FATES, NOT_KNOWN, SampledFlight, fly_sampled
+from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
+from tvclin.flights.theory_comparison import FATES, NOT_KNOWN, SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
 
 _SPARE, _HIGHEST = 1.1, 4.0

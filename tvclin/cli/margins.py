@@ -34,8 +34,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.flights.closed_loop.flown_margins import flown_margins
-from tvclin.flights.closed_loop.flown_record import FlownMargins, flown_table
+from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -13,17 +13,28 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.loop import Loop
 from tvclin.linear.flexible import AnyPlant
-from tvclin.plots.loop_marks import margin_marks, mode_marks
 from tvclin.plots.loop_samples import (
     LoopSamples,
     corner_frequencies,
     decisive_frequencies,
+    margin_marks,
     mode_frequency,
+    mode_marks,
     sampled,
     title,
 )
-from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
-from tvclin.plots.style import INK, WARM, control_plot, fine_grid, literal, new_axes
+from tvclin.plots.style import (
+    INK,
+    WARM,
+    Mark,
+    control_plot,
+    draw_marks,
+    fine_grid,
+    literal,
+    new_axes,
+    numbered,
+    write_numbers,
+)
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -15,7 +15,6 @@ from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
-from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import (
     ANGLES,
     COLOURS,
@@ -24,13 +23,16 @@ from tvclin.plots.style import (
     QUANTITIES,
     WARM,
     Look,
+    Mark,
     Style,
     broken,
     called,
     control_plot,
     draw,
+    draw_marks,
     fine_grid,
     literal,
+    write_numbers,
 )
 from tvclin.winds.histories import History
 

@@ -11,9 +11,8 @@ import numpy as np
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import one_of
-from tvclin.flights.control import ReportControl
-from tvclin.flights.engines import ENGINES
-from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.flights.flown_boundary import ENGINES, flown_boundary
+from tvclin.flights.nozzle_command import ReportControl
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle

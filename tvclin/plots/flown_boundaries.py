@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import instance, one_row, positive, within
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
-from tvclin.flights.engines import ENGINES
+from tvclin.flights.flown_boundary import ENGINES
 from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.flown import PEAK, chosen_engine, flown_limit
+from tvclin.plots.flown_boundaries import PEAK, chosen_engine, flown_limit
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle

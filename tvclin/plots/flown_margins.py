@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.base.errors import InputError, each, instance, number, positive, small_angle
-from tvclin.flights.closed_loop.boundary_map import BoundaryMap
-from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargins
+from tvclin.flights.closed_loop.flown_margins import CHANGES, FlownMargins
+from tvclin.flights.closed_loop.survival_limit import BoundaryMap
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
     COLOURS,

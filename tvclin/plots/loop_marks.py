@@ -10,8 +10,7 @@ from tvclin.control.margins.bands import PHASE as BY_PHASE
 from tvclin.control.margins.bands import UNSTABLE, ModeBand
 from tvclin.control.margins.margins import margin
 from tvclin.plots.loop_samples import LoopSamples, mode_frequency
-from tvclin.plots.marks import Mark
-from tvclin.plots.style import COLOURS, WARM
+from tvclin.plots.style import COLOURS, WARM, Mark
 
 AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
 """Marker and colour of the three margins."""

@@ -9,10 +9,25 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.loop import Loop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_marks import margin_marks, mode_marks
-from tvclin.plots.loop_samples import ON_AXIS, LoopSamples, sampled, unstable_poles
-from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
-from tvclin.plots.style import INK, WARM, control_plot, fine_grid, literal
+from tvclin.plots.loop_samples import (
+    ON_AXIS,
+    LoopSamples,
+    margin_marks,
+    mode_marks,
+    sampled,
+    unstable_poles,
+)
+from tvclin.plots.style import (
+    INK,
+    WARM,
+    Mark,
+    control_plot,
+    draw_marks,
+    fine_grid,
+    literal,
+    numbered,
+    write_numbers,
+)
 
 if TYPE_CHECKING:
     import control

@@ -18,13 +18,13 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.boundary.limit import boundary_limit
-from tvclin.flights.engines import ENGINES
+from tvclin.flights.flown_boundary import ENGINES
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots.boundaries import drift_words
 from tvclin.plots.curves import Column, Curves, row_of
-from tvclin.plots.flown import PEAK, Flights, chosen_engine, flown_attitudes
+from tvclin.plots.flown_boundaries import PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle

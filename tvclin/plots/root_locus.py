@@ -14,11 +14,27 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.locus import LocusPoles
-from tvclin.plots.loop_marks import MODE, margin_marks
-from tvclin.plots.loop_samples import LoopSamples, corner_frequencies, sampled, title
-from tvclin.plots.marks import Mark, draw_marks, named_once, numbered, write_numbers
-from tvclin.plots.style import COLOURS, INK, WARM, control_plot, fine_grid
+from tvclin.plots.loop_samples import (
+    MODE,
+    LoopSamples,
+    corner_frequencies,
+    margin_marks,
+    sampled,
+    title,
+)
+from tvclin.plots.root_locus import LocusPoles
+from tvclin.plots.style import (
+    COLOURS,
+    INK,
+    WARM,
+    Mark,
+    control_plot,
+    draw_marks,
+    fine_grid,
+    named_once,
+    numbered,
+    write_numbers,
+)
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -15,7 +15,7 @@ from tvclin.base.errors import (
     single,
     small_angle,
 )
-from tvclin.flights.beside import FlightBeside
+from tvclin.flights.theory_comparison import FlightBeside
 from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves, without_rounding
 from tvclin.plots.style import COLOURS, INK, QUANTITIES, WARM, Look, Style, draw

@@ -16,7 +16,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, design_law
-from tvclin.flights.closed_loop.many import fly_many
+from tvclin.flights.closed_loop.fly_many import fly_many
 from tvclin.vehicle.coefficients import PLANES
 
 COLUMNS = {

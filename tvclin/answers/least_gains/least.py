@@ -28,7 +28,7 @@ from tvclin.control.autopilot.wind_response import deflection_peaks
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, unit_factor
-from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.filters import Filter

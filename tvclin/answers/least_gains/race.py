@@ -14,7 +14,7 @@ import numpy as np
 from tvclin.answers.least_gains.question import Question
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.flights.closed_loop.many import LARGEST_LIMIT, SURVIVED, fly_many
+from tvclin.flights.closed_loop.fly_many import LARGEST_LIMIT, SURVIVED, fly_many
 from tvclin.winds.histories import History
 
 HIGHEST, LOWEST = 2.0, 0.02

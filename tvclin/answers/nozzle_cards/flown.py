@@ -19,9 +19,9 @@ from tvclin.base.lines import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import design_notes
-from tvclin.flights.closed_loop.many import SURVIVED
-from tvclin.flights.closed_loop.nozzle import fly_nozzle
-from tvclin.flights.flexible import FATES, NOT_KNOWN
+from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.flights.closed_loop.fly_many import SURVIVED
+from tvclin.flights.theory_comparison import FATES, NOT_KNOWN
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.winds.wind_angles import beyond_linear
 

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.flights.closed_loop.nozzle import NozzleFlight
+from tvclin.flights.closed_loop.fly import NozzleFlight
 from tvclin.linear.extremes import Point
 
 

@@ -18,7 +18,7 @@ from tvclin.base.documents import keyed, picked
 from tvclin.base.files import write_rows
 from tvclin.base.lines import Line, Table, significant
 from tvclin.base.lines import number as figure
-from tvclin.flights.closed_loop.many import SURVIVED
+from tvclin.flights.closed_loop.fly_many import SURVIVED
 
 _LEAST = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
 _CARD = (

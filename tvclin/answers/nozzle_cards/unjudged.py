@@ -11,7 +11,7 @@ from tvclin.answers.nozzle_cards.record import CardPoint
 from tvclin.answers.sizing.notes import flight_times, hundredths
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.flights.closed_loop.many import NO_FLIGHT, UNDECIDED
+from tvclin.flights.closed_loop.fly_many import NO_FLIGHT, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable

@@ -45,8 +45,8 @@ from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.stops import stop_of
 from tvclin.control.laws.law import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
-from tvclin.flights.closed_loop.nozzle import fly_nozzle
-from tvclin.flights.flexible import FATES
+from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.flights.theory_comparison import FATES
 from tvclin.kernels.choice import repeated
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant

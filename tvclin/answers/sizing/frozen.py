@@ -15,7 +15,7 @@ from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import OK, PAIR, STABLE
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History

@@ -22,7 +22,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
-from tvclin.flights.closed_loop.step_matrices import SUBSTEPS, frequency
+from tvclin.flights.closed_loop.batch import SUBSTEPS, frequency
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 

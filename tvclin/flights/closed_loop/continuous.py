@@ -1,13 +1,9 @@
-"""One flight of a continuous law: event-exact.
+"""Flights of laws without sampling: event-exact integration through the regimes of the nozzle.
 
-Breakpoints of the wind, the limit and the switches of the law, the rate limit and the stop of an
-actuator are hit, not stepped over: scipy's DOP853 runs from each to the next, and what it did
-between two steps is looked at afterwards, so that a limit which is touched for a moment is hit as
-well. The ends of a lean, corners that leave everything continuous, are left to its error control.
-
-That control sees the ends of steps only. With a fast actuator or observer steps grow to where the
-solver is no longer stable, and are a thousand times less exact between their ends than at them. So
-they are held shorter than that.
+A regime is what is constant between two events: the law demands or commands the full limit (mode),
+the nozzle moves freely or at its rate limit (rate), or rests at its deflection limit (stop). Within
+a regime the equations are smooth; the solver restarts at each end of a regime and at each
+breakpoint of the wind.
 """
 
 from __future__ import annotations
@@ -16,16 +12,284 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count, pairwise
-from typing import Any
+from math import isfinite
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
-from tvclin.flights.closed_loop.regime_ends import End, ends_of, mode_at, taken_up, touched
-from tvclin.flights.closed_loop.regimes import Loop, Regime
+from tvclin.kernels.control_laws import switched
 from tvclin.winds.histories import History
+
+
+class Equations(Protocol):
+    """States, of which the first are attitude, rate and perhaps flight path, and their rates."""
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+
+    @property
+    def scales(self) -> FloatArray:
+        """Size of each state where an angle has the size 1."""
+
+    def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
+        """Return the derivatives of the states."""
+
+    def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
+        """Return the angle of attack [rad]."""
+
+
+class Regime(NamedTuple):
+    """On which side (+1, -1; 0 for none) law, rate and nozzle are held: all is smooth meanwhile."""
+
+    mode: float = 0.0
+    rate: float = 0.0
+    stop: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The equations of one flight in a regime.
+
+    `limit`, `rate_limit`: of the deflection [rad] and its rate [rad/s]. `actuator`: what lies
+    between command and deflection. `gain`: factor on what the law asks for.
+    """
+
+    equations: Equations
+    law: Law
+    limit: float
+    rate_limit: float
+    actuator: Actuator | None
+    gain: float = 1.0
+
+    @cached_property
+    def order(self) -> int:
+        """States of the vehicle."""
+        return len(self.equations.states)
+
+    @cached_property
+    def servo(self) -> int:
+        """States of the nozzle."""
+        return 0 if self.actuator is None else self.actuator.denominator.size - 1
+
+    @cached_property
+    def memory(self) -> tuple[FloatArray, FloatArray]:
+        """F and G of the law's own states."""
+        return self.law.states
+
+    @property
+    def size(self) -> int:
+        """States of all."""
+        return self.order + self.servo + len(self.memory[0])
+
+    @cached_property
+    def fastest(self) -> float:
+        """The largest size of a pole of the nozzle or of the law [1/s]; zero without any."""
+        servo = np.zeros(0) if self.actuator is None else np.roots(self.actuator.denominator)
+        poles = np.concatenate([servo, np.linalg.eigvals(self.memory[0])])
+        return float(np.abs(poles).max(initial=0.0))
+
+    def measured(
+        self, t: Any, states: FloatArray, wind: Any, regime: Regime | None = None
+    ) -> Measurement:
+        """Return what a law is shown; the deflection is NaN where there is no nozzle."""
+        path = states[2] if self.order > 2 else 0.0 * states[0]
+        alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
+        shown = np.nan if self.actuator is None else self.nozzle(states, regime)
+        return Measurement(states[0], states[1], path, alpha, shown)
+
+    def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
+        """Return the deflection [rad], in a regime smooth even a step of the solver too far."""
+        position = states[self.order]
+        if regime is None:
+            return np.clip(position, -self.limit, self.limit)
+        return regime.stop * self.limit + 0.0 * position if regime.stop else position
+
+    def demand(self, states: FloatArray, measured: Measurement) -> Any:
+        """Return what the law asks for, times the gain [rad]."""
+        memory = states[self.order + self.servo :]
+        return self.gain * self.law.demand(measured, memory, self.limit)
+
+    def command(self, states: FloatArray, measured: Measurement, regime: Regime) -> Any:
+        """Return what is commanded [rad]: the demand, or the limit that the law is switched to."""
+        return regime.mode * self.limit if regime.mode else self.demand(states, measured)
+
+    def deflection(self, states: FloatArray, measured: Measurement, mode: float) -> Any:
+        """Return the deflection [rad] that acts."""
+        if self.actuator is not None:
+            return self.nozzle(states)
+        demand = mode * self.limit if mode else self.demand(states, measured)
+        return np.clip(demand, -self.limit, self.limit)
+
+    def pull(self, states: FloatArray, command: Any) -> Any:
+        """Return what no limit holds: s' of a nozzle of first order, s'' of one of second."""
+        assert self.actuator is not None
+        w, order = float(np.asarray(self.actuator.natural_frequency)), self.order
+        if self.actuator.damping is None:
+            return w * (command - states[order])
+        drag = 2.0 * float(np.asarray(self.actuator.damping)) * w
+        return w * w * (command - states[order]) - drag * states[order + 1]
+
+    def rates(self, t: float, states: FloatArray, regime: Regime, gust: Any) -> FloatArray:
+        """Return the derivatives of the states in a wind ``gust(t)``."""
+        order = self.order
+        wind = gust(t)
+        measured = self.measured(t, states, wind, regime)
+        command = float(self.command(states, measured, regime))
+        if not isfinite(command):
+            raise InputError(
+                f"the flight fails near t = {t:.6g} s: the deflection that the law commands is not"
+                " finite"
+            )
+        deflection = command
+        rates = np.zeros(states.size)
+        if self.actuator is not None:
+            deflection = float(measured.deflection)
+            pull = self.pull(states, command)
+            if regime.rate:
+                rates[order] = regime.rate * self.rate_limit
+            elif self.servo == 1:
+                rates[order] = pull
+            else:
+                rates[order : order + 2] = states[order + 1], pull
+        rates[:order] = self.equations.rates(t, states[:order], deflection, wind)
+        F, G = self.memory
+        if len(F):
+            memory = states[order + self.servo :]
+            rates[order + self.servo :] = F @ memory + G @ np.array([*measured[:4], deflection])
+        return rates
+
+
+_LOOKS = 8
+"""Looks between two steps of the solver for a regime that ends and returns there: an excursion
+that is shorter than an eighth of a step, and steps are bounded by `_LONGEST`, is not seen."""
+_NEAR = 0.05
+"""A look so near the end of a regime, over the size of what ends it, may stand beside a touch:
+what is measured there goes on to a minimum that is searched. Further off none is searched."""
+_LATE = 1e-12
+"""A law lets go so little late, over the limit: as it engages it must not be at its end, or the two
+would switch to and fro at the same time without end."""
+_GRAZE = 1e-9
+"""A nozzle is at its stop so little beyond it, over the limit, for it may come to rest there."""
+
+
+class End(NamedTuple):
+    """How far a regime is past an end of it, ``f(t, states)``, its size, and what follows."""
+
+    past: Callable[[Any, FloatArray], Any]
+    size: float
+    then: Regime
+
+
+def mode_at(loop: Loop, t: float, states: FloatArray, mode: float, gust: Any) -> float:
+    """Return the mode of the law at a time: +1 or -1 while it commands the whole limit, else 0."""
+    demand = loop.demand(states, loop.measured(t, states, gust(t)))
+    law, limit = loop.law, loop.limit
+    return switched(law.engage * limit, law.release * limit, float(demand), mode)
+
+
+def taken_up(loop: Loop, t: float, states: FloatArray, regime: Regime, gust: Any) -> Regime:
+    """Return the regime after the command may have jumped: the rate is held at its limit, or not.
+
+    It is where what the nozzle is drawn to points on, and the rate is at its limit that way.
+    """
+    if loop.actuator is None or loop.rate_limit == np.inf:
+        return regime
+    measured = loop.measured(t, states, gust(t), regime)
+    pull = float(loop.pull(states, loop.command(states, measured, regime)))
+    side, rate = np.sign(pull), pull if loop.servo == 1 else float(states[loop.order + 1])
+    held = side * rate >= loop.rate_limit * (1.0 - _LATE)
+    return regime._replace(rate=float(side) if held else 0.0)
+
+
+def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
+    """Return the ends of a regime."""
+    ends = [_mode_end(loop, regime, gust, side) for side in _sides(regime.mode)]
+    if loop.servo and loop.rate_limit < np.inf:
+        ends += [_rate_end(loop, regime, gust, side) for side in _sides(regime.rate)]
+    if loop.servo > 1:  # of first order the nozzle never overshoots its command
+        ends += [_stop_end(loop, regime, side) for side in _sides(regime.stop)]
+    return ends
+
+
+def _mode_end(loop: Loop, regime: Regime, gust: Any, side: float) -> End:
+    """Past its end a demand is below `release` while the law is switched, else above `engage`."""
+
+    def past(t: Any, states: FloatArray) -> Any:
+        demand = side * loop.demand(states, loop.measured(t, states, gust(t), regime))
+        if regime.mode:
+            return (loop.law.release - _LATE) * loop.limit - demand
+        return demand - loop.law.engage * loop.limit
+
+    return End(past, loop.limit, regime._replace(mode=0.0 if regime.mode else side))
+
+
+def _rate_end(loop: Loop, regime: Regime, gust: Any, side: float) -> End:
+    """A rate is held when it comes to its limit r, and let go when the pull no longer asks for it.
+
+    First order, s' = pull: held where |pull| > r, let go where |pull| < r. Second order, s'' =
+    pull: held where |s'| > r, let go where the pull changes its sign.
+    """
+    most, order, first = loop.rate_limit, loop.order, loop.servo == 1
+    then = regime._replace(rate=0.0 if regime.rate else side)
+    if not regime.rate and not first:
+        return End(lambda t, x: side * x[order + 1] - most, most, then)
+
+    def pull(t: Any, states: FloatArray) -> Any:
+        measured = loop.measured(t, states, gust(t), regime)
+        return side * loop.pull(states, loop.command(states, measured, regime))
+
+    if not regime.rate:
+        return End(lambda t, x: pull(t, x) - most, most, then)
+    if first:
+        return End(lambda t, x: most - pull(t, x), most, then)
+    size = loop.limit * float(np.asarray(loop.actuator.natural_frequency)) ** 2  # type: ignore[union-attr]
+    return End(lambda t, x: -pull(t, x), size, then)
+
+
+def _stop_end(loop: Loop, regime: Regime, side: float) -> End:
+    limit, order = loop.limit, loop.order
+    if regime.stop:
+        return End(lambda t, x: limit - side * x[order], limit, regime._replace(stop=0.0))
+    beyond = limit * (1.0 + _GRAZE)
+    return End(lambda t, x: side * x[order] - beyond, limit, regime._replace(stop=side))
+
+
+def _sides(held: float) -> tuple[float, ...]:
+    """The sides on which what is held, or not, can end."""
+    return (held,) if held else (1.0, -1.0)
+
+
+def touched(result: Any, ends: list[End]) -> tuple[float, Regime] | None:
+    """Return when a regime first ends between two steps that do not show it, and what follows."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    parts = np.diff(result.t)[:, np.newaxis] * np.arange(_LOOKS) / _LOOKS
+    times = np.append((result.t[:-1, np.newaxis] + parts).ravel(), result.t[-1])
+    states = result.sol(times)
+    found: list[tuple[float, Regime]] = []
+    for end in ends:
+
+        def short(t: Any, end: End = end) -> Any:
+            return -end.past(t, result.sol(t))
+
+        left = -end.past(times, states)
+        least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
+        for k in 1 + np.flatnonzero(least & (left[1:-1] < _NEAR * end.size)):
+            around = (times[k - 1], times[k + 1])
+            best = minimize_scalar(short, bounds=around, options={"xatol": 1e-9})
+            before = np.flatnonzero(left[:k] > 0.0)
+            if best.fun < 0.0 and before.size:
+                when = float(brentq(short, times[before[-1]], best.x, xtol=1e-13))
+                found.append((when, end.then))
+                break
+    return min(found, key=lambda one: one[0], default=None)
+
 
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver, for each step; the second over the peak of the wind."""

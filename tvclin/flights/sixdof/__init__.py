@@ -1,8 +1,6 @@
-"""Flights with six degrees of freedom, by JSBSim; the one folder that knows it.
+"""Flights with six degrees of freedom, in JSBSim.
 
-The files inside: `model` writes a vehicle as JSBSim's XML, `engine` is JSBSim with the
-integrators and the reset that make it exact and repeatable, `sensors` reads a flight in its plane,
-`steering` turns the nozzle, `earth` puts a flight over the rotating Earth, `departure` on its
-trajectory, `airframe` flies one vehicle, `case` is what is flown, checked, and `fly_sixdof`
-is the public function.
+Files, lowest first: `engine` alone knows JSBSim; `model` writes the vehicle and its Earth as JSBSim
+files; `steering` commands the nozzle; `airframe` is a running instance with sensors and wind;
+`fly_sixdof` has the public function and the verdicts.
 """

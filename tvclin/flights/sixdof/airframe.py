@@ -1,10 +1,12 @@
-"""One vehicle in the engine: stepped, steered, and measured against its nominal flight."""
+"""A JSBSim instance of one vehicle: its sensors, the wind that it is given, and its steps."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import repeat
+from math import asin, cos, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,16 +14,124 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
-from tvclin.flights.answer import FARTHEST, OUTPUTS
-from tvclin.flights.sixdof.departure import Departure
-from tvclin.flights.sixdof.earth import Earth
 from tvclin.flights.sixdof.engine import Engine
-from tvclin.flights.sixdof.foresight import Foresight, Row
-from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
-from tvclin.flights.sixdof.sensors import senses, wind_setter
+from tvclin.flights.sixdof.model import DEFLECTIONS, Departure, Earth, model_xml, planet_xml
 from tvclin.flights.sixdof.steering import Steering
+from tvclin.flights.verdict import FARTHEST, OUTPUTS
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+
+_Two = Callable[[], tuple[float, float]]
+_NONE = 1e-12
+"""Part of the wind that is too small to be told."""
+
+
+class Senses(NamedTuple):
+    """Readers of one plane, each without arguments.
+
+    `angles`: attitude and flight path angle [rad]. `rates`: attitude rate [rad/s] and acceleration
+    [rad/s^2]. `alpha`: angle of attack [rad].
+    """
+
+    angles: _Two
+    rates: _Two
+    alpha: Callable[[], float]
+
+
+def senses(engine: Engine, plane: str, heading: float) -> Senses:
+    """Return the readers of a plane; in yaw angles lie between the vertical plane and the right."""
+    read = engine.reader
+    axis = "q" if plane == "pitch" else "r"
+    rate, push = read(f"velocities/{axis}-rad_sec"), read(f"accelerations/{axis}dot-rad_sec2")
+    theta = read("attitude/theta-rad")
+    if plane == "pitch":
+        gamma = read("flight-path/gamma-rad")
+        return Senses(lambda: (theta(), gamma()), lambda: (rate(), push()), read("aero/alpha-rad"))
+    psi, speed, sideslip = (
+        read(name) for name in ("attitude/psi-rad", "velocities/vt-fps", "aero/beta-rad")
+    )
+    north, east = read("velocities/v-north-fps"), read("velocities/v-east-fps")
+    ahead, right = cos(heading), sin(heading)
+
+    def angles() -> tuple[float, float]:
+        side = east() * ahead - north() * right
+        return asin(cos(theta()) * sin(psi() - heading)), asin(side / speed())
+
+    return Senses(angles, lambda: (rate(), push()), lambda: -sideslip())
+
+
+def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
+    """Return what sets a wind [m/s] along the flight (pitch) or to its right (yaw)."""
+    north, east = cos(heading), sin(heading)
+    if plane == "yaw":
+        north, east = -east, north
+    parts = [
+        (engine.writer(f"atmosphere/wind-{name}-fps"), part / FOOT)
+        for name, part in (("north", north), ("east", east))
+        if abs(part) > _NONE
+    ]
+    if len(parts) == 1:
+        ((write, part),) = parts
+        return lambda speed: write(speed * part)
+
+    def blow(speed: float) -> None:
+        for write, part in parts:
+            write(speed * part)
+
+    return blow
+
+
+Row = tuple[float, ...]
+
+
+class Foresight:
+    """One plane at the end of the next step.
+
+    What acts at the end of a step is set before the step, so the state at its end is foreseen: the
+    rate by the engine's own rule, the angles to second order.
+
+    `senses`: readers of the plane, at the beginning of a flight. `step`: step [s]. `turn`: by which
+    the flight path has turned in the step before the flight [rad].
+    """
+
+    __slots__ = (
+        "_alpha", "_attitude", "_blown", "_deflection", "_path", "_path_before", "_push",
+        "_push_before", "_rate", "_senses", "_step",
+    )  # fmt: skip
+
+    def __init__(self, senses: Senses, step: float, turn: float = 0.0) -> None:
+        self._senses, self._step = senses, step
+        self._attitude, self._path = senses.angles()
+        self._rate, self._push = senses.rates()
+        self._path_before, self._push_before = self._path - turn, self._push
+        self._alpha = self._blown = self._deflection = 0.0
+
+    def shown(self, angle: float, nominal: Row) -> Measurement:
+        """Return what a law is shown: deviations from the outputs of the nominal flight there.
+
+        `angle` is the wind angle [rad] at the end of the step.
+        """
+        h, rate = self._step, self._rate
+        rate_ahead = rate + h * (1.5 * self._push - 0.5 * self._push_before)
+        turn = 0.5 * h * (rate + rate_ahead)
+        path_turn = self._path - self._path_before
+        return Measurement(
+            self._attitude + turn - nominal[0],
+            rate_ahead - nominal[1],
+            self._path + path_turn - nominal[2],
+            self._alpha + turn - path_turn - (angle - self._blown) - nominal[3],
+            self._deflection,
+        )
+
+    def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
+        """Read the plane after a step, and return its outputs as deviations from the nominal."""
+        self._push_before, self._path_before = self._push, self._path
+        self._deflection, self._blown = deflection, angle
+        self._attitude, self._path = attitude, path = self._senses.angles()
+        (self._rate, self._push), self._alpha = self._senses.rates(), self._senses.alpha()
+        off = attitude - nominal[0], self._rate - nominal[1], path - nominal[2]
+        return (*off, self._alpha - nominal[3], deflection)
+
 
 Place = Earth | Departure | None
 

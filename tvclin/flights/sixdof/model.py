@@ -1,16 +1,105 @@
-"""What JSBSim is told of a vehicle: its XML, written anew for each vehicle and plane.
+"""The vehicle as a JSBSim aircraft: XML of mass, forces and moments, and the Earth below it."""
 
-Structural axes point aft, right and up with the centre of gravity at their origin; body axes
-point forward, right and down. The engine counts in feet, slugs and pounds.
-"""
+from __future__ import annotations
 
-from math import cos, sin
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+import numpy as np
+
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import nominal_flight
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import directions, finite, number, within
 from tvclin.base.units import FOOT, POUND_FORCE
-from tvclin.flights.sixdof.departure import Departure
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+
+
+@dataclass(frozen=True)
+class Departure:
+    """The beginning of a flight in the standard atmosphere over a flat planet at rest.
+
+    `altitude`: in m. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: what the
+    vehicle's aerodynamic forces belong to [Pa]. `mass_flow`: by which the mass falls [kg/s].
+    """
+
+    altitude: float
+    turn: float
+    dynamic_pressure: float
+    mass_flow: float
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The nominal flight that is to be flown.
+
+    `vehicle`: the vehicle as it is at the beginning. `departure`: the beginning. `speeds`: speed
+    [m/s] at each step, ``(n,)``. `rows`: attitude, attitude rate, flight path angle, angle of
+    attack and deflection at each step [rad, rad/s], ``(n, 5)``, in pitch. The nose is on the path.
+    """
+
+    vehicle: Vehicle
+    departure: Departure
+    speeds: FloatArray
+    rows: FloatArray
+
+
+def course_of(vehicle: Vehicle, condition: FlightCondition, times: FloatArray) -> Course:
+    """Return the course through a vehicle's state at its own time, seen at other times [s].
+
+    `InputError` as `nominal_flight`.
+    """
+    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    first, last = min(float(times[0]), own), max(float(times[-1]), own)
+    nominal = nominal_flight(vehicle, condition, start=first, stop=last)
+    states = nominal.states(times)
+    turns = nominal.rates(times, states)[1]
+    still = np.zeros(times.size)
+    begin = float(times[0])
+    departure = Departure(
+        altitude=float(states[2, 0]),
+        turn=float(turns[0]),
+        dynamic_pressure=float(nominal.dynamic_pressure(begin)),
+        mass_flow=float(nominal.mass(begin) - nominal.mass(begin + 1.0)),
+    )
+    rows = np.stack([states[1], turns, states[1], still, nominal.deflection(times)], axis=-1)
+    return Course(nominal.vehicle_at(begin), departure, states[0], rows)
+
+
+@dataclass(frozen=True)
+class Earth:
+    """The rotating Earth, WGS84 with its gravity, in place of a flat planet at rest.
+
+    Parameters
+    ----------
+    latitude : float
+        Geodetic latitude [rad] at which the flight begins.
+    heading : float
+        Direction of flight [rad], from north over east.
+    altitude : float
+        Altitude [m] at which it begins.
+
+    Raises
+    ------
+    InputError
+        For a latitude beyond the poles, and numbers that are not finite.
+    """
+
+    latitude: float = radians(28.5)
+    heading: float = pi / 2
+    altitude: float = 12e3
+
+    def __post_init__(self) -> None:
+        within("latitude", self.latitude, -pi / 2, pi / 2, "rad")
+        for name, check, unit in (
+            ("latitude", finite, "rad"),
+            ("heading", directions, "rad"),
+            ("altitude", finite, "m"),
+        ):
+            object.__setattr__(self, name, number(name, getattr(self, name), check, unit))
+
 
 DEFLECTIONS = {
     "pitch": "tvclin/pitch-deflection-rad",

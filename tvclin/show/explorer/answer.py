@@ -15,7 +15,7 @@ from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.control.margins.margins import Margins
-from tvclin.flights.flexible import FATES
+from tvclin.flights.theory_comparison import FATES
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices

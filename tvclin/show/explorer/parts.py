@@ -19,8 +19,8 @@ from tvclin.base.warned import warned
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.flights.closed_loop.many import fly_many
-from tvclin.flights.flexible import NOT_KNOWN
+from tvclin.flights.closed_loop.fly_many import fly_many
+from tvclin.flights.theory_comparison import NOT_KNOWN
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses

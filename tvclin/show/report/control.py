@@ -11,8 +11,8 @@ from tvclin.base.quantities import NOMINAL, satisfaction
 from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.criteria import margin_table
 from tvclin.control.margins.margins import Margins
-from tvclin.flights.closed_loop.edges import OK
-from tvclin.flights.closed_loop.flown_record import flown_table
+from tvclin.flights.closed_loop.flown_margins import flown_table
+from tvclin.flights.closed_loop.survival_limit import OK
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of

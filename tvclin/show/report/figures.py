@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.plots.marks import place_numbers
+from tvclin.plots.style import place_numbers
 from tvclin.show.report.blocks import Figure
 
 if TYPE_CHECKING:

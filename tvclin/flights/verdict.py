@@ -1,14 +1,31 @@
-"""How a flight is judged: by the side to which it falls in the end.
+"""The verdict on a flight of any engine: the sign of its attitude rate long after the wind.
 
-With a limit that is too low the vehicle falls to the side to which the wind turns it. With one
-that is high enough a law brings it back; the limit held for ever turns it to the other side.
+With a limit that is too small the vehicle tumbles in the direction in which the wind turns it. With
+a sufficient limit a law returns it to equilibrium; the report's control, which holds the limit for
+ever, turns it the other way.
 """
 
+import warnings
 from collections.abc import Callable
+from math import radians
 
 from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
+
+FARTHEST = radians(25.0)
+"""Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""
+OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", "deflection")
+
+
+def warn_of_the_end(time: float) -> None:
+    """Warn the caller that a flight left the range of its model at a time [s]."""
+    warnings.warn(
+        f"the flight ends at t = {time:.6g} s, where its attitude is more than 25 deg from the"
+        " nominal: beyond, the model holds no longer",
+        stacklevel=3,
+    )
+
 
 _WATCHED = 12.0
 """A flight is watched for so long after the wind, over its pole: what is off has grown by e^12."""

@@ -1,4 +1,9 @@
-"""Many flights at once, each of a plant, a law, a wind and limits of its own."""
+"""Many flights at once, each with a plant, a law, a wind and limits of its own.
+
+A flight survives when it has settled well inside the recoverable set. If the loop is then damped in
+its linear range, it may still have a limit cycle: a nozzle at its rate limit lags, and one at its
+deflection limit has less gain. That is decided by a further flight in still air.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     LATEST,
@@ -23,8 +28,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.control.autopilot.actuator import Actuator, check_engine
-from tvclin.flights.closed_loop.afterwards import swings_on
-from tvclin.flights.closed_loop.batch import Batch, Hardware
+from tvclin.flights.closed_loop.batch import Batch, Hardware, LawBatch, law_batch, shape_of
 from tvclin.flights.closed_loop.checks import (
     FASTEST,
     MOST,
@@ -34,13 +38,65 @@ from tvclin.flights.closed_loop.checks import (
     check_span,
     paces,
 )
-from tvclin.flights.closed_loop.growth import swing_near_rest
-from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
-from tvclin.flights.closed_loop.outcomes import decidable
-from tvclin.flights.closed_loop.sampled import flown
-from tvclin.kernels.flight_arrays import Flights
+from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
+from tvclin.flights.closed_loop.sampled import finish, flown
+from tvclin.flights.closed_loop.sampled_stability import swing_near_rest
+from tvclin.kernels.flight_arrays import NEVER, Cases, Flights, Now
+from tvclin.kernels.flight_arrays import SURVIVED as SURVIVED_CODE
+from tvclin.kernels.flight_arrays import UNDECIDED as UNDECIDED_CODE
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
+
+_STRETCH = 0.5
+"""A stretch is this part of the time in which a flight settles."""
+_QUIET = 2
+"""After so many stretches without a limit a nozzle is at rest."""
+_FULL_RATE = 0.999
+"""A rate above this part of its limit is bounded by it."""
+
+
+def swings_on(f: Flights, laws: LawBatch) -> BoolArray:
+    """Return which of the flights that were brought back still meet limits long afterwards.
+
+    `f`: at their ends. `laws`: of the flights; those of a law with noise are not flown on.
+    """
+    silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
+    left = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
+    quiet, g = np.zeros(left.size, dtype=int), f
+    where = left
+    for _ in range(int(WAITING / (SETTLING * _STRETCH))):
+        if not left.size:
+            break
+        g = _flown_on(g, where, laws)
+        limited = (g.now.peaks[:, 5] > 0.0) | (g.now.peaks[:, 3] >= _FULL_RATE * g.cases.rate_limit)
+        quiet = np.where(limited, 0, quiet + 1)
+        where = np.flatnonzero(quiet < _QUIET)
+        left, quiet = left[where], quiet[where]
+    found = np.zeros(f.cases.limit.size, dtype=bool)
+    found[left] = True
+    return found
+
+
+def _flown_on(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
+    """Some flights from where they ended through a stretch of still air."""
+    rows = {name: getattr(f.laws, name) for name in ("memory", "seen", "told")}
+    rows = {name: one[where] if len(one) > 1 else one for name, one in rows.items()}
+    g = f._replace(
+        winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
+        laws=f.laws._replace(**rows),
+        cases=Cases._make(one[where] for one in f.cases),
+        now=Now._make(one[where] for one in f.now),
+    )
+    ring = g.now.commands.shape[1]
+    turned = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
+    g.now.commands[:] = np.take_along_axis(g.now.commands, turned, axis=1)
+    g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
+    g.cases.finish[:] = np.maximum(np.ceil(_STRETCH * g.cases.settling), 1)
+    g.cases.ends[:] = NEVER
+    g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED_CODE, -1, 0.0
+    finish(g, laws)
+    return g
+
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS

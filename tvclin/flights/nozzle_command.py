@@ -1,4 +1,4 @@
-"""What turns the nozzle of a flight: a history, a law, an autopilot, or the report's control."""
+"""Nozzle commands of a flight: a history, a law, an autopilot, or the report's control."""
 
 from dataclasses import dataclass, replace
 

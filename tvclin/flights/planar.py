@@ -1,0 +1,418 @@
+"""Planar flights of the report's equations of motion (B1a) to (B1f), event-exact.
+
+    m V'         = T cos(Theta - gamma + delta) - F_A cos(Theta - gamma)
+                   - N alpha sin(Theta - gamma) - W sin gamma
+    m V gamma'   = T sin(Theta - gamma + delta) - F_A sin(Theta - gamma)
+                   + N alpha cos(Theta - gamma) - W cos gamma
+    I Theta''    = N l_a alpha - T l_c sin delta - M_q Theta'
+
+States are deviations from a nominal flight, so that zero is a solution. Parameters are frozen, as
+in the linear theory, or vary along the nominal flight. In the yaw plane the component of gravity
+across the path is that of a turned path, W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw
+angle and the heading of the path. The report has no damping M_q; it is constant, as the inertia
+is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.ascent.nominal_flight import NominalFlight, nominal_flight
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, ending, flag, instance, one_of, single, times_row
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.trim import TrimLaw
+from tvclin.flights.closed_loop.checks import check_span
+from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, Loop, smooth_piece
+from tvclin.flights.nozzle_command import (
+    ONSET,
+    Command,
+    Control,
+    ReportControl,
+    check_one,
+    command_of,
+    limit_of,
+)
+from tvclin.flights.verdict import FARTHEST, OUTPUTS, warn_of_the_end
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import time_response
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+
+PLANES = ("pitch", "yaw")
+STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "altitude")
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarMotion:
+    """The motion of one vehicle in one plane.
+
+    `vehicle`: the vehicle. `plane`: "pitch" or "yaw". `drift`: whether the path turns and the speed
+    changes; without it the attitude moves alone. `nominal`: the nominal flight along which all
+    parameters vary; without one they are frozen, and the wind is an angle that does not depend on
+    the motion.
+    """
+
+    vehicle: Vehicle
+    plane: str = "pitch"
+    drift: bool = True
+    nominal: NominalFlight | None = None
+
+    def __post_init__(self) -> None:
+        one_of("plane", self.plane, PLANES)
+        single("vehicle", self.vehicle.replace(time=None).batch)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states; the altitude counts where parameters vary."""
+        return STATES[: 4 if self.nominal is None else 5]
+
+    @property
+    def scales(self) -> FloatArray:
+        """Size of each state where an angle has the size 1: an altitude changes by the speed."""
+        scales = np.ones(len(self.states))
+        scales[4:] = self.vehicle.velocity
+        return scales
+
+    def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
+        """Return the derivatives of the states `x`.
+
+        `t`: time [s]. `x`: deviations from the nominal flight [rad, rad/s, rad, 1, m].
+        `deflection`: deflection beyond the nominal one [rad]. `gust`: wind angle of attack [rad],
+        seen from the nominal flight.
+        """
+        now = self._now(t)
+        alpha, speed = self._air(now, x, gust)
+        ratio = self._ratio(speed, now.altitude + x[-1])
+        v = self.vehicle
+        found = np.zeros(len(self.states))
+        found[0] = x[1]
+        found[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
+        found[1] -= v.control_force * v.control_arm * np.sin(deflection)
+        found[1] -= v.pitch_damping * x[1]
+        found[1] /= v.moment_of_inertia
+        if self.drift:
+            actual = self._path(now, x[0], x[2], now.speed * (1.0 + x[3]), alpha, ratio, deflection)
+            calm = self._ratio(now.speed, now.altitude)
+            rest = self._path(now, 0.0, 0.0, now.speed, 0.0, calm, 0.0)
+            found[2] = actual[0] - rest[0]
+            # V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
+            found[3] = (actual[1] - rest[1] - rest[1] * self._moving * x[3]) / now.speed
+        if self.nominal is not None and self.plane == "pitch":
+            climb = now.speed * (1.0 + x[3]) * np.sin(now.path + x[2])
+            found[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
+        return found
+
+    def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
+        """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
+        return self._air(self._now(t), x, gust)[0]
+
+    def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
+        """The angle of attack [rad], and the air speed [m/s]."""
+        if self.nominal is None:
+            return x[0] - x[2] - gust, now.speed
+        speed = now.speed * (1.0 + x[3])
+        if self.plane == "pitch":
+            path = now.path + x[2]
+            wind = now.speed * np.sin(gust) / np.sin(now.path + gust)
+            along, across = speed * np.cos(path) - wind, speed * np.sin(path)
+            turned = np.arctan2(across, along) - now.path
+        else:
+            wind = now.speed * np.tan(gust)
+            along, across = speed * np.cos(x[2]), speed * np.sin(x[2]) + wind
+            turned = np.arctan2(across, along)
+        return x[0] - turned, np.hypot(along, across)
+
+    @property
+    def _moving(self) -> float:
+        """Whether the nominal speed changes; frozen, its change is left out."""
+        return 0.0 if self.nominal is None else 1.0
+
+    def _path(
+        self, now: _Now, theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
+    ) -> tuple[Any, Any]:
+        """The rates of the path and of the speed, nominal ones included."""
+        v, lean = self.vehicle, theta - gamma
+        weight = now.mass * STANDARD_GRAVITY
+        normal, axial = v.normal_force_slope * ratio * alpha, v.axial_force * ratio
+        side = v.control_force * np.sin(delta)
+        push = v.thrust - v.control_force * (1.0 - np.cos(delta))
+        across = (push - axial) * np.sin(lean) + (side + normal) * np.cos(lean)
+        along = (push - axial) * np.cos(lean) - (side + normal) * np.sin(lean)
+        if self.plane == "pitch":
+            across = across - weight * np.cos(now.path + gamma)
+            along = along - weight * np.sin(now.path + gamma)
+        else:
+            across = across + weight * np.sin(now.path) * np.sin(gamma)
+            along = along - weight * np.sin(now.path) * np.cos(gamma)
+        return across / (now.mass * speed), along / now.mass
+
+    def _ratio(self, speed: Any, altitude: Any) -> Any:
+        """The dynamic pressure over that of the vehicle."""
+        return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
+
+    def _now(self, t: Any) -> _Now:
+        v = self.vehicle
+        if self.nominal is None:
+            return _Now(v.mass, v.velocity, v.attitude, 0.0)
+        return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
+
+
+@dataclass(frozen=True, eq=False)
+class _Now:
+    """The nominal flight at a time."""
+
+    mass: Any
+    speed: Any
+    path: Any
+    altitude: Any
+
+
+def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
+    return _Now(nominal.mass(t), *nominal.states_within(t))
+
+
+_latest = lru_cache(maxsize=1)(_nominal_at)
+"""The same at one time [s]: a law and the equations of motion ask for it in turn."""
+
+
+_RTOL, _ATOL = 1e-9, 1e-12
+"""Of the solver, for each step of a flight without a law; angles [rad] are some hundredths."""
+_FURTHER = 1e-6
+"""A flight is followed so little further than its end, over the attitude there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """A flight.
+
+    `rows`: takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
+    NaN after the end. `end`: when the attitude left the range of the model [s]; infinite if it did
+    not.
+    """
+
+    rows: Callable[[FloatArray], FloatArray]
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarCase:
+    """What is flown, checked; make it with `planar_case`.
+
+    `motion`: the equations. `wind`: one wind that ends. `span`: beginning and end of the flight
+    [s].
+    """
+
+    motion: PlanarMotion
+    wind: History
+    span: tuple[float, float]
+
+    def flown(self, command: Command, limit: float) -> Flown:
+        """Return the flight of a command from rest, within a limit [rad].
+
+        `InputError` for noise, and a rate limit without an actuator.
+        """
+        control, actuator, rate_limit = command.control, command.actuator, command.rate_limit
+        if isinstance(control, History):
+            return self._by_history(control, limit)
+        if isinstance(control, ReportControl):
+            design = Plant.from_vehicle(self.motion.vehicle, "fixed-path", self.motion.plane)
+            control = _TrimThenHold(design, dead_band=control.dead_band)
+        law: Law = control
+        if law.rate_noise[0]:
+            raise InputError("noise belongs to samples, and this flight has none; leave it out")
+        if rate_limit < np.inf and actuator is None:
+            raise InputError("a rate_limit needs an actuator")
+        loop = Loop(self.motion, law, limit, rate_limit, actuator)
+        flight = ContinuousFlight(loop, self.wind, FARTHEST)
+        arcs = flight.arcs(*self.span)
+        return self._ended(arcs, lambda times: flight.shown(arcs, times))
+
+    def _by_history(self, control: History, limit: float) -> Flown:
+        from scipy.integrate import solve_ivp
+
+        start, stop = self.span
+        knots = np.concatenate([self.wind.knots, control.knots])
+        inside = knots[(knots > start) & (knots < stop)]
+        state, arcs = np.zeros(len(self.motion.states)), []
+        for first, last in pairwise(np.unique([start, *inside, max(stop, start + 1e-9)])):
+            inputs = smooth_piece(control, float(first)), smooth_piece(self.wind, float(first))
+            found = solve_ivp(
+                self._rates,
+                (first, last),
+                state,
+                method="DOP853",
+                rtol=_RTOL,
+                atol=_ATOL,
+                dense_output=True,
+                events=_far,
+                args=(limit, *inputs),
+            )
+            arcs.append(Arc(float(first), found.sol, 0.0))
+            state = found.y[:, -1]
+            if found.status:
+                break
+        starts = np.array([arc.start for arc in arcs])
+
+        def rows(times: FloatArray) -> FloatArray:
+            index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
+            states = np.stack([arcs[k].solution(t) for k, t in zip(index, times, strict=True)], -1)
+            return np.vstack([states, np.clip(control(times), -limit, limit)])
+
+        return self._ended(arcs, rows)
+
+    def _rates(self, t: float, x: FloatArray, limit: float, turned: Any, gust: Any) -> FloatArray:
+        return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
+
+    def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Flown:
+        solution: Any = arcs[-1].solution
+        last = float(solution.t_max)
+        if last >= self.span[1]:
+            return Flown(rows, np.inf)
+        return Flown(lambda times: np.where(times > last, np.nan, rows(times)), last)
+
+
+def planar_case(
+    vehicle: Vehicle,
+    wind: History,
+    span: tuple[float, float],
+    *,
+    plane: str,
+    drift: bool,
+    condition: FlightCondition | None,
+) -> PlanarCase:
+    """Return the case of a vehicle in a wind over a span of time [s]; as of `fly_planar`."""
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    check_span(*span)
+    check_one("wind", wind, span[0])
+    ending("wind", wind.end)
+    nominal = None
+    if condition is not None:
+        own = 0.0 if vehicle.time is None else float(vehicle.time)
+        first, last = min(span[0], own), max(span[1], own) + 1e-3
+        nominal = nominal_flight(vehicle, condition, start=first, stop=last)
+    return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)
+
+
+@dataclass(frozen=True)
+class _TrimThenHold(TrimLaw):
+    """The report's control: trim until K times the limit is asked for, then the limit for ever."""
+
+    dead_band: float = 1.0
+    release = -np.inf
+
+    @property
+    def engage(self) -> float:  # type: ignore[override]
+        """K, or the first sign of a wind."""
+        return max(self.dead_band, ONSET)
+
+
+def _far(t: float, x: FloatArray, *inputs: Any) -> float:
+    """What falls through zero where the attitude leaves the range of the model."""
+    del t, inputs
+    return FARTHEST * (1.0 + _FURTHER) - abs(float(x[0]))
+
+
+_far.terminal = True  # type: ignore[attr-defined]
+
+
+def fly_planar(
+    vehicle: Vehicle,
+    control: Control,
+    wind: History,
+    timepts: ArrayLike,
+    *,
+    deflection_limit: float = np.inf,
+    plane: str = "pitch",
+    drift: bool = True,
+    condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
+) -> TimeResponseData:
+    """Return a flight of the equations (B1) in a wind.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    control : History, Law, Autopilot or ReportControl
+        A deflection over time, a law or an autopilot, or the report's control.
+    wind : History
+        One wind angle of attack [rad] on the nominal flight, positive a tail wind or one that
+        turns the path away from the nose.
+    timepts : array_like
+        Times [s], ``(n,)``; the flight begins at the first of them in time, at rest.
+    deflection_limit : float
+        Largest deflection [rad]; only a history may do without.
+    plane : {"pitch", "yaw"}
+        The plane of wind, nozzle and outputs.
+    drift : bool
+        Whether the flight path may turn and the speed change.
+    condition : FlightCondition, optional
+        With one, mass and aerodynamic forces vary along the nominal flight through the vehicle's
+        state at its own time, and the wind is a wind: it changes air speed and dynamic pressure.
+        Without one, all parameters are frozen.
+    actuator : Actuator, optional
+        Between a law and the nozzle; an autopilot brings its own.
+    rate_limit : float
+        Largest deflection rate [rad/s] of a law; it needs an actuator.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs attitude, attitude_rate, flight_path_angle, angle_of_attack and deflection [rad,
+        rad/s], as deviations from the nominal flight; input wind [rad].
+
+    Raises
+    ------
+    InputError
+        For batches, numbers out of range, a wind or a history that begins before the flight, a
+        wind that never ends, and a nominal flight that does not reach so far.
+
+    Warns
+    -----
+    UserWarning
+        When the attitude is beyond 25 degrees: the flight ends there, and is NaN from then on.
+
+    Notes
+    -----
+    Breakpoints of the wind, the limit and the switches of a law are hit by the solver; see `fly`.
+    The nominal deflection, some thousandths of a degree, is not counted against the limit.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
+    >>> control = tv.flights.ReportControl(dead_band=1.0)
+    >>> for limit in (0.00120, 0.00126):
+    ...     flown = tv.fly_planar(vehicle, control, wind, [0, 15], deflection_limit=limit)
+    ...     print(flown.outputs["attitude"][-1].round(3))
+    -0.093
+    0.091
+    """
+    times = times_row("timepts", timepts)
+    span = (float(times.min()), float(times.max()))
+    case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
+    command = command_of(control, span[0], actuator, rate_limit)
+    flown = case.flown(command, limit_of(control, deflection_limit))
+    if np.isfinite(flown.end):
+        warn_of_the_end(flown.end)
+    rows = flown.rows(times)
+    alpha = case.motion.angle_of_attack(times, rows[:-1], wind(times))
+    outputs = np.vstack([rows[:3], alpha, rows[-1]])
+    title = f"Planar flight, {vehicle.name or 'vehicle'}, {plane}"
+    return time_response(times, outputs, OUTPUTS, name="planar", title=title, wind=wind)
