@@ -95,7 +95,7 @@ def linearised():
 @pytest.fixture(scope="module")
 def no_flights():
     """Put still attitudes and one boundary in the place of the flights of figures, which cost."""
-    from tvclin.plots import flown as flown_room
+    from tvclin.plots import flown_boundaries as flown_room
 
     def still(vehicle, control, wind, times, **_):
         return SimpleNamespace(outputs={"attitude": np.zeros_like(times)})

@@ -10,7 +10,7 @@ import tvclin as tv
 from tvclin import plots
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.linear.response import attitude_responses
-from tvclin.plots import flown as flown_room
+from tvclin.plots import flown_boundaries as flown_room
 from tvclin.plots.flown_boundaries import PEAK, centred_wind, chosen_engine, flown_limit
 
 mpl.use("Agg")

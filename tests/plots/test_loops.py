@@ -7,11 +7,11 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from tvclin.plots.frequency_response import box_sides
 
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin import plots
+from tvclin.plots.frequency_response import box_sides
 from tvclin.plots.root_locus import LocusPoles
 
 mpl.use("Agg")

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from tvclin.plots.trade_offs import HELD, MEANS, STOP, TRIMS
 
 import tvclin as tv
 from tvclin.plots import curves_of, plane_chart, study_planes_chart
+from tvclin.plots.trade_offs import HELD, MEANS, STOP, TRIMS
 
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
 GUST = tv.TriangularWind(peak=0.08, duration=8.0)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.base import files
 from tvclin.cli.app import app
-from tvclin.plots import flown as flown_room
+from tvclin.plots import flown_boundaries as flown_room
 from tvclin.show import reproduce
 
 mpl.use("Agg")

@@ -1,5 +1,6 @@
-"""What the figures of a loop are drawn from: its samples, its phase, and its verdict in words."""
+"""Samples of a loop for its figures: frequencies, phase, verdict in words, and marked margins."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -7,15 +8,18 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, instance
+from tvclin.base.lines import significant, text
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
+from tvclin.control.margins.bands import GAIN as BY_GAIN
+from tvclin.control.margins.bands import PHASE as BY_PHASE
+from tvclin.control.margins.bands import UNSTABLE, BandMargins, ModeBand, band_margins
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.margins import Margins, loop_margins
+from tvclin.control.margins.margins import Margins, loop_margins, margin
 from tvclin.linear.flexible import AnyPlant, check_plant, named_modes
 from tvclin.numerics.loop_margins import grid_frequencies, stability
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import broken, literal
+from tvclin.plots.style import COLOURS, WARM, Mark, broken, literal
 
 if TYPE_CHECKING:
     import control
@@ -253,3 +257,60 @@ def _around_light_roots(loop: Loop) -> FloatArray:
     with np.errstate(invalid="ignore"):
         light = roots[(roots.imag > 0.0) & (np.abs(roots.real) < _LIGHT * roots.imag)]
     return np.ravel(light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _TURN)
+
+
+AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
+"""Marker and colour of the three margins."""
+MODE = ("d", COLOURS[2])
+"""Marker and colour of the modes."""
+
+Places = Callable[[float], tuple[float, float]]
+"""From a frequency [rad/s] to the coordinates of its point in the figure."""
+
+
+def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
+    """Return the marks of the three margins; none for a loop that is not stable."""
+    if not samples.margins.stable:
+        return []
+    marks = []
+    styles = (AERO, GAIN, PHASE)
+    for (shape, colour), row in zip(styles, samples.margins.rows(), strict=False):
+        value = text(margin("", row.value, row.unit))
+        if np.isfinite(row.frequency):
+            entry = f"{row.label} {value} at {_at(row.frequency)}"
+            marks.append(Mark(*places(row.frequency), value, shape, entry, colour))
+        else:
+            marks.append(Mark(np.nan, np.nan, "", shape, f"{row.label} {value}", colour))
+    return marks
+
+
+def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
+    """Return a mark for each mode: its name, and its gain or phase margin if the loop has one."""
+    shape, colour = MODE
+    marks = []
+    for mode in samples.modes:
+        frequency = mode_frequency(mode)
+        if not np.isfinite(frequency):
+            continue
+        value = _value(mode) if samples.margins.stable else ""
+        words = ", ".join(part for part in (mode.name, value) if part)
+        entry = f"{mode.name} at {_at(frequency)}: {_words(mode, value)}"
+        marks.append(Mark(*places(frequency), words, shape, entry, colour))
+    return marks
+
+
+def _at(frequency: float) -> str:
+    return text(significant("", frequency, unit="rad/s"))
+
+
+def _value(mode: ModeBand) -> str:
+    margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
+    held = margins.get(mode.stabilised)
+    return "" if held is None else text(margin("", *held))
+
+
+def _words(mode: ModeBand, value: str) -> str:
+    if mode.stabilised == UNSTABLE:
+        return "unstable"
+    by = "-stabilised" if mode.stabilised in (BY_GAIN, BY_PHASE) else ""
+    return ", ".join(part for part in (f"{mode.stabilised}{by}", value) if part)

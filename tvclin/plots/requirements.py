@@ -1,19 +1,22 @@
-"""Required deflection against flight time, in the worst wind of each."""
+"""Required deflection over the flight time, and the fraction of soundings over the limit."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tvclin.answers.availability.record import Availability
 from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.answers.sizing.record import Sizing
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.lines import plural
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
 from tvclin.vehicle.coefficients import IN_WORDS
 
 if TYPE_CHECKING:
     from control import ControlPlot
+
 
 _LIMIT = "available limit"
 _MARKS = {"head": "^", "tail": "v", "cross": "x"}
@@ -74,3 +77,88 @@ def _styles(sizing: Sizing) -> dict[str, Style]:
             style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
         styles[one.label] = style
     return styles
+
+
+_LIMITS = 121
+_WIDER = 1.1
+_FLOWN, _LOWER, _UPPER = "flown", "interval, lower end", "interval, upper end"
+_STEPS: Style = {"drawstyle": "steps-post"}
+
+
+def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
+    """Draw which part of an archive's soundings flies, against the limit.
+
+    With its interval for one azimuth, and a line for each of several. A line upright is the limit
+    that was asked for. Soundings of which it is not known are in no part.
+
+    Parameters
+    ----------
+    found : Availability
+        Of one judged sounding or more.
+    name : str
+        What a vehicle without a name of its own is called.
+
+    Raises
+    ------
+    InputError
+        Where no sounding is judged, or none needs a deflection.
+    """
+    instance("found", found, Availability, "see availability")
+    most = np.nanmax(found.most, initial=0.0)
+    if not most > 0.0:
+        raise InputError("found must hold a sounding that asks for deflection, to be drawn")
+    limits = np.linspace(0.0, _WIDER * max(float(most), found.limit), _LIMITS)
+    azimuths = np.degrees(np.atleast_1d(found.azimuth)).tolist()
+    several = len(azimuths) > 1
+    parts = [part if isinstance(part, tuple) else (part,) for part in found.curve(limits)]
+    if several:
+        values = {
+            f"{azimuth:.4g} deg": [part[a].part for part in parts]
+            for a, azimuth in enumerate(azimuths)
+        }
+    else:
+        values = {
+            _UPPER: [part[0].upper for part in parts],
+            _FLOWN: [part[0].part for part in parts],
+            _LOWER: [part[0].lower for part in parts],
+        }
+    columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
+    where = found.soundings.station or "an archive"
+    planes = IN_WORDS[found.plane]
+    if not several:
+        planes += f", towards {azimuths[0]:.4g} deg"
+    words = f"{plural(len(found.soundings), 'sounding')} of {where}, {planes}"
+    curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
+    title = called(found.judge.flight.vehicle.name or name, f"launch availability: {words}")
+    heading = "flown, towards" if several else ""
+    look = Look(
+        title,
+        "soundings that fly [%]",
+        _availability_styles(list(values)),
+        heading,
+        {"": (0.0, 102.0)},
+    )
+    plot = draw(curves, look)
+    axes = plot.axes[0, 0]
+    axes.axvline(np.degrees(found.limit), color=WARM, lw=1.4)
+    axes.annotate(
+        "limit",
+        (np.degrees(found.limit), 2.0),
+        xytext=(4, 0),
+        textcoords="offset points",
+        color=WARM,
+    )
+    return plot
+
+
+def _availability_styles(names: list[str]) -> dict[str, Style]:
+    """Flown by a full line, with the ends of its interval beside it; or each azimuth by its own."""
+    if _FLOWN not in names:
+        kinds = zip(names, cycle(_COLOURS), cycle(LINES), strict=False)
+        return {name: _STEPS | {"color": c, "ls": line, "lw": 1.6} for name, c, line in kinds}
+    beside = _STEPS | {"color": _COLOURS[0], "lw": 1.1}
+    return {
+        _FLOWN: _STEPS | {"color": INK, "lw": 1.8},
+        _LOWER: beside | {"ls": "--"},
+        _UPPER: beside | {"ls": ":"},
+    }

@@ -1,0 +1,381 @@
+"""Trade-off curves: deflection over rate, load or disk margin, laws over duration, both planes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.answers.flown_front import FlownFront
+from tvclin.answers.least_gains.front import GainsFront
+from tvclin.answers.load import FlownLoad
+from tvclin.answers.requirement import required_deflection
+from tvclin.answers.study import Study
+from tvclin.answers.trials import law_curve
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    between,
+    each,
+    instance,
+    nonzero,
+    number,
+    one_row,
+    positive,
+    shown,
+    single,
+    small_angle,
+)
+from tvclin.base.lines import plural
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.fronts.load_record import LoadFront
+from tvclin.boundary.fronts.rate_record import RateFront
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.boundary.planes.limit import plane_limit
+from tvclin.boundary.planes.pair import Pair, checked
+from tvclin.boundary.stops import Stop, stop_of
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import LAWS
+from tvclin.linear.flexible import AnyPlant, check_plant
+from tvclin.linear.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw, law_styles
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.plane_wind import PlaneWind, unit_vector
+from tvclin.winds.pulses import TriangularWind
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.lines import Line2D
+
+
+_NOZZLE = "the nozzle"
+_RATES: dict[str, Style] = {
+    WIND_KNOWN: {"color": "0.7", "ls": "-", "lw": 4.0},
+    NO_FORECAST: {"color": INK, "ls": "-", "lw": 1.6},
+    _NOZZLE: {"color": INK, "ls": "", "marker": "D", "ms": 7.0},
+    **law_styles(LAWS),
+}
+_POINT: Style = {"ls": "", "marker": "o", "ms": 7.0}
+_LOADS: dict[str, Style] = {
+    WIND_KNOWN: {"color": COLOURS[0], "lw": 2.0},
+    NO_FORECAST: {"color": INK, "ls": "--", "lw": 1.4},
+    _NOZZLE: {"color": WARM, **_POINT},
+}
+_FLOWN: tuple[Style, ...] = tuple(
+    {"color": colour, **_POINT, "marker": marker}
+    for colour, marker in zip((one for one in COLOURS[1:] if one != WARM), "s^vDP", strict=False)
+)
+_MARGINS: dict[str, Style] = {
+    "boundary, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
+    "boundary, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
+    WIND_KNOWN: {"color": INK, "ls": ":", "lw": 2.0},
+}
+_MEANS = {"peak": "linear peak", "boundary": "flown limit"}
+
+
+def rate_curves(front: RateFront | FlownFront) -> Curves:
+    """Return the curves of `rate_chart`; broken where no deflection is enough."""
+    flown = front.limits if isinstance(front, FlownFront) else {}
+    front = front.front if isinstance(front, FlownFront) else front
+    instance("front", front, RateFront, "see rate_front")
+    values = {**flown, WIND_KNOWN: front.limits}
+    if front.bounds is not None:
+        values[NO_FORECAST] = front.bounds
+    if front.limit is not None and front.rate_limit in front.rates:
+        values[_NOZZLE] = np.where(front.rates == front.rate_limit, front.limit, np.nan)
+    columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
+    words, rates = "least deflection over the rate limit", np.degrees(front.rates)
+    return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))
+
+
+def rate_chart(
+    front: RateFront | FlownFront, title: str = "Least deflection over rate"
+) -> ControlPlot:
+    """Draw the least deflection over the rate limit, and the nozzle where its rate is among them.
+
+    Parameters
+    ----------
+    front : RateFront or FlownFront
+        As of `rate_front`, or of `flown_fronts` with a curve of each law.
+    title : str
+        Stands above the figure.
+    """
+    curves = rate_curves(front)
+    plot = draw(curves, Look(title, "deflection [deg]", _RATES))
+    plot.axes.flat[0].set_xlim(0.0, 1.03 * float(curves.abscissa.max()))
+    return plot
+
+
+def load_curves(front: LoadFront, flown: Sequence[FlownLoad] = ()) -> Curves:
+    """Return the curves of `load_chart`; broken where no deflection is enough."""
+    instance("front", front, LoadFront, "see load_front")
+    flown = each("flown", flown, FlownLoad, "one for each law")
+    points = {}
+    if front.limit is not None:
+        if front.load is not None:
+            points[_NOZZLE] = front.load
+        points |= {one.law: one.load for one in flown if np.isfinite(one.load)}
+    loads = np.unique(np.concatenate([front.loads, list(points.values())]))
+
+    def over(values: FloatArray) -> FloatArray:
+        return np.interp(loads, front.loads, _broken(values), left=np.nan)
+
+    values = {WIND_KNOWN: over(front.limits)}
+    if front.bounds is not None:
+        values[NO_FORECAST] = over(front.bounds)
+    for name, load in points.items():
+        values[name] = np.where(loads == load, front.limit or np.nan, np.nan)
+    columns = [Column(name, np.degrees(angles), "deg") for name, angles in values.items()]
+    words = "least deflection over the largest load"
+    return Curves("loads", words, "load [deg]", np.degrees(loads), tuple(columns))
+
+
+def load_chart(
+    front: LoadFront,
+    flown: Sequence[FlownLoad] = (),
+    title: str = "Least deflection over the largest load",
+) -> ControlPlot:
+    """Draw the least deflection over the load, the nozzle where it has a load, and flights.
+
+    Parameters
+    ----------
+    front : LoadFront
+        As of `load_front`.
+    flown : sequence of FlownLoad
+        Flights of laws with the limit of the front.
+    title : str
+        Stands above the figure.
+    """
+    curves = load_curves(front, flown)
+    styles = _LOADS | dict(zip([one.law for one in flown], _FLOWN, strict=False))
+    plot = draw(curves, Look(title, "deflection [deg]", styles))
+    axes = plot.axes.flat[0]
+    axes.set_xlim(0.0, 1.03 * float(curves.abscissa.max()))
+    axes.set_ylim(bottom=0.0)
+    return plot
+
+
+def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
+    """Draw what margins cost: the least deflection over the disk margin that is asked for.
+
+    Parameters
+    ----------
+    fronts : sequence of GainsFront
+        Of one vehicle in one set of winds, over the same disk margins: of two gains and of three,
+        of linear peaks and of limits that were flown.
+
+    Raises
+    ------
+    InputError
+        For none, and for fronts over different disk margins.
+    """
+    every = each("fronts", fronts, GainsFront, "see least_gains_front")
+    if not every:
+        raise InputError("fronts must be one or more; got none")
+    disk = every[0].disk_margin
+    if any(not np.array_equal(one.disk_margin, disk) for one in every):
+        raise InputError("fronts must be over the same disk margins")
+    columns, styles = [], dict(_MARGINS)
+    for k, one in enumerate(every):
+        label = f"{plural(len(one.gains), 'gain')}, {_MEANS[one.meaning]}"
+        columns.append(Column(label, _broken(one.relative)))
+        styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
+    columns += [Column(name, np.full(disk.shape, value)) for name, value in every[0].limits.items()]
+    curves = Curves(
+        "least-gains",
+        "least deflection over the disk margin that is asked for",
+        "disk margin asked for [-]",
+        disk,
+        tuple(columns),
+    )
+    plot = draw(
+        curves, Look("Least deflection over disk margin", "deflection over |B alpha_w,max|", styles)
+    )
+    plot.axes.flat[0].set_ylim(bottom=0.0)
+    return plot
+
+
+def _broken(values: FloatArray) -> FloatArray:
+    """Values with NaN where no deflection is enough."""
+    return np.where(np.isinf(values), np.nan, values)
+
+
+TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
+_FINE = 400
+_FREE, _MINIMUM = "any law, no forecast", "wind known (C)"
+_OPEN: dict[str, Style] = {
+    "required, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
+    "required, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
+    _FREE: {"color": INK, "ls": "-", "lw": 2.4},
+    _MINIMUM: {"color": INK, "ls": ":", "lw": 2.0},
+}
+
+
+def laws_chart(
+    plant: AnyPlant,
+    laws: Mapping[str, Law],
+    peak: float,
+    tau_beta: FloatArray = TAU_BETA,
+    **hardware: Any,
+) -> ControlPlot:
+    """Draw the boundary of each law over tau*beta, with the limits that they are measured by.
+
+    Parameters
+    ----------
+    plant : Plant or FlexiblePlant
+        The plant that flies; what laws are measured by is of the rigid one.
+    laws : mapping of str to Law
+        By name, as of `standard_laws`.
+    peak : float
+        Peak of the triangular winds [rad].
+    tau_beta : ndarray
+        Durations times beta, or with damping the pole, rising, ``(n,)``.
+    **hardware
+        sample_rate, rate_limit, actuator and delay, as of `law_trials`.
+
+    Notes
+    -----
+    The numbers are those at `tau_beta`, where laws have a mark; between them the lines are monotone
+    cubics (PCHIP).
+    """
+    check_plant(plant)
+    single("plant", plant.batch)
+    if not isinstance(laws, Mapping) or not all(isinstance(name, str) for name in laws):
+        raise InputError(f"laws must be a dict of laws by their names; got {shown(laws)}")
+    peak = number("peak", peak, small_angle("a wind", nonzero), "rad")
+    tau_beta = one_row("tau_beta", positive("tau_beta", tau_beta))
+    pole, symbol = float(plant.coefficients.pole), plant.coefficients.pole_symbol
+    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
+    trim = abs(float(plant.coefficients.B) * peak)
+    rows = {
+        "required, K = 1": [required_deflection(plant.rigid, w).limit for w in winds],
+        "required, K = 0.5": [required_deflection(plant.rigid, w, 0.5).limit for w in winds],
+        _FREE: [forecast_free_limit(plant.rigid, w).limit for w in winds],
+        _MINIMUM: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
+    }
+    columns = [Column(name, np.array(row)) for name, row in rows.items()]
+    columns += [
+        Column(name, law_curve(plant, law, tau_beta, peak, **hardware))
+        for name, law in laws.items()
+    ]
+    words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
+    curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))
+    look = Look(
+        called(plant.coefficients.name, f"From trim to the minimum\n{words}"),
+        "deflection limit over |B alpha_w,max|",
+        _OPEN | law_styles(laws),
+        limits={"": (0.0, 2.0)},
+    )
+    plot = draw(curves, look)
+    for line in plot.lines[0, 0]:
+        _smooth(line)
+    return plot
+
+
+def _smooth(line: Line2D) -> None:
+    """Draw a line through its points without corners and without swinging, marks at the points."""
+    from scipy.interpolate import PchipInterpolator
+
+    x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+    known = np.isfinite(y)
+    if known.sum() < x.size or x.size < 3:  # where there is no boundary the line is broken
+        return
+    fine = np.unique([*x, *np.linspace(x[0], x[-1], _FINE)])
+    line.set_data(fine, PchipInterpolator(x, y)(fine))
+    line.set_markevery(np.searchsorted(fine, x).tolist())
+
+
+TRIMS, MEANS = "trim, over time", "mean of the trim to come"
+HELD, STOP = "held from the dead band on", "the stop at the least limit"
+_TIMES, _SIDES = 240, 360
+_ROOM = 0.06
+"""Around what is drawn, over its size."""
+
+
+def plane_chart(
+    plant: Plant,
+    wind: PlaneWind,
+    stop: Stop | str = "round",
+    dead_band: float = 1.0,
+    yaw_plant: Plant | None = None,
+) -> ControlPlot:
+    """Draw the deflections that a wind asks for in pitch and yaw, against the stop.
+
+    The trim deflection wanders with the wind; the mean of the trim to come, discounted, is what
+    must be held from then on, eq (4b). The least limit is that at which the stop reaches the mean
+    where the dead band is left, which is held.
+
+    Parameters
+    ----------
+    plant, wind, stop, dead_band, yaw_plant
+        As of `plane_limit`, one of each; a stop may be a word, as of `size`.
+
+    Raises
+    ------
+    InputError
+        As `plane_limit`, and for batches.
+    """
+    shape = stop_of(stop)
+    checked(plant, wind, shape, yaw_plant)
+    for name, one in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
+        single(name, one.batch)
+    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+    found = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
+    pair = Pair((plant, yaw_plant or plant), wind)
+    knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
+    ends = float(wind.onset), float(wind.end)
+    times = np.union1d(knots[(knots > ends[0]) & (knots < ends[1])], np.linspace(*ends, _TIMES))
+    around = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
+    held = found.in_plane + 1j * found.across
+    vectors = {
+        STOP: found.deflection * shape.reach(around) * unit_vector(around),
+        TRIMS: pair.trim(times),
+        MEANS: pair.held(times),
+        HELD: np.array([0.0, held]),
+    }
+    whole = np.concatenate(list(vectors.values())) * (180.0 / np.pi)
+    first, columns = 0, []
+    for label, values in vectors.items():
+        across = np.full(whole.size, np.nan)
+        across[first : first + values.size] = whole[first : first + values.size].imag
+        columns.append(Column(label, across, "deg"))
+        first += values.size
+    words = (
+        f"{plant.model}, K = {dead_band:g}, limit {np.degrees(found.deflection):.4f} deg, pitch"
+        f" alone {np.degrees(found.pitch_alone):.4f} deg"
+    )
+    curves = Curves("planes", words, "deflection in pitch [deg]", whole.real, tuple(columns))
+    title = called(plant.coefficients.name, f"Deflection that a wind needs in both planes\n{words}")
+    look = Look(title, "deflection in yaw [deg]", _styles())
+    plot = draw(curves, look)
+    axes, most = plot.axes[0, 0], (1.0 + _ROOM) * np.abs([whole.real, whole.imag]).max()
+    axes.set(xlim=(-most, most), ylim=(-most, most))
+    axes.set_aspect("equal")
+    return plot
+
+
+def study_planes_chart(study: Study) -> ControlPlot:
+    """Draw the same of a study whose wind has a direction.
+
+    Raises
+    ------
+    InputError
+        For a study of a wind without one, and as `plane_chart`.
+    """
+    instance("study", study, Study, "see Study.from_vehicle")
+    if study.slanting is None or study.planes is None:
+        raise InputError("study must be of a wind with a direction: give it a heading")
+    pitch, yaw = (Plant.from_vehicle(study.vehicle, study.model, plane) for plane in PLANES)
+    return plane_chart(pitch, study.planes.wind, study.planes.stop, study.dead_band, yaw)
+
+
+def _styles() -> dict[str, Style]:
+    return {
+        STOP: {"color": WARM, "ls": "-", "lw": 1.4},
+        TRIMS: {"color": INK, "ls": "--", "lw": 1.4},
+        MEANS: {"color": COLOURS[0], "ls": "-", "lw": 1.8},
+        HELD: {"color": COLOURS[1], "ls": "-", "lw": 1.8, "marker": "o", "ms": 5.0},
+    }

@@ -1,0 +1,539 @@
+"""Drawings of a vehicle: the report's figure 1 and sketches, and a vehicle to scale."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    between,
+    instance,
+    number,
+    one_row,
+    positive,
+    single,
+    small_angle,
+    whole_number,
+    within,
+)
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import (
+    COLOURS,
+    INK,
+    WARM,
+    Look,
+    Style,
+    broken_lines,
+    control_plot,
+    draw,
+    literal,
+)
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import RectangularWind, TriangularWind
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.axes import Axes
+
+
+_RATIOS = (1e-6, 1.0 - 1e-6)
+"""Least and largest ratio of a slow pole to a fast one."""
+_JUMP = 1e-9
+"""How far before a jump, in units of tau, the value before it is drawn."""
+_WIND = r"wind  $\alpha_w/\alpha_{w,max}$ [-]"
+_CONTROL = r"control  $-(\delta - \delta_n)/(B\,\alpha_{w,max})$ [-]"
+
+
+def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
+    """Draw sketch (a): a rectangular wind, and the deflection held from its start, eq (7).
+
+    Parameters
+    ----------
+    tau_beta : float
+        Duration of the wind in units of 1/beta; it decides the height of the control.
+    """
+    wind, tau_beta = RectangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
+    title = (
+        f"Sketch (a). Rectangular wind and control on the boundary\neq (7), tau*beta = {tau_beta:g}"
+    )
+    return _wind_and_control("sketch-a", title, wind, tau_beta, 0.0)
+
+
+def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
+    """Draw sketch (b): a triangular wind, and trim until the dead band is left, eqs (11), (12).
+
+    Parameters
+    ----------
+    tau_beta : float
+        Duration of the wind in units of 1/beta.
+    dead_band : float
+        K, in [0, 1].
+    """
+    wind, tau_beta = TriangularWind(peak=1.0, duration=1.0), number("tau_beta", tau_beta, positive)
+    dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+    title = (
+        "Sketch (b). Triangular wind and control on the boundary\n"
+        f"eqs (11), (12), tau*beta = {tau_beta:g}, K = {dead_band:g}"
+    )
+    return _wind_and_control("sketch-b", title, wind, tau_beta, dead_band)
+
+
+def sketch_c(
+    ratios: Sequence[float] = (0.1, 0.025), highest: float = 10.0, points: int = 401
+) -> "ControlPlot":
+    """Draw sketch (c): the solution x of eq (C6) against y.
+
+    Parameters
+    ----------
+    ratios : sequence of float
+        r = beta1/beta2, slow pole over fast, each between 0 and 1.
+    highest : float
+        End of the abscissa y, above 1.
+    points : int
+        Points of each curve.
+
+    Notes
+    -----
+    The solution jumps at y = 1 from x = 0 (the switch comes never) to x = 1 (at once). For a
+    large y it comes down to x = (y - 1 + 2^(1 - r))/(2 y); the report prints (y - 1)/(2 y).
+    """
+    from tvclin.boundary.optimum.two_poles import early_switch, switch_variable
+
+    highest = number("highest", highest, between(1.0, 1e6))
+    within("points", whole_number("points", points), 2, 1e6)
+    ratios = one_row("ratios", np.atleast_1d(within("ratios", ratios, *_RATIOS))).tolist()
+    y = np.linspace(0.0, highest, int(points))
+    y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))
+    columns = []
+    for r in ratios:
+        x = np.array([np.nan if value == 1.0 else switch_variable(value, r) for value in y])
+        columns.append(Column(f"exact, r = {r:g}", x))
+    late = np.where(y > 1.0, y, np.nan)
+    corrected = np.where(y > 1.0, early_switch(np.maximum(y, 1.0), ratios[0]), np.nan)
+    columns.append(Column(f"large y, corrected, r = {ratios[0]:g}", corrected))
+    columns.append(Column("large y, (y - 1)/(2y) as printed", (late - 1.0) / (2.0 * late)))
+    curves = Curves(
+        "sketch-c",
+        "x of 2 x^r - 2 x y = 1 - y, eq (C6), r = beta1/beta2",
+        r"$y = \beta_1 D_1/(\beta_2 D_2)$ [-]",
+        y,
+        tuple(columns),
+    )
+    styles = broken_lines([column.label for column in columns], width=1.8)
+    look = Look(
+        title="Sketch (c). Solution of eq (C6), 2xʳ - 2xy = 1 - y,  r = β₁/β₂",
+        ordinate=r"$x = e^{-\beta_2 t_s}$ [-]",
+        styles=styles,
+        limits={"": (-0.02, 1.02)},
+    )
+    return draw(curves, look)
+
+
+def _wind_and_control(
+    name: str, title: str, wind: History, tau_beta: float, dead_band: float
+) -> "ControlPlot":
+    plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
+    boundary = boundary_limit(plant, wind, dead_band)
+    control = trim_then_hold(plant, wind, boundary.deflection, dead_band)
+    x = _times_with_jumps(wind, control)
+    columns = (
+        Column("wind", wind(x), panel="wind"),
+        Column("trim", wind(x), panel="control"),
+        Column("control", -control(x), panel="control"),
+    )
+    what = f"tau*beta = {tau_beta:g}, K = {dead_band:g}, y_BR = {boundary.limit:.10g}"
+    curves = Curves(name, what, "time t/tau [-]", x, columns)
+    styles: dict[str, Any] = {
+        "wind": {"color": COLOURS[0], "ls": "-", "lw": 2.0},
+        "trim": {"color": "0.45", "ls": "--", "lw": 1.4},
+        "control": {"color": WARM, "ls": "-", "lw": 2.2},
+    }
+    look = Look(
+        title,
+        {"wind": _WIND, "control": _CONTROL},
+        styles,
+        limits=dict.fromkeys(("wind", "control"), (-0.05, 1.15)),
+        across=1,
+    )
+    plot = draw(curves, look)
+    _mark_levels(plot.axes[1, 0], boundary.limit, float(boundary.switch_time), dead_band)
+    return plot
+
+
+def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> None:
+    arrow = {"arrowstyle": "->", "color": INK, "lw": 0.9}
+    axes.annotate(
+        rf"$y_{{BR}} = {limit:.4f}$",
+        (1.25, limit),
+        (1.25, limit - 0.35),
+        arrowprops=arrow,
+        ha="center",
+    )
+    if 0.0 < dead_band < 1.0:
+        axes.annotate(
+            rf"$K\,y_{{BR}}$ at $t = a = {switch:.4f}\,\tau$",
+            (switch, dead_band * limit),
+            (switch + 0.12, 0.08),
+            arrowprops=arrow,
+        )
+
+
+def _times_with_jumps(*histories: History) -> FloatArray:
+    """Times from before the wind to after it, with both sides of every breakpoint."""
+    knots = np.concatenate([history.knots.ravel() for history in histories])
+    knots = knots[(knots >= 0.0) & (knots <= 1.5)]
+    even = np.linspace(-0.25, 1.5, 351)
+    return np.unique(np.concatenate([even, knots, knots - _JUMP]))
+
+
+_ARM_A, _ARM_C, _NOSE, _TAIL, _RADIUS, _SPEED = 3.2, 6.0, 6.4, -6.0, 0.55, 11.0
+_ALONG = np.linspace(0.0, 1.0, 41)
+
+_BODY: Style = {"color": INK, "ls": "-", "lw": 1.8}
+_FORCE: Style = {"color": WARM, "ls": "-", "lw": 2.0}
+_SPEEDS: Style = {"color": COLOURS[0], "ls": "-", "lw": 1.6}
+_ANGLE: Style = {"color": COLOURS[4], "ls": "-", "lw": 1.1}
+_THIN: Style = {"color": "0.45", "ls": "--", "lw": 1.0}
+_ARM: Style = {"color": COLOURS[1], "ls": "-", "lw": 1.1}
+
+_SIGNS = "\n".join(
+    (
+        "All angles are positive as drawn:",
+        r"$\Theta,\ \gamma$  up from the local horizontal",
+        r"$\alpha_w$  tail wind: $\sin\alpha_w = (V_w/V_R)\,\sin\gamma$, eq (B1e)",
+        r"$\alpha = \Theta - \gamma - \alpha_w$, eq (B1f)",
+        r"$\delta$  thrust turned so that the nose goes down",
+        r"$I\,\ddot\Theta = N l_a\,\alpha - T l_c\,\delta$, eq (B2c)",
+    )
+)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One line of the drawing, and the text beside one of its points."""
+
+    points: FloatArray  # (41, 2)
+    style: Style
+    text: str = ""
+    place: float = 1.0  # where on the line the text stands, 0 to 1
+    shift: tuple[float, float] = (0.0, 0.0)
+    arrow: str = ""  # as matplotlib's arrowstyle
+
+
+def figure_1(
+    attitude_deg: float = 60.0,
+    flight_path_deg: float = 30.0,
+    wind_deg: float = 12.0,
+    deflection_deg: float = 10.0,
+) -> "ControlPlot":
+    """Draw the report's figure 1: the vehicle, its angles, forces and moment arms.
+
+    Parameters
+    ----------
+    attitude_deg, flight_path_deg, wind_deg, deflection_deg : float
+        Theta, gamma, alpha_w and delta [deg] as drawn, far larger than in flight.
+    """
+    import matplotlib.pyplot as plt
+
+    given = {
+        "attitude_deg": attitude_deg,
+        "flight_path_deg": flight_path_deg,
+        "wind_deg": wind_deg,
+        "deflection_deg": deflection_deg,
+    }
+    angles = np.radians([number(*one, between(-360.0, 360.0), "deg") for one in given.items()])
+    drawn = _body(*angles) | _forces(*angles) | _speeds(*angles) | _arcs(*angles) | _arms(*angles)
+    columns = tuple(
+        Column(f"{name} {axis}", line.points[:, i])
+        for name, line in drawn.items()
+        for i, axis in enumerate("xy")
+    )
+    what = (
+        f"lines of the drawing, not to scale; Theta = {attitude_deg:g} deg,"
+        f" gamma = {flight_path_deg:g} deg, alpha_w = {wind_deg:g} deg,"
+        f" delta = {deflection_deg:g} deg"
+    )
+    curves = Curves("figure-1", what, "part of the line [-]", _ALONG, columns)
+    _, axes = plt.subplots(figsize=(9.2, 8.4), layout="constrained")
+    lines: list[Any] = []
+    for name, line in drawn.items():
+        x, y = curves.column(f"{name} x"), curves.column(f"{name} y")
+        lines += axes.plot(x, y, label=name, solid_capstyle="butt", **line.style)
+        _finish(axes, line, x, y)
+    axes.plot(0.0, 0.0, "o", color=INK, ms=6)
+    axes.text(0.75, -0.5, "c.g.", fontsize=12)
+    axes.text(0.48, 0.04, _SIGNS, transform=axes.transAxes, va="bottom", linespacing=1.7)
+    axes.set_title("Figure 1. Vehicle configuration, not to scale: eqs (B1), (B2c)")
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return control_plot(lines, axes, curves)
+
+
+def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
+    """Put heads on an arrow and the text beside its line."""
+    if line.arrow:
+        head = {"arrowstyle": line.arrow, "color": line.style["color"], "lw": line.style["lw"]}
+        head |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 16}
+        start = 0 if line.arrow == "<|-|>" else -3
+        axes.annotate("", (x[-1], y[-1]), (x[start], y[start]), arrowprops=head)
+    if line.text:
+        i = round(line.place * (x.size - 1))
+        place = (x[i] + line.shift[0], y[i] + line.shift[1])
+        axes.text(
+            *place, line.text, color=line.style["color"], fontsize=12, ha="center", va="center"
+        )
+
+
+def _body(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    u, n = _axes_of(attitude)
+    corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
+    outline = [a * u + side * _RADIUS * n for a, side in corners]
+    aft, across = _axes_of(attitude + turned)
+    gimbal = _TAIL * u
+    nozzle = [gimbal + s * w * across - d * aft for s, w, d in _NOZZLE]
+    reach = np.array([9.6, 0.0])
+    return {
+        "body": _Line(_polyline(outline), _BODY),
+        "nozzle": _Line(_polyline(nozzle), _BODY),
+        "axis": _Line(_straight((_TAIL - 4.4) * u, (_NOSE + 2.9) * u), _THIN),
+        "local horizontal": _Line(
+            _straight(0.0 * reach, reach), _THIN, "local horizontal", 0.8, (0.0, -0.35)
+        ),
+    }
+
+
+_NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.2, 0.0))
+
+
+def _forces(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    u, n = _axes_of(attitude)
+    along = _axes_of(attitude + turned)[0]
+    gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
+    return {
+        "thrust": _Line(
+            _straight(gimbal - 4.4 * along, gimbal - 1.1 * along),
+            _FORCE,
+            "thrust $T$ [N]",
+            0.3,
+            (1.5, 0.0),
+            "-|>",
+        ),
+        "normal force": _Line(
+            _straight(centre, centre + 3.2 * n), _FORCE, r"$N\alpha$ [N]", 1.0, (-0.2, 0.5), "-|>"
+        ),
+        "axial force": _Line(
+            _straight(nose + 2.6 * u, nose), _FORCE, "$F_A$ [N]", 0.4, (-0.9, 0.2), "-|>"
+        ),
+        "weight": _Line(
+            _straight(0.0 * u, np.array([0.0, -3.4])), _FORCE, "$W$ [N]", 1.0, (0.95, 0.15), "-|>"
+        ),
+    }
+
+
+def _speeds(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    speed = _SPEED * _axes_of(path)[0]
+    relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
+    origin = np.zeros(2)
+    return {
+        "velocity": _Line(
+            _straight(origin, speed), _SPEEDS, "velocity $V$ [m/s]", 0.85, (1.3, -0.5), "-|>"
+        ),
+        "relative velocity": _Line(
+            _straight(origin, relative), _SPEEDS, "$V_R$ [m/s]", 1.0, (-1.15, 0.05), "-|>"
+        ),
+        "wind": _Line(
+            _straight(relative, speed), _SPEEDS, "wind $V_w$ [m/s]", 0.5, (0.2, 0.4), "-|>"
+        ),
+    }
+
+
+def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    u = _axes_of(attitude)[0]
+    into_wind, back = path + wind, attitude + np.pi
+    return {
+        "gamma": _Line(_arc(2.6, 0.0, path), _ANGLE, r"$\gamma$", 0.5, (0.35, 0.1), "-|>"),
+        "Theta": _Line(_arc(5.6, 0.0, attitude), _ANGLE, r"$\Theta$", 0.2, (0.4, 0.05), "-|>"),
+        "alpha_w": _Line(
+            _arc(4.0, path, into_wind), _ANGLE, r"$\alpha_w$", 0.5, (0.45, 0.3), "-|>"
+        ),
+        "alpha": _Line(
+            _arc(4.0, into_wind, attitude), _ANGLE, r"$\alpha$", 0.25, (0.25, 0.35), "-|>"
+        ),
+        "delta": _Line(
+            _arc(3.6, back, back + turned) + _TAIL * u,
+            _ANGLE,
+            r"$\delta$",
+            0.5,
+            (-0.15, -0.4),
+            "-|>",
+        ),
+    }
+
+
+def _arms(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    u, n = _axes_of(attitude)
+    off = 1.6 * n
+    ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}
+    lines = {
+        "arm l_c": _Line(
+            _straight(off - _ARM_C * u, off), _ARM, "$l_c$ [m]", 0.5, (-0.7, 0.3), "<|-|>"
+        ),
+        "arm l_a": _Line(
+            _straight(off, off + _ARM_A * u), _ARM, "$l_a$ [m]", 0.5, (-0.7, 0.3), "<|-|>"
+        ),
+    }
+    for name, end in ends.items():
+        lines[name] = _Line(_straight(end, end + 1.15 * off), _THIN)
+    return lines
+
+
+def _axes_of(angle: float) -> tuple[FloatArray, FloatArray]:
+    """The unit vector at an angle from the horizontal, and the one to its left."""
+    along = np.array([np.cos(angle), np.sin(angle)])
+    return along, np.array([-along[1], along[0]])
+
+
+def _straight(start: FloatArray, end: FloatArray) -> FloatArray:
+    return start + _ALONG[:, np.newaxis] * (end - start)
+
+
+def _arc(radius: float, start: float, end: float) -> FloatArray:
+    angle = start + _ALONG * (end - start)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _polyline(corners: list[FloatArray]) -> FloatArray:
+    """Straight lines from corner to corner, with every corner among the points."""
+    points = np.array(corners)
+    sides = len(points) - 1
+    place = np.clip(_ALONG * sides, 0.0, sides)
+    return np.stack(
+        [np.interp(place, np.arange(sides + 1), column) for column in points.T], axis=-1
+    )
+
+
+_OUTLINE_PARAMETER = np.linspace(0.0, 1.0, 21)
+_SLIM, _NOSE_OVER_LENGTH, _BELL = 0.045, 0.10, 0.07
+"""Radius of the body, length of the nose and of the nozzle, over the length between the forces."""
+_WIDTH, _TITLE = 8.6, 0.4
+"""Of the figure, and of its title [inch]."""
+_CLOSE = 0.2
+"""Names nearer than this part of that length stand above each other."""
+_DIMENSION: Style = {"color": COLOURS[0], "lw": 1.2}
+
+
+def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot":
+    """Draw a vehicle along its axis, nose to the right, lengths to scale.
+
+    Drawn are the centre of gravity, the centre of pressure, the gimbal and the tanks. Neither
+    radius nor nose is among the numbers of a vehicle: the outline is a sketch.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    limit : float, optional
+        Deflection limit [rad]; the nozzle is drawn turned to both sides by so much.
+
+    Raises
+    ------
+    InputError
+        For a batch of vehicles.
+    """
+    import matplotlib.pyplot as plt
+
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    single("vehicle", vehicle.batch)
+    if limit is not None:
+        limit = number("limit", limit, small_angle("a deflection", positive), "rad")
+    curves = _curves(vehicle, limit)
+    stations = _stations(vehicle)
+    figure, axes = plt.subplots(layout="constrained")
+    lines: list[Any] = []
+    for name in dict.fromkeys(one.label.rpartition(" ")[0] for one in curves.columns):
+        style: Style = {"color": INK, "lw": 1.6} if name == "body" else {"color": WARM, "lw": 1.4}
+        xy = (curves.column(f"{name} {axis}") for axis in "xy")
+        lines += axes.plot(*xy, label=name, **style)
+    radius = _SLIM * float(np.ptp(list(stations.values())))
+    axes.plot([min(stations.values()), max(stations.values())], [0, 0], color="0.6", lw=0.8)
+    named: dict[float, str] = {}
+    for name, at in stations.items():
+        named[at] = f"{named[at]}, {name}" if at in named else name
+    before, level, top = -np.inf, 1, 3.6 * radius
+    for at, name in sorted(named.items()):
+        level = 1 - level if at - before < _CLOSE * float(np.ptp(list(stations.values()))) else 0
+        before, height = at, (1.7, 3.4)[level] * radius
+        top = max(top, height + 2.0 * radius)
+        axes.plot(at, 0.0, "o", color=INK, ms=5)
+        axes.plot([at, at], [0.0, height], color="0.6", lw=0.8)
+        axes.text(at, height, name, ha="center", va="bottom", fontsize=10)
+    arms = {"l_a": float(vehicle.aerodynamic_arm), "l_c": -float(vehicle.control_arm)}
+    below = 0.0
+    for name, end in sorted(arms.items(), reverse=True):
+        below = -2.2 * radius if name == "l_c" or end >= 0.0 else -4.2 * radius
+        axes.annotate(
+            "", (end, below), (0.0, below), arrowprops={"arrowstyle": "<|-|>", **_DIMENSION}
+        )
+        label = f"${name}$ = {abs(end):.4g} m"
+        place: Style = {"ha": "center", "va": "top", "fontsize": 10, "color": COLOURS[0]}
+        axes.text(end / 2.0, below - 0.4 * radius, label, **place)
+    axes.set_title(literal(curves.parameters))
+    axes.set_aspect("equal")
+    axes.set_ylim((-4.2 if below > -3.0 * radius else -6.2) * radius, top)
+    axes.set(xticks=[], yticks=[])
+    axes.set_axis_off()
+    high, wide = (float(np.ptp(ends)) for ends in (axes.get_ylim(), axes.get_xlim()))
+    figure.set_size_inches(_WIDTH, _WIDTH * high / wide + _TITLE)
+    return control_plot(lines, axes, curves)
+
+
+def _stations(vehicle: Vehicle) -> dict[str, float]:
+    """What acts where [m], forward of the centre of gravity."""
+    found = {"gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm}
+    found |= {"c.g.": 0.0, "c.p.": vehicle.aerodynamic_arm}
+    tanks = () if vehicle.structure is None else vehicle.structure.slosh
+    found |= {f"tank {k}": one.station for k, one in enumerate(tanks, start=1)}
+    return {name: float(at) for name, at in found.items()}
+
+
+def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
+    """The outline of the body, and of the nozzle to both sides of its axis."""
+    stations = _stations(vehicle)
+    aft, fore = min(stations.values()), max(stations.values())
+    length = fore - aft
+    radius, tip = _SLIM * length, fore + 2.0 * _NOSE_OVER_LENGTH * length
+    shoulder = fore + _NOSE_OVER_LENGTH * length
+    half = [(aft, radius), (shoulder, radius), (tip, 0.0)]
+    drawn = {"body": [*half, *((x, -y) for x, y in reversed(half)), half[0]]}
+    bell = [(0.0, 0.3), (-1.0, 0.8), (-1.0, -0.8), (0.0, -0.3)]
+    for side in (1.0,) if limit is None else (1.0, -1.0):
+        angle = side * (limit or 0.0)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        corners = [turn @ (x * _BELL * length, y * radius) for x, y in bell]
+        name = "nozzle" if side > 0.0 else "nozzle to the other side"
+        drawn[name] = [(-float(vehicle.control_arm) + x, y) for x, y in corners]
+    columns = tuple(
+        Column(f"{name} {axis}", values, "m")
+        for name, corners in drawn.items()
+        for axis, values in zip("xy", _outline(corners), strict=True)
+    )
+    turned = "" if limit is None else f", nozzle at its stops of {np.degrees(limit):.3f} deg"
+    words = f"{vehicle.name or 'vehicle'}, lengths to scale{turned}"
+    return Curves("vehicle", words, "part of the line [-]", _OUTLINE_PARAMETER, columns)
+
+
+def _outline(corners: list[Any]) -> Any:
+    """Points along straight lines from corner to corner, ``(2, 21)``; each corner among them."""
+    points, sides = np.array(corners), len(corners) - 1
+    place = np.linspace(0.0, sides, sides * (_OUTLINE_PARAMETER.size // sides) + 1)
+    place = np.append(place, np.full(max(_OUTLINE_PARAMETER.size - place.size, 0), float(sides)))[
+        : _OUTLINE_PARAMETER.size
+    ]
+    return np.array([np.interp(place, np.arange(sides + 1), column) for column in points.T])
