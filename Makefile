@@ -60,7 +60,7 @@ lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 	$(BIN)/lint-imports
 
 bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and print the ratios
-	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean .
+	cd benchmarks && ../$(BIN)/python -m pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean .
 
 notebooks: $(VENV)/.installed-dev  ## execute notebooks/*.py and write their .ipynb beside them
 	$(BIN)/python notebooks/execute.py
