@@ -201,6 +201,18 @@ def test_calls_alike_are_worth_together_what_one_is_not(monkeypatch):
     assert choice.swiftest(small_roots, 0.01) is small_roots
 
 
+def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatch):
+    monkeypatch.setattr(choice, "_is_kept", lambda function: True)
+    monkeypatch.setattr(choice, "available", lambda: True)
+    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
+    plain = [small_roots, small_roots, small_roots]
+    for _ in range(2):  # each command by itself
+        with choice.in_a_command():
+            assert [choice.swiftest(small_roots, 0.13) for _ in range(4)] == [*plain, "compiled"]
+            assert choice.swiftest(small_roots, 0.001) is small_roots
+    assert choice.swiftest(small_roots, 0.13) == "compiled"
+
+
 def test_little_work_does_not_load_the_compiler():
     code = (
         "import sys, numpy as np\n"

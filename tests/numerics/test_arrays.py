@@ -5,12 +5,13 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize.elementwise import find_root
 
 import tvclin as tv
 from tests.turns import usual
 from tvclin.numerics import polynomials
 from tvclin.numerics.pieces import Pieces, moments
-from tvclin.numerics.searches import first_crossing
+from tvclin.numerics.searches import first_crossing, roots_between
 from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps
@@ -201,6 +202,20 @@ def test_first_crossing_is_the_first_of_several_and_never_is_infinite():
 
     found = first_crossing(times, np.sin(times) - levels[:, np.newaxis], evaluate)
     np.testing.assert_allclose(found, [np.pi / 6, np.inf], rtol=4e-16)
+
+
+def test_roots_in_brackets_are_those_of_scipy_and_the_upper_end_where_nothing_rises():
+    level, power = np.array([1e-8, 0.3, 0.9, 2.0, 40.0]), np.array([1.0, 3.0, 9.0, 0.2, 2.0])
+    low, high = np.zeros(5), np.array([1.0, 1.0, 1.0, 100.0, 6.0])
+
+    def function(x, k):
+        return x ** power[k] - level[k]
+
+    found = roots_between(low, high, function)
+    expected = find_root(function, (low[:4], high[:4]), args=(np.arange(4),)).x
+    np.testing.assert_allclose(found[:4], expected, rtol=8 * EPS)
+    np.testing.assert_allclose(found[:4], level[:4] ** (1 / power[:4]), rtol=8 * EPS)
+    assert found[4] == high[4]
 
 
 def mixed():

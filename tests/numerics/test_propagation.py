@@ -9,6 +9,7 @@ from scipy.optimize import minimize_scalar
 from tvclin.numerics.pieces import Pieces
 from tvclin.numerics.propagation import (
     augmented_matrix,
+    balanced,
     input_states,
     matrix_exponentials,
     motion,
@@ -33,6 +34,16 @@ MATRICES = {
     "growing": np.array([[0.0, 1.0], [0.28, 0.0]]),
 }
 EACH_MATRIX = pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+
+
+@EACH_MATRIX
+def test_balancing_is_a_similarity_whose_norms_are_those_of_lapack(matrix):
+    found, scale = balanced(matrix)
+    np.testing.assert_array_equal(found * scale[:, np.newaxis] / scale, matrix)  # powers of two
+    expected = matrix_balance(matrix, permute=False)[0]
+    for axis in (0, 1):
+        sizes, lapack = (np.linalg.norm(one, axis=axis) for one in (found, expected))
+        assert np.linalg.norm(sizes) <= 2.0 * np.linalg.norm(lapack)
 
 
 def exact(matrix, step):

@@ -164,7 +164,9 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
     def run(*given: Any, **options: Any) -> None:
         import numpy as np
 
-        with np.errstate(over="raise", divide="raise", invalid="raise"):
+        from tvclin.kernels.choice import in_a_command
+
+        with np.errstate(over="raise", divide="raise", invalid="raise"), in_a_command():
             command(*given, **options)
 
     return run

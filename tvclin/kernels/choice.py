@@ -2,7 +2,8 @@
 
 Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
 on a machine, and half a second to load from then on. It is taken where the work of the call, or of
-all that are alike, is worth that, whatever was called before. Nobody above the kernels knows.
+all that are alike, is worth that, whatever was called before; in a command, whose calls are the
+same in each run, where all calls together are worth it. Nobody above the kernels knows.
 """
 
 import os
@@ -28,6 +29,8 @@ from tvclin.kernels.threads import in_slices
 _LOADING, _COMPILING = 0.02, 2.0
 """Seconds of plain Python in one call for which machine code is loaded, and compiled where it is
 not kept."""
+_IMPORTING = 0.4
+"""Seconds of plain Python in a command from which numba is imported, which takes as long."""
 _LONG = 5.0
 """Seconds of plain Python, of all calls of a process together, from which numba is missed."""
 
@@ -51,6 +54,9 @@ class _PlainWork:
 
 _plain_work = _PlainWork()
 
+_command: ContextVar[_PlainWork | None] = ContextVar("_command", default=None)
+"""Plain work of the command that runs, if one does."""
+
 
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel as it is, or as machine code where that pays.
@@ -60,16 +66,20 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
     """
     if not available():
         _count(seconds)
-    return chosen(function, seconds)
+    taken, command = chosen(function, seconds), _command.get()
+    if command is not None and taken is function:
+        command.seconds += seconds
+    return taken
 
 
 def chosen(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return the same as `swiftest`, for work that is counted already."""
     wanted = _pinned.get()
     if wanted is None:
-        every = seconds * _alike.get()
+        every, command = seconds * _alike.get(), _command.get()
         compiles = _waits.get() and every > _COMPILING
-        wanted = compiles or (every > _LOADING and _is_kept(function))
+        loads = command is None or command.seconds + every > _IMPORTING
+        wanted = compiles or (loads and every > _LOADING and _is_kept(function))
     return machine_code(function) if wanted and available() else function
 
 
@@ -178,6 +188,11 @@ def repeated(calls: int) -> AbstractContextManager[None]:
     Within others that are repeated it is so many times as many.
     """
     return _within(_alike, _alike.get() * calls)
+
+
+def in_a_command() -> AbstractContextManager[None]:
+    """Import numba only once the calls of a command together are worth it."""
+    return _within(_command, _PlainWork())
 
 
 def compiling_nothing() -> AbstractContextManager[None]:

@@ -11,7 +11,7 @@ largest output of such a motion between its samples.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, hypot, log2
 
 import numpy as np
 
@@ -23,6 +23,9 @@ _AXES_OF_MATRICES = 3
 """Axes of an array ``(m, n, n)`` of matrices."""
 _MAX_SERIES_NORM, _SERIES_TERMS = 0.5, 14
 """Norm up to which the exponential series is used, and its terms: 0.5^15/15! is below 1e-16."""
+_BALANCING_SWEEPS, _WORTH_SCALING = 50, 0.95
+"""Sweeps over rows and columns at most, and the sum of two norms after a scaling over that before
+it, from which on it is not worth it."""
 _STEPS_PER_BLOCK = 128
 """Equal steps in a block of samples, a power of two; the step may double between blocks."""
 _FIRST_STEP, _MAX_STEP = 0.1, 0.4
@@ -120,13 +123,11 @@ def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
 
     `matrix`: ``(n, n)`` or ``(m, n, n)``. `steps`: ``(m,)``.
     """
-    from scipy.linalg import matrix_balance  # late: it takes 0.1 s to import
-
     if not matrix.size:
         return np.zeros((len(steps), *matrix.shape[-2:]))
     scale = np.ones(matrix.shape[-1])
     if matrix.ndim < _AXES_OF_MATRICES:
-        matrix, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
+        matrix, scale = balanced(matrix)
     size = np.abs(matrix).sum(axis=-2).max(axis=-1)
     # x = f 2^e with f in [0.5, 1): e squarings scale x _MAX_SERIES_NORM below it.
     squarings = np.maximum(np.frexp(size * np.abs(steps) / _MAX_SERIES_NORM)[1], 0)
@@ -140,6 +141,34 @@ def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
             squared = squarings > k
             result[squared] = result[squared] @ result[squared]
         return np.asarray(scale[:, np.newaxis] * result / scale)
+
+
+def balanced(matrix: AnyArray) -> tuple[AnyArray, FloatArray]:
+    """Return D^-1 A D with rows and columns of like size, and the diagonal of D, powers of two.
+
+    As `scipy.linalg.matrix_balance`, whose import takes as long as half a study (Parlett and
+    Reinsch, 1969). `matrix`: A, ``(n, n)``.
+    """
+    sizes = np.abs(matrix).tolist()
+    order = range(len(sizes))
+    scale = [1.0] * len(sizes)
+    for _ in range(_BALANCING_SWEEPS):
+        changed = False
+        for i in order:
+            column, row = hypot(*(line[i] for line in sizes)), hypot(*sizes[i])
+            if not 0.0 < column * row < np.inf:
+                continue
+            factor = 2.0 ** round(0.5 * log2(row / column))
+            if column * factor + row / factor >= _WORTH_SCALING * (column + row):
+                continue
+            changed, scale[i] = True, scale[i] * factor
+            for j in order:
+                sizes[j][i] *= factor
+                sizes[i][j] /= factor
+        if not changed:
+            break
+    diagonal = np.array(scale)
+    return matrix * diagonal / diagonal[:, np.newaxis], diagonal
 
 
 def _finite_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:

@@ -5,6 +5,7 @@ The dual of the minimum-peak problem asks for nothing else.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
+from tvclin.numerics.searches import roots_between
 
 _FADED = 60.0
 """Past this many e-folding times of the slowest real pole a change of sign is not sought."""
@@ -130,13 +132,15 @@ def even_for(decay: float, last: float, count: int) -> FloatArray:
 
 
 def _refined(
-    multipliers: FloatArray, function: object, times: FloatArray, left: IndexArray
+    multipliers: FloatArray,
+    function: Callable[[FloatArray], FloatArray],
+    times: FloatArray,
+    left: IndexArray,
 ) -> FloatArray:
     """The zeros of lambda . function between ``times[left]`` and the times after them."""
-    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
+    sign = np.sign(multipliers @ function(times[left + 1]))
 
-    found = find_root(
-        lambda u: multipliers @ function(u),  # type: ignore[operator]
-        (times[left], times[left + 1]),
-    )
-    return np.asarray(np.where(found.success, found.x, times[left + 1]))
+    def rising(u: FloatArray, k: IndexArray) -> FloatArray:
+        return np.asarray(sign[k] * (multipliers @ function(u)))
+
+    return roots_between(times[left], times[left + 1], rising)

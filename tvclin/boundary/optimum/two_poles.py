@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.errors import InputError, number, plain, positive, together, within
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
+from tvclin.numerics.searches import roots_between
 from tvclin.vehicle.coefficients import Coefficients
 
 _NEVER = 60.0
@@ -59,13 +60,12 @@ def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
 
 
 def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
-    from scipy.optimize import brentq  # late: it takes 0.3 s to import
-
     ends = excess(0.0), excess(last)
     if ends[0] == 0.0 or ends[0] * ends[1] >= 0.0:
         return np.inf
-    rounding = 4.0 * float(np.finfo(float).eps)
-    return float(brentq(excess, 0.0, last, xtol=1e-300, rtol=rounding, maxiter=500))
+    sign = np.sign(ends[1])
+    rises = lambda t, _: np.array([sign * excess(float(t[0]))])  # noqa: E731
+    return float(roots_between(np.zeros(1), np.array([last]), rises)[0])
 
 
 def switch_variable(y: float, ratio: float) -> float:
@@ -149,16 +149,14 @@ def longest_single_pole_duration(
     shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
     reached = (b1 < K * b2) & (K * b1 < b2)
     latest = np.where(reached, neglecting_the_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
-    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
+    b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 
-    def excess(tau: FloatArray, b1: FloatArray, b2: FloatArray, K: FloatArray) -> FloatArray:
-        part = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
-        return np.asarray(np.sqrt(K * b2 / b1) * part - 1.0)
+    def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
+        part = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
+        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * part - 1.0)
 
-    args = tuple(np.broadcast_to(a, shape) for a in (b1, b2, K))
-    latest = np.broadcast_to(latest, shape)
-    found = find_root(excess, (latest * 1e-12, latest * (1.0 + 1e-9)), args=args)
-    return plain(np.where(np.broadcast_to(reached, shape), found.x, np.nan))
+    duration = roots_between(latest * 1e-12, latest * (1.0 + 1e-9), excess).reshape(shape)
+    return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))
 
 
 def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0) -> Any:
