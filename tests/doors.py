@@ -460,8 +460,8 @@ def doors(folder: Path) -> dict[str, Door]:
             {"name": "own", "requirements": tv.CRITERIA["classic"].requirements},
         ),
         "Criteria.are_satisfied": Door(tv.CRITERIA["classic"].are_satisfied, {"margins": margins}),
-        "Criteria.changed": Door(
-            tv.CRITERIA["classic"].changed, {"source": "us", "phase_margin_deg": 20.0}
+        "Criteria.with_limits": Door(
+            tv.CRITERIA["classic"].with_limits, {"source": "us", "phase_margin_deg": 20.0}
         ),
         "Criteria.judge": Door(tv.CRITERIA["classic"].judge, {"margins": margins}),
         "Criteria.custom": Door(
