@@ -7,7 +7,7 @@ import tvclin as tv
 from tvclin import InputError
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.nominal_flight import nominal_flight
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 CSV = """\
 # a flight

@@ -10,7 +10,7 @@ import pytest
 
 import tvclin as tv
 from tvclin.base.files import read_text, tables_of, write_text
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="links, modes and pipes of POSIX")
 

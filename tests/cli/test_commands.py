@@ -18,7 +18,7 @@ from tests.turns import by_turns
 from tvclin.base.files import write_text
 from tvclin.boundary.stops import STOPS
 from tvclin.cli.app import NAMES, app
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 
 def run(*arguments: str) -> Result:

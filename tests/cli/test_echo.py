@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 
 def study(folder: Path, *changes: tuple[str, str]) -> str:

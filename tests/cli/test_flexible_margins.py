@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 GAINS = ("--attitude-gain", "0.2", "--rate-gain", "0.2", "--delay-ms", "20")
 FREQUENCY = ("--actuator-frequency", "10")
@@ -129,7 +129,7 @@ rate_slope_per_m = 0.05
 def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     """A vehicle file whose mode is that of a row misses the criteria as the row does."""
     file = tmp_path / "one.toml"
-    file.write_text(vehicle_text("configuration-i")[0] + ONE_MODE)
+    file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
     loop = ("--natural-frequency", "1.5", "--delay-ms", "10", "--sample-rate", "100")
     asked = (str(file), *loop, "--notch-hz", "9,0.05,0.5", "--mode-gain-db", "10")
     nominal, moved = run("margins", *asked), run("margins", *asked, "--detuned", "--json")
@@ -141,10 +141,10 @@ def test_a_verdict_counts_the_rows_of_detuned_modes(tmp_path: Path) -> None:
     assert missed
     assert found["met"] is False
     lower = ONE_MODE.replace("frequency_Hz = 9", f"frequency_Hz = {0.8 * 9.0}")
-    file.write_text(vehicle_text("configuration-i")[0] + lower)
+    file.write_text(read_vehicle_text("configuration-i")[0] + lower)
     assert "bending 1 x 0.8" in missed
     assert run("margins", *asked).exit_code == 1
-    file.write_text(vehicle_text("configuration-i")[0] + ONE_MODE)
+    file.write_text(read_vehicle_text("configuration-i")[0] + ONE_MODE)
     shown = " ".join(run("margins", *asked, "--detuned").output.split())
     assert f"with detuned modes: NOT MET in {len(missed)} of {len(found['rows'])} rows" in shown
     assert "Criteria classic, changed by the command line: MET" in shown
@@ -192,7 +192,7 @@ def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     tables, study = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    Path("my.toml").write_text(vehicle_text("configuration-i")[0] + "\n" + tables)
+    Path("my.toml").write_text(read_vehicle_text("configuration-i")[0] + "\n" + tables)
     Path("all.toml").write_text(study)
     sessions = re.findall(r"```console\n\$ tvclin (.*?)\n(.*?)```", page, re.DOTALL)
     codes = (1, 1, 1, 0, 0)

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
 from tvclin.cli.app import app
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 mpl.use("Agg")
 
@@ -26,7 +26,7 @@ NOZZLE = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
 def mine(tmp_path: Path) -> str:
     """Return a file of configuration I with a mode and a tank."""
     path = tmp_path / "my.toml"
-    path.write_text(vehicle_text("configuration-i")[0] + MODE_AND_TANK)
+    path.write_text(read_vehicle_text("configuration-i")[0] + MODE_AND_TANK)
     return str(path)
 
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tvclin.cli.app import app
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 COMMANDS = {
     "study": ["study", "configuration-i", "--model", "fixed-path", "--sign", "frozen"],
@@ -102,7 +102,7 @@ def test_a_warning_is_shown_without_its_escape_sequences(
         return ("configuration-i",)
 
     monkeypatch.setattr("tvclin.cli.vehicles.list_vehicles", warning, raising=False)
-    monkeypatch.setattr("tvclin.vehicle.file.list_vehicles", warning)
+    monkeypatch.setattr("tvclin.vehicle.vehicle_file.list_vehicles", warning)
     said = CliRunner().invoke(app, ["vehicles"]).output
     assert "Warning: Glyph 27 (?) missing from font" in said
     assert "\x1b" not in said

@@ -14,8 +14,8 @@ from tests.archives import Balloon, jet, write
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
 from tvclin.cli.app import app
-from tvclin.vehicle.file import vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 PAGES = Path(__file__).parents[2] / "docs"
 SOUNDING = Path(__file__).parents[1] / "soundings" / "table.csv"
@@ -106,7 +106,7 @@ class Files(NamedTuple):
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("parts")
-    text = vehicle_text("configuration-i")[0]
+    text = read_vehicle_text("configuration-i")[0]
     damped = text.replace("[vehicle]", "[vehicle]\npitch_damping_N_m_s_per_rad = 4e6", 1)
     made = []
     for name, words in {"plain": text, "damped": damped, "bent": text + BENDS}.items():

@@ -12,7 +12,7 @@ import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
 from tvclin.control.autopilot.design_rules import AutopilotDesign
-from tvclin.vehicle.filters import cells_of
+from tvclin.vehicle.filters import filter_cells
 
 TABLES = """
 [autopilot]
@@ -168,7 +168,7 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
 
 @pytest.mark.parametrize("filter", LOOP_FILTERS, ids=str)
 def test_a_filter_can_be_built_again_from_the_numbers_that_tables_show(filter):
-    cells = sum(cells_of(filter, "f"), ())
+    cells = sum(filter_cells(filter, "f"), ())
     numbers = {part.name: part.value for part in cells if not isinstance(part, str)}
 
     def powers(kind):

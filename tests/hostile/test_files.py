@@ -7,7 +7,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 LONG = "x" * 300
 """No file system takes a name of so many letters."""

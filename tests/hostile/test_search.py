@@ -26,13 +26,13 @@ from tests.turns import drawn
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 SOUNDINGS = Path(__file__).parents[1] / "soundings"
 MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))
 LONG = "x" * 300
 
-VEHICLE = vehicle_text("configuration-i")[0]
+VEHICLE = read_vehicle_text("configuration-i")[0]
 SCHEDULE = """[schedule]
 time_s = [60, 70, 80]
 weight_N = [1.5e6, 1.48e6, 1.4e6]

@@ -25,8 +25,8 @@ from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
+from tvclin.vehicle.vehicle_file import load_vehicle
 
 Reading = Callable[[Coefficients], float]
 

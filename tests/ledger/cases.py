@@ -12,7 +12,7 @@ from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 from tvclin.winds.pulses import TriangularWind
 
 FULL, HALF, NONE = 1.0, 0.5, 0.0

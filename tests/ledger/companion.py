@@ -10,7 +10,7 @@ from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.comparison import compare_with_trim
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 from tvclin.winds.pulses import TriangularWind
 
 WIND, PEAK = 2.4, 5.2

@@ -14,7 +14,7 @@ from tvclin.flights.nozzle_command import ReportControl
 from tvclin.flights.planar import fly_planar
 from tvclin.plots.flown_boundaries import centred_wind, flown_limit
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 
 TAU_BETA = 4.0
 BELOW, ABOVE = 0.9, 1.1

@@ -15,7 +15,7 @@ from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.findings import find
 from tvclin.cli.app import app
 from tvclin.show.explorer.answer import answer
-from tvclin.vehicle.file import vehicle_file, vehicle_table
+from tvclin.vehicle.vehicle_file import vehicle_file, vehicle_table
 
 VEHICLES = ("configuration-i", "configuration-ii", "made-up-booster")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")

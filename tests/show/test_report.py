@@ -24,7 +24,7 @@ from tvclin.linear.plant import MODELS
 from tvclin.show.report import basis, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 from tvclin.winds.shaped import SHAPES
 
 pytest.importorskip("jinja2")

@@ -17,7 +17,7 @@ from tvclin.answers.study_file.parse import parse_study
 from tvclin.base.lines import Number
 from tvclin.show.report import basis, control, flexible, sections
 from tvclin.show.report.page import page_of
-from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
@@ -50,7 +50,7 @@ mode_gain_margin_dB = 10
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a vehicle that bends and a study of it."""
     place = tmp_path_factory.mktemp("flexible")
-    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + MODE_AND_TANK)
+    (place / "my.toml").write_text(read_vehicle_text("configuration-i")[0] + MODE_AND_TANK)
     (place / "all.toml").write_text(STUDY)
     return place
 

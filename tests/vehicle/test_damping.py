@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tests.vehicle.test_file import GOOD
-from tvclin.vehicle.file import parse_vehicle
+from tvclin.vehicle.vehicle_file import parse_vehicle
 
 COEFFICIENTS = """
 dynamic_pressure_Pa = 45500

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tvclin as tv
-from tvclin.vehicle.file import parse_vehicle, template
+from tvclin.vehicle.vehicle_file import parse_vehicle, template
 
 GOOD = """
 [vehicle]

@@ -9,7 +9,7 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE
-from tvclin.vehicle.file import template
+from tvclin.vehicle.vehicle_file import template
 
 VEHICLE = (Path(tv.__file__).parent / "vehicle/shipped/configuration-i.toml").read_text()
 MODE = """

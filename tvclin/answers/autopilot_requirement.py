@@ -20,7 +20,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
 from tvclin.linear.flexible import AnyPlant
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 
 AnyCase = TypeVar("AnyCase", bound=Case)
 
@@ -112,6 +112,6 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     from tvclin.answers.encountered_requirement import largest_pressure  # late, with its engine
     from tvclin.answers.varying_equations import at_pressure
 
-    whole = whole_vehicle(case.vehicle, "a head wind")
+    whole = complete_vehicle(case.vehicle, "a head wind")
     ratio = largest_pressure(need.placed, whole.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(whole, ratio))

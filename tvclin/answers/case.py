@@ -13,7 +13,7 @@ from tvclin.base.declared import checked, word
 from tvclin.base.errors import InputError, between, instance, number, shown
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, whole_vehicle
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -146,7 +146,7 @@ class Case:
         if not isinstance(wind, ShapedWind):
             return wind
         if wind.heading is not None:
-            whole = whole_vehicle(self.vehicle, "a wind with a direction")
+            whole = complete_vehicle(self.vehicle, "a wind with a direction")
             wind = wind.in_plane(self.plane, float(np.asarray(whole.attitude)))
         if wind.gust is None:
             return wind

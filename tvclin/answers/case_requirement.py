@@ -17,7 +17,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
@@ -227,7 +227,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     in_plane, planes = case.wind_in_plane_at(K), None
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
-        whole = whole_vehicle(case.vehicle, "a wind with a direction")
+        whole = complete_vehicle(case.vehicle, "a wind with a direction")
         placed = replace(wind, gust_at=in_plane.gust_at)
         planes = of_heading(whole, case.model, placed, stop, K)
     elif stop is not None:

@@ -25,7 +25,7 @@ from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -166,7 +166,7 @@ def encountered_requirements(
     names = directions_of(case)
     if not names:
         return {}
-    vehicle = whole_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
+    vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
     planes: tuple[str, ...] = (case.plane,) if case.nozzle.stop is None else PLANES
     if case.heading is not None:
         peaks = wind.peaks(float(np.asarray(vehicle.attitude)))

@@ -18,9 +18,9 @@ from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.modes import Modes
 from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE, Plant
-from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import vehicle_warnings as slips
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
 

@@ -9,8 +9,8 @@ from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.base.errors import InputError, naming, number, positive
 from tvclin.base.files import called
 from tvclin.base.tables import FileTable
-from tvclin.vehicle.file import is_schedule, table_of, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import is_schedule, read_vehicle_text, table_of
 
 FLIGHT_TABLE = FileTable(
     "[flight]",
@@ -96,7 +96,7 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     >>> load_flight_condition("configuration-i").altitude
     11950.0
     """
-    text, path = vehicle_text(source)
+    text, path = read_vehicle_text(source)
     table = {} if is_schedule(source) else table_of(text, path, FLIGHT_TABLE)
     name = called(path)
     if not table:

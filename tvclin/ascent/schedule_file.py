@@ -12,16 +12,16 @@ from tvclin.base.files import called, exists, tables_of
 from tvclin.base.sheet import Headings, sheet_in
 from tvclin.base.tables import FileTable
 from tvclin.base.text import MISSING_NUMBERS, lines_of
-from tvclin.vehicle.file import (
+from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.vehicle.vehicle_file import (
     VEHICLE_TABLE,
     build_vehicle,
     is_csv,
     parse_vehicle,
+    read_vehicle_text,
     source_tables,
-    vehicle_text,
 )
-from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
-from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
 """Nominal flight before and after the time of a vehicle [s], where no span is given."""
@@ -67,7 +67,7 @@ def load_schedule(
     path("source", source, "a name or a path")
     if is_csv(source) and not exists(source):
         raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
-    text, name = vehicle_text(source)
+    text, name = read_vehicle_text(source)
     if is_csv(name):
         return _from_rows(_csv_rows(text, name), name)
     table = _schedule_table(text, name)

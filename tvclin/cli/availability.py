@@ -29,7 +29,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import FormatOptions, GustOptions, noted_sounding
-from tvclin.vehicle.coefficients import IN_WORDS
+from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.sounding_files import read_soundings
@@ -203,7 +203,7 @@ def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
 
 def _print(found: Availability, launch: tuple[Today, ...], source: str) -> None:
     name = found.judge.flight.vehicle.name or source
-    say(f"{name}, {found.model}, {IN_WORDS[found.plane]}: {found.soundings!r}\n")
+    say(f"{name}, {found.model}, {PLANE_TEXTS[found.plane]}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
     begin, end = found.judged_in_all
     say(f"Limit {np.degrees(found.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")

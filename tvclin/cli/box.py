@@ -12,7 +12,7 @@ from tvclin.base.tables import known
 from tvclin.cli.output import print_tables, say
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import Criteria
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 
@@ -65,7 +65,7 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
     """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
     if not given:
         return None
-    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.wind_in_plane
+    vehicle, wind = complete_vehicle(case.vehicle, "--box"), case.wind_in_plane
     loop = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(

@@ -21,7 +21,7 @@ from tvclin.flights.theory_comparison import FlightBeside, fly_beside, linear_bo
 from tvclin.flights.verdict import watched_until
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
@@ -81,7 +81,7 @@ class FlightCase(Flying):
     @property
     def vehicle(self) -> Vehicle:
         """The vehicle."""
-        return whole_vehicle(self.case.vehicle, "a flight")
+        return complete_vehicle(self.case.vehicle, "a flight")
 
     @property
     def title(self) -> str:

@@ -34,7 +34,7 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 
 _LONGEST = 20.0
 
@@ -68,7 +68,7 @@ class WhatFlies:
 
         Options of another engine or law are refused first.
         """
-        bends = whole_vehicle(case.vehicle, "a flight").structure is not None
+        bends = complete_vehicle(case.vehicle, "a flight").structure is not None
         engine = self.engine or ("linear" if bends and not along else "planar")
         law = self.law or (AUTOPILOT if engine == "linear" else REPORT)
         if law != AUTOPILOT:

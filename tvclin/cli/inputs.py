@@ -11,10 +11,9 @@ from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import InputError
 from tvclin.base.lines import listed
 from tvclin.cli.output import say
-from tvclin.vehicle.doubts import doubts
-from tvclin.vehicle.file import source_tables
 from tvclin.vehicle.linear_vehicle import AnyVehicle
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
+from tvclin.vehicle.vehicle_file import source_tables
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -73,7 +72,7 @@ def without_structure(plan: StudyPlan) -> StudyPlan:
 
 def note_doubts(vehicle: AnyVehicle) -> None:
     """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
-    for doubt in doubts(vehicle) if isinstance(vehicle, Vehicle) else ():
+    for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
         say(f"Note: {doubt}.", err=True)
 
 

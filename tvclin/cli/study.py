@@ -34,7 +34,7 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
-from tvclin.vehicle.file import as_written
+from tvclin.vehicle.vehicle_file import numbers_as_written
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _document(found: Findings) -> dict[str, Any]:
 def _print(found: Findings, source: str, explain: bool) -> None:
     """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
     s, d = found.study, found.dispersed
-    print_tables(tables.vehicle(s, source, as_written(source)), tables.coefficients(s))
+    print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
     print_tables(tables.poles(s), tables.boundaries(s))
     say_lines(tables.verdict(s))
     say(tables.LEGEND)

@@ -16,7 +16,7 @@ def vehicles(as_json: AsJson = False) -> None:
     from tvclin.base.lines import words
     from tvclin.cli.output import print_json, print_tables
     from tvclin.vehicle.coefficients import Coefficients
-    from tvclin.vehicle.file import list_vehicles, load_vehicle
+    from tvclin.vehicle.vehicle_file import list_vehicles, load_vehicle
 
     rows, document = [], {}
     for key in list_vehicles():
@@ -55,7 +55,7 @@ def init(
     from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
     from tvclin.cli.inputs import only_with
-    from tvclin.vehicle.file import list_vehicles, template, vehicle_text
+    from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
     given = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
     if sum(given.values()) > 1:
@@ -66,7 +66,7 @@ def init(
     else:
         text = _vehicle_of_flight(schedule, time)
     if vehicle is not None:
-        text, _ = vehicle_text(one_of("--vehicle", vehicle, list_vehicles()))
+        text, _ = read_vehicle_text(one_of("--vehicle", vehicle, list_vehicles()))
     write_new(file, text)
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
@@ -79,12 +79,12 @@ def _vehicle_of_flight(schedule: str, time: float | None) -> str:
 
     from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at
     from tvclin.base.errors import InputError
-    from tvclin.vehicle.file import needs_time, vehicle_file
-    from tvclin.vehicle.linear_vehicle import whole_vehicle
+    from tvclin.vehicle.linear_vehicle import complete_vehicle
+    from tvclin.vehicle.vehicle_file import missing_time_message, vehicle_file
 
     if time is None:
-        raise InputError(needs_time(schedule))
-    vehicle = whole_vehicle(load_vehicle_at(schedule, time), "--from")
+        raise InputError(missing_time_message(schedule))
+    vehicle = complete_vehicle(load_vehicle_at(schedule, time), "--from")
     flight, key = load_schedule(schedule), f"{Path(schedule).stem} at {time:g} s"
     text = vehicle_file(vehicle.replace(name=vehicle.name or key))
     if flight.altitude is None:

@@ -26,7 +26,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.winds import wind_file
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
@@ -120,7 +120,7 @@ class PulseOptions(GustOptions, _Pulse):
         )
         wind = self._gusty(wind, plan)
         if self.peak_speed is not None:
-            whole = whole_vehicle(plan.vehicle, "--peak-speed")
+            whole = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
             wind = wind.with_speed(speed, whole, plan.plane)
         return replace(plan, wind=wind)
@@ -134,7 +134,9 @@ class PulseOptions(GustOptions, _Pulse):
         made = replace(wind, gust=gust, gust_at=at)
         if speed is None:
             return made
-        return made.with_gust_speed(speed, whole_vehicle(plan.vehicle, "--gust-speed"), plan.plane)
+        return made.with_gust_speed(
+            speed, complete_vehicle(plan.vehicle, "--gust-speed"), plan.plane
+        )
 
     @property
     def _heading(self) -> float | None:
@@ -247,7 +249,7 @@ class BlowingOptions(BiasOptions):
         if self.winds is not None:
             return replace(plan, wind=self.sounding(plan, source))
         found = self.over(plan, source)
-        time = whole_vehicle(plan.vehicle, "a flight in its own time").time
+        time = complete_vehicle(plan.vehicle, "a flight in its own time").time
         middle = 0.0 if time is None else float(time)
         return replace(found, wind=found.history.shift(middle - 0.5 * pulse_of(found).duration))
 
@@ -280,7 +282,7 @@ class BlowingOptions(BiasOptions):
         own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
         pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
-        whole, faults = whole_vehicle(plan.vehicle, "--winds"), Faults()
+        whole, faults = complete_vehicle(plan.vehicle, "--winds"), Faults()
         with faults.kept():
             azimuth = azimuth_of(self.azimuth_deg)
         with faults.kept():

@@ -29,7 +29,7 @@ from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
-from tvclin.vehicle.structure import Structure, chosen
+from tvclin.vehicle.structure import Structure, select_cases
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 if TYPE_CHECKING:
@@ -157,8 +157,8 @@ class FlexiblePlant(Shown, Hinted):
         """
         return replace(
             self,
-            vehicle=chosen(self.vehicle, index, shape),
-            structure=chosen(self.structure, index, shape),
+            vehicle=select_cases(self.vehicle, index, shape),
+            structure=select_cases(self.structure, index, shape),
         )
 
     @property

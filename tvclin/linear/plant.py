@@ -122,7 +122,7 @@ class Plant(Hinted):
         """
         model = default_model(vehicle) if model is None else model
         if isinstance(vehicle, LinearVehicle):
-            return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
+            return cls(vehicle.coefficients_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
 
     def _repr_html_(self) -> str:

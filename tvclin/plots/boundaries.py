@@ -38,8 +38,8 @@ from tvclin.plots.style import (
     new_axes,
 )
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 from tvclin.winds.wind_angles import BEYOND_LINEAR
 
 if TYPE_CHECKING:

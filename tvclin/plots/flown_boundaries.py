@@ -21,8 +21,8 @@ from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
 

@@ -12,7 +12,7 @@ from tvclin.base.errors import InputError, instance, number, positive, small_ang
 from tvclin.base.lines import plural
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
-from tvclin.vehicle.coefficients import IN_WORDS
+from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -55,7 +55,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
         columns.append(Column(_LIMIT, np.full(order.size, most), "deg"))
         styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
     winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"
-    words = f"{sizing.model}, {IN_WORDS[sizing.plane]}, {winds}"
+    words = f"{sizing.model}, {PLANE_TEXTS[sizing.plane]}, {winds}"
     curves = Curves("sizing", words, "flight time [s]", sizing.times[order], tuple(columns))
     top = 1.05 * max(float(np.nanmax(column.values)) for column in columns)
     title = called(sizing.schedule.vehicle.name or name, f"required deflection: {words}")

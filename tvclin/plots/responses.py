@@ -42,8 +42,8 @@ from tvclin.plots.style import (
     draw,
 )
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import load_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
 

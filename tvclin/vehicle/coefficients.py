@@ -1,9 +1,9 @@
-"""The coefficients of the linear equations: everything a plant needs of a vehicle.
+"""Coefficients of the linear equations of motion: all numbers of a vehicle that a plant has.
 
     theta'' = mu_alpha alpha - mu_delta delta - damping theta',    alpha = theta - gamma - alpha_w
 
-mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I; the damping, M_q/I,
-it leaves out. Positive deflection pitches the nose down.
+mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I; the report omits the
+damping, M_q/I. Positive deflection pitches the nose down.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from tvclin.base.errors import (
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 PLANES, BOTH = ("pitch", "yaw"), "both"
-IN_WORDS = {**dict(zip(PLANES, PLANES, strict=True)), BOTH: "both planes"}
-"""A plane, or both, as sentences and titles have it."""
-_LARGEST = 1e18
-"""Of every coefficient, and of one over mu_delta: products of several must not overflow."""
+PLANE_TEXTS = {**dict(zip(PLANES, PLANES, strict=True)), BOTH: "both planes"}
+"""Text of a plane, or of both, in sentences and titles."""
+_MAX_COEFFICIENT = 1e18
+"""Largest coefficient, and largest 1/mu_delta: products of several must not overflow."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coefficients:
-    """The coefficients of the attitude equations, for one vehicle or a batch.
+    """Coefficients of the attitude equations of a vehicle or a batch of vehicles.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Coefficients:
         Moment against the attitude rate over the inertia, M_q/I [1/s], zero or positive; zero in
         the report.
     name : str
-        Of the vehicle, for titles of figures; it does not count when two are compared.
+        Name of the vehicle, for titles of figures; comparisons ignore it.
 
     Raises
     ------
@@ -88,25 +88,26 @@ class Coefficients:
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
         together(**checked)
         for name, array in checked.items():
-            within(name, array, -_LARGEST, _LARGEST)
-        least = np.abs(checked["mu_delta"]).min(initial=np.inf)
-        if least < 1.0 / _LARGEST:
+            within(name, array, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
+        smallest = np.abs(checked["mu_delta"]).min(initial=np.inf)
+        if smallest < 1.0 / _MAX_COEFFICIENT:
             raise InputError(
-                f"mu_delta must be at least {1.0 / _LARGEST:g} 1/s^2 in size; got {least:.6g}"
+                f"mu_delta must be at least {1.0 / _MAX_COEFFICIENT:g} 1/s^2 in size; got"
+                f" {smallest:.6g}"
             )
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
         instance("name", self.name, str, "the vehicle's")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the numbers by key; a stable vehicle has no beta and no pole."""
-        found = dict.fromkeys(("beta_per_s", "pole_per_s"))
+        """Return the numbers by key; beta and pole are None for a stable vehicle."""
+        values = dict.fromkeys(("beta_per_s", "pole_per_s"))
         if np.all(np.asarray(self.mu_alpha) > 0.0):
-            found = picked(self, "beta_per_s pole_per_s")
-        return found | picked(self, f"B {' '.join(NUMBERS)}")
+            values = picked(self, "beta_per_s pole_per_s")
+        return values | picked(self, f"B {' '.join(NUMBERS)}")
 
     def rows(self) -> list[Row]:
-        """Return names, values and units as a card shows them."""
+        """Return names, values and units of the numbers for a card."""
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
         if np.all(np.asarray(self.mu_alpha) > 0.0):
             rows += [("beta", self.beta, "1/s"), ("pole", self.pole, "1/s"), ("K1", self.K1, "-")]
@@ -128,8 +129,8 @@ class Coefficients:
         vehicle : Vehicle
             One vehicle or a batch.
         plane : {"pitch", "yaw"}
-            In yaw the term q vanishes; the weight component W sin(Theta_n) stays that of the
-            real attitude in both planes.
+            In yaw the term q vanishes; the weight component W sin(Theta_n) has the real attitude
+            in both planes.
 
         Notes
         -----
@@ -169,10 +170,10 @@ class Coefficients:
         B : array_like
             Trim deflection per angle of attack, not zero, eq (2).
         **others
-            C1, C2, b1, b2, q, damping and name, as of `Coefficients`.
+            C1, C2, b1, b2, q, damping and name, as in `Coefficients`.
         """
         beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
-        within("beta", beta, 0.0, _LARGEST**0.5, "1/s")
+        within("beta", beta, 0.0, _MAX_COEFFICIENT**0.5, "1/s")
         together(beta=beta, B=B)
         return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 
@@ -190,7 +191,7 @@ class Coefficients:
 
     @property
     def beta_squared(self) -> float | FloatArray:
-        """mu_alpha [1/s^2], which for a stable vehicle is not a square."""
+        """Coefficient mu_alpha [1/s^2], which is not a square for a stable vehicle."""
         return self.mu_alpha
 
     @property
@@ -211,9 +212,9 @@ class Coefficients:
 
     @property
     def pole(self) -> float | FloatArray:
-        """The unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
+        """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
-        It is beta where there is no damping, and less with it; the other pole is -(p + damping).
+        It is beta without damping, and smaller with it; the other pole is -(p + damping).
 
         Raises
         ------
@@ -226,7 +227,7 @@ class Coefficients:
 
     @property
     def pole_symbol(self) -> str:
-        """How tables and figures call the `pole`: beta, or p where there is damping."""
+        """Symbol of the `pole` in tables and figures: beta, or p with damping."""
         return "p" if np.any(self.damping) else "beta"
 
     @property
@@ -236,7 +237,7 @@ class Coefficients:
 
     @property
     def K1(self) -> float | FloatArray:
-        """K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if it is stable."""
+        """Ratio K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if stable."""
         return (self.pole + self.b2) / (self.pole + self.b1)
 
 
@@ -251,4 +252,4 @@ _CHECKS = (
     ("damping", nonnegative, "1/s"),
 )
 NUMBERS = tuple(name for name, _, _ in _CHECKS)
-"""The fields that are numbers."""
+"""Names of the numerical fields."""

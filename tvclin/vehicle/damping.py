@@ -1,12 +1,12 @@
-"""The damping of the attitude rate M_q [N m s/rad], from what tables and motors give.
+"""Damping of the attitude rate M_q [N m s/rad], from aerodynamic coefficients and from the jet.
 
     aerodynamic:  M_q = -C_mq q S L^2/(f V),    f = 2 where C_mq is per q L/(2V), 1 where per q L/V
     of the jet:   M_q = m' l_e^2 + I'
 
-C_mq is negative where it damps; what the rate of the angle of attack adds (C_m alpha-dot) may be
-added to it. m' is the mass flow, l_e the arm from the centre of gravity aft to the nozzle's exit,
-and I' the rate of the moment of inertia, negative while propellant leaves: it takes its own angular
-momentum along.
+C_mq is negative where it damps; the coefficient of the rate of the angle of attack (C_m alpha-dot)
+may be added to it. m' is the mass flow, l_e the arm from the centre of gravity aft to the nozzle's
+exit, and I' the rate of the moment of inertia, negative while propellant leaves: it takes its own
+angular momentum along.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tvclin.base.errors import InputError, finite, nonnegative, one_of, plain, p
 from tvclin.base.tables import FileTable
 
 RATES = {"qL/2V": 2.0, "qL/V": 1.0}
-"""The rates of which tables give the coefficient, and f: of aircraft and DATCOM, of missiles."""
+"""Reference rates of a damping coefficient, and f: of aircraft and DATCOM, of missiles."""
 
 QUANTITIES = {
     "pitch_damping": "damping moment",
@@ -31,9 +31,13 @@ QUANTITIES = {
     "inertia_rate": "inertia rate",
     "exit_arm": "length",
 }
-"""Keys of vehicle files, by name; a coefficient is read as one per q L/V."""
-_PARTS = ("pitch_damping_coefficient", "jet_mass_flow")
-_BESIDE = {"reference_length": _PARTS[0], "inertia_rate": _PARTS[1], "exit_arm": _PARTS[1]}
+"""Kinds of quantity of keys of vehicle files, by name; a coefficient is per q L/V."""
+_SOURCES = ("pitch_damping_coefficient", "jet_mass_flow")
+_REQUIRED_SOURCE = {
+    "reference_length": _SOURCES[0],
+    "inertia_rate": _SOURCES[1],
+    "exit_arm": _SOURCES[1],
+}
 
 
 def aerodynamic_damping(
@@ -45,15 +49,15 @@ def aerodynamic_damping(
     reference_length: ArrayLike,
     velocity: ArrayLike,
 ) -> Any:
-    """Return the damping that the air gives, for the `pitch_damping` of `Vehicle`.
+    """Return the aerodynamic damping M_q [N m s/rad], for the `pitch_damping` of `Vehicle`.
 
     Parameters
     ----------
     coefficient : array_like
         C_mq, zero or negative, about the centre of gravity.
     per : {"qL/2V", "qL/V"}
-        The rate that it is per, q being the attitude rate [rad/s]: tables of aircraft and DATCOM
-        have the first, those of missiles mostly the second. They differ by a factor of two.
+        Reference rate, q being the attitude rate [rad/s]: tables of aircraft and DATCOM have the
+        first, those of missiles mostly the second. They differ by a factor of two.
     dynamic_pressure : array_like
         Dynamic pressure [Pa], positive.
     reference_area, reference_length : array_like
@@ -69,7 +73,7 @@ def aerodynamic_damping(
     Raises
     ------
     InputError
-        For a positive coefficient, which drives, another rate, and numbers out of range.
+        For a positive coefficient (negative damping), another rate, and numbers out of range.
 
     Examples
     --------
@@ -85,21 +89,21 @@ def aerodynamic_damping(
             f" {C.max():.6g}"
         )
     f = RATES[one_of("per", per, RATES)]
-    given = {
+    numbers = {
         "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
         "reference_area": positive("reference_area", reference_area, "m^2"),
         "reference_length": positive("reference_length", reference_length, "m"),
         "velocity": positive("velocity", velocity, "m/s"),
     }
-    together(coefficient=C, **given)
-    pressure, area, length, speed = given.values()
+    together(coefficient=C, **numbers)
+    pressure, area, length, speed = numbers.values()
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
-        found = np.abs(C) * pressure * area * length**2 / (f * speed)
-    return plain(finite("the damping of these numbers", found, "N m s/rad"))
+        damping = np.abs(C) * pressure * area * length**2 / (f * speed)
+    return plain(finite("the damping of these numbers", damping, "N m s/rad"))
 
 
 def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLike) -> Any:
-    """Return the damping that the jet gives, for the `pitch_damping` of `Vehicle`.
+    """Return the damping M_q of the jet [N m s/rad], for the `pitch_damping` of `Vehicle`.
 
     Parameters
     ----------
@@ -118,7 +122,7 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     Raises
     ------
     InputError
-        For numbers out of range, and an inertia that falls so fast that nothing damps.
+        For numbers out of range, and an inertia rate that makes the damping negative.
 
     Examples
     --------
@@ -131,37 +135,37 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     rate = finite("inertia_rate", inertia_rate, "kg m^2/s")
     together(mass_flow=flow, exit_arm=arm, inertia_rate=rate)
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
-        found = finite("the damping of these numbers", flow * arm**2 + rate, "N m s/rad")
-    if np.any(found < 0.0):
+        damping = finite("the damping of these numbers", flow * arm**2 + rate, "N m s/rad")
+    if np.any(damping < 0.0):
         raise InputError(
             "mass_flow times exit_arm squared must be at least what the moment of inertia loses,"
-            f" -inertia_rate: the damping would be negative, {found.min():.6g} N m s/rad (check the"
-            " units, and that exit_arm reaches to the nozzle's exit)"
+            f" -inertia_rate: the damping would be negative, {damping.min():.6g} N m s/rad (check"
+            " the units, and that exit_arm reaches to the nozzle's exit)"
         )
-    return plain(found)
+    return plain(damping)
 
 
 def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
-    """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping."""
-    found = {name: value for name, value in values.items() if name not in QUANTITIES}
-    given = [name for name in _PARTS if name in values]
+    """Return the values of a vehicle table, with its `QUANTITIES` combined to pitch_damping."""
+    result = {name: value for name, value in values.items() if name not in QUANTITIES}
+    sources = [name for name in _SOURCES if name in values]
     if "pitch_damping" in values:
-        if given:
+        if sources:
             raise InputError(
-                f"{table.heading} has both pitch_damping and {given[0]}; keep one"
+                f"{table.heading} has both pitch_damping and {sources[0]}; keep one"
                 " (pitch_damping is that of air and jet together)"
             )
-        found["pitch_damping"] = values["pitch_damping"]
-    for name, part in _BESIDE.items():
-        if name in values and part not in values:
-            raise InputError(f"{name} in {table.heading} needs {table.spelled(part)} beside it")
-    parts = []
-    if "pitch_damping_coefficient" in given:
+        result["pitch_damping"] = values["pitch_damping"]
+    for name, source in _REQUIRED_SOURCE.items():
+        if name in values and source not in values:
+            raise InputError(f"{name} in {table.heading} needs {table.spelled(source)} beside it")
+    dampings = []
+    if "pitch_damping_coefficient" in sources:
         names = ("dynamic_pressure", "reference_area", "reference_length", "velocity")
         table.need(values, names)
         air = {name: values[name] for name in names}
-        parts.append(aerodynamic_damping(values[given[0]], "qL/V", **air))
-    if "jet_mass_flow" in given:
+        dampings.append(aerodynamic_damping(values[sources[0]], "qL/V", **air))
+    if "jet_mass_flow" in sources:
         if "inertia_rate" not in values:
             raise InputError(
                 f"jet_mass_flow in {table.heading} needs {table.spelled('inertia_rate')}, the rate"
@@ -169,5 +173,5 @@ def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
                 " bound of the damping"
             )
         arm = values.get("exit_arm", values["control_arm"])
-        parts.append(jet_damping(values["jet_mass_flow"], arm, values["inertia_rate"]))
-    return found | ({"pitch_damping": sum(parts)} if parts else {})
+        dampings.append(jet_damping(values["jet_mass_flow"], arm, values["inertia_rate"]))
+    return result | ({"pitch_damping": sum(dampings)} if dampings else {})

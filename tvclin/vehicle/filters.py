@@ -1,4 +1,4 @@
-"""Filters: rational transfer functions, for the lags of sensors and the shaping of commands."""
+"""Filters: rational transfer functions of sensor lags and command shaping."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ from tvclin.base.errors import InputError, array_of, between, broadcast, finite,
 from tvclin.base.lines import Line, significant
 from tvclin.numerics import polynomials
 
-LARGEST = 1e9
-"""Of frequencies [rad/s] and damping ratios, and one over the smallest frequency."""
-_LARGEST_COEFFICIENT = 1e60
-_FASTEST = 1e20
-_FURTHEST = 1e12
-_MOST = 12
-"""The highest order of one filter; to this power the fastest pole must not overflow."""
+MAX_NUMBER = 1e9
+"""Largest frequency [rad/s] and damping ratio, and largest inverse of a frequency."""
+_MAX_COEFFICIENT = 1e60
+"""Largest coefficient over the first of the denominator."""
+_MAX_POLE_BOUND = 1e20
+"""Largest bound of the poles [rad/s]."""
+_MAX_COMPLEX_FREQUENCY = 1e12
+"""Largest real or imaginary part of s [1/s]."""
+_MAX_ORDER = 12
+"""Largest order of a filter; to this power the fastest pole must not overflow."""
 
-_sized = between(1.0 / LARGEST, LARGEST)
-_damping = between(-LARGEST, LARGEST)
+_bounded_positive = between(1.0 / MAX_NUMBER, MAX_NUMBER)
+_bounded_damping = between(-MAX_NUMBER, MAX_NUMBER)
 
 
 @dataclass(frozen=True, eq=False)
 class Filter(Carded):
-    """A filter, or a batch of them: numerator(s)/denominator(s).
+    """Filter numerator(s)/denominator(s), or a batch of filters.
 
     Most are made with `low_pass`, `lead_lag`, `notch` or `from_coefficients`. Zeros in the right
     half plane are legal; they shape the phase alone.
@@ -70,11 +73,11 @@ class Filter(Carded):
 
     def __post_init__(self) -> None:
         above, below = finite("numerator", self.numerator), finite("denominator", self.denominator)
-        for name, given in (("numerator", above), ("denominator", below)):
-            if not given.ndim or not 0 < given.shape[-1] <= _MOST + 1:
+        for name, coefficients in (("numerator", above), ("denominator", below)):
+            if not coefficients.ndim or not 0 < coefficients.shape[-1] <= _MAX_ORDER + 1:
                 raise InputError(
-                    f"{name} must be 1 to {_MOST + 1} coefficients, highest power first; got an"
-                    f" array of shape {given.shape}"
+                    f"{name} must be 1 to {_MAX_ORDER + 1} coefficients, highest power first; got"
+                    f" an array of shape {coefficients.shape}"
                 )
         shape = broadcast(numerator=above.shape[:-1], denominator=below.shape[:-1])
         lead = nonzero("the first coefficient of the denominator", below[..., :1])
@@ -87,14 +90,14 @@ class Filter(Carded):
                 "numerator must not be of higher degree than the denominator, for no filter"
                 f" differentiates; got degrees {above.shape[-1] - 1} and {below.shape[-1] - 1}"
             )
-        for name, given in (("numerator", above), ("denominator", below)):
-            over = f"{name} over the first coefficient of the denominator"
-            within(over, given, -_LARGEST_COEFFICIENT, _LARGEST_COEFFICIENT)
-        within("a bound of the poles", polynomials.bound(below), 0.0, _FASTEST, "rad/s")
-        for name, given in (("numerator", above), ("denominator", below)):
-            held = np.array(np.broadcast_to(given, (*shape, given.shape[-1])))
-            held.flags.writeable = False
-            object.__setattr__(self, name, held)
+        for name, coefficients in (("numerator", above), ("denominator", below)):
+            label = f"{name} over the first coefficient of the denominator"
+            within(label, coefficients, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
+        within("a bound of the poles", polynomials.bound(below), 0.0, _MAX_POLE_BOUND, "rad/s")
+        for name, coefficients in (("numerator", above), ("denominator", below)):
+            array = np.array(np.broadcast_to(coefficients, (*shape, coefficients.shape[-1])))
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
 
     _keys = "numerator denominator"
 
@@ -114,12 +117,12 @@ class Filter(Carded):
         damping : array_like, optional
             zeta, positive.
         """
-        w = _sized("frequency", frequency, "rad/s")
+        w = _bounded_positive("frequency", frequency, "rad/s")
         if damping is None:
-            return cls(_rows(w), _rows(1.0, w))
-        zeta = _sized("damping", damping)
+            return cls(_coefficient_rows(w), _coefficient_rows(1.0, w))
+        zeta = _bounded_positive("damping", damping)
         broadcast(frequency=w.shape, damping=zeta.shape)
-        return cls(_rows(w**2), _rows(1.0, 2.0 * zeta * w, w**2))
+        return cls(_coefficient_rows(w**2), _coefficient_rows(1.0, 2.0 * zeta * w, w**2))
 
     @classmethod
     def lead_lag(cls, zero: ArrayLike, pole: ArrayLike) -> Self:
@@ -133,10 +136,10 @@ class Filter(Carded):
         pole : array_like
             Corner frequency of the denominator [rad/s], positive.
         """
-        z, p = nonzero("zero", zero, "rad/s"), _sized("pole", pole, "rad/s")
-        _sized("zero", np.abs(z), "rad/s")
+        z, p = nonzero("zero", zero, "rad/s"), _bounded_positive("pole", pole, "rad/s")
+        _bounded_positive("zero", np.abs(z), "rad/s")
         broadcast(zero=z.shape, pole=p.shape)
-        return cls(_rows(p / z, p), _rows(1.0, p))
+        return cls(_coefficient_rows(p / z, p), _coefficient_rows(1.0, p))
 
     @classmethod
     def notch(cls, frequency: ArrayLike, zero_damping: ArrayLike, pole_damping: ArrayLike) -> Self:
@@ -147,14 +150,20 @@ class Filter(Carded):
         frequency : array_like
             w [rad/s], positive. The gain there is zeta_z/zeta_p.
         zero_damping : array_like
-            zeta_z; zero takes the frequency out wholly, and a negative one shapes the phase.
+            zeta_z; zero removes the frequency entirely, and a negative value shapes the phase.
         pole_damping : array_like
             zeta_p, positive; the notch is about 2 zeta_p w wide.
         """
-        w, poles = _sized("frequency", frequency, "rad/s"), _sized("pole_damping", pole_damping)
-        zeros = _damping("zero_damping", zero_damping)
+        w, poles = (
+            _bounded_positive("frequency", frequency, "rad/s"),
+            _bounded_positive("pole_damping", pole_damping),
+        )
+        zeros = _bounded_damping("zero_damping", zero_damping)
         broadcast(frequency=w.shape, zero_damping=zeros.shape, pole_damping=poles.shape)
-        return cls(_rows(1.0, 2.0 * zeros * w, w**2), _rows(1.0, 2.0 * poles * w, w**2))
+        return cls(
+            _coefficient_rows(1.0, 2.0 * zeros * w, w**2),
+            _coefficient_rows(1.0, 2.0 * poles * w, w**2),
+        )
 
     @property
     def batch(self) -> tuple[int, ...]:
@@ -163,19 +172,17 @@ class Filter(Carded):
 
     @property
     def order(self) -> int:
-        """How many poles the filter has."""
+        """Number of poles."""
         return self.denominator.shape[-1] - 1
 
     def __call__(self, s: ArrayLike) -> ComplexArray:
         """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
 
-        Infinite at a pole.
-
-        `InputError` for what is no number, and for numbers beyond 1e12 1/s.
+        They are infinite at a pole. `InputError` for non-numbers, and for numbers beyond 1e12 1/s.
         """
         at = array_of("s", s, "iufc", "a complex number in 1/s").astype(complex)
-        for part in (at.real, at.imag):
-            within("s", part, -_FURTHEST, _FURTHEST, "1/s")
+        for component in (at.real, at.imag):
+            within("s", component, -_MAX_COMPLEX_FREQUENCY, _MAX_COMPLEX_FREQUENCY, "1/s")
         above, below = (
             polynomials.value(p, at.ravel()) for p in (self.numerator, self.denominator)
         )
@@ -192,7 +199,7 @@ class Filter(Carded):
         n = self.order
         below = self.denominator
         above = polynomials.add(self.numerator, np.zeros(n + 1))
-        unit = np.maximum(polynomials.bound(below), 1.0 / LARGEST)
+        unit = np.maximum(polynomials.bound(below), 1.0 / MAX_NUMBER)
         powers = unit[..., np.newaxis] ** np.arange(n + 1)
         below, above = below / powers, above / powers
         # (b_0 s^n + .. + b_n)/(s^n + a_1 s^(n-1) + .. + a_n): D = b_0, C = b_k - a_k b_0.
@@ -205,35 +212,35 @@ class Filter(Carded):
         return A * frequency, B * frequency, C, above[..., np.newaxis, :1]
 
 
-def cells_of(one: Filter, name: str) -> tuple[Line, Line, Line]:
-    """Return zeros, poles and gain of one filter as tables show them, its numbers by name.
+def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
+    """Return zeros, poles and gain of a filter as cells of a table.
 
-    A pair that is not real has a frequency and a damping. The gain is that at rest; where that
-    is zero or infinite, the first coefficient of the numerator over that of the denominator.
+    A complex pair has a frequency and a damping. The gain is that at s = 0; where that is zero or
+    infinite, the ratio of the leading coefficients.
     """
-    above = np.trim_zeros(one.numerator, "f")
-    zeros = _roots(f"{name}.zeros", np.roots(above))
-    poles = _roots(f"{name}.poles", np.roots(one.denominator))
-    if one.numerator[-1] and one.denominator[-1]:
-        rest = one.numerator[-1] / one.denominator[-1]
-        return zeros, poles, significant(f"{name}.rest", rest, 5, "at rest")
+    above = np.trim_zeros(filter_.numerator, "f")
+    zeros = _roots_line(f"{name}.zeros", np.roots(above))
+    poles = _roots_line(f"{name}.poles", np.roots(filter_.denominator))
+    if filter_.numerator[-1] and filter_.denominator[-1]:
+        static_gain = filter_.numerator[-1] / filter_.denominator[-1]
+        return zeros, poles, significant(f"{name}.rest", static_gain, 5, "at rest")
     lead = above[0] if above.size else 0.0
     return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
 
 
-def _roots(name: str, roots: AnyArray) -> Line:
-    """What zeros or poles [1/s] are: a frequency with a damping of each pair, and the real ones."""
-    found: Line = ()
+def _roots_line(name: str, roots: AnyArray) -> Line:
+    """Return zeros or poles [1/s] as a line: frequency and damping of each pair, and real ones."""
+    line: Line = ()
     for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
-        found += (", ",) if k else ()
+        line += (", ",) if k else ()
         if np.imag(root):
             size = float(np.abs(root))
-            found += significant(f"{name}.{k}.frequency", size, 5, "rad/s, damping ")
-            found += significant(f"{name}.{k}.damping", -float(np.real(root)) / size)
+            line += significant(f"{name}.{k}.frequency", size, 5, "rad/s, damping ")
+            line += significant(f"{name}.{k}.damping", -float(np.real(root)) / size)
         else:
-            found += significant(f"{name}.{k}", np.real(root), 5, "1/s")
-    return found or ("none",)
+            line += significant(f"{name}.{k}", np.real(root), 5, "1/s")
+    return line or ("none",)
 
 
-def _rows(*coefficients: Any) -> FloatArray:
+def _coefficient_rows(*coefficients: Any) -> FloatArray:
     return np.stack(np.broadcast_arrays(*coefficients), axis=-1)

@@ -1,8 +1,8 @@
-"""Bending, slosh and engine inertia of a vehicle, and the lags of its sensors: all optional.
+"""Bending, slosh and engine inertia of a flexible vehicle, and the lags of its sensors.
 
-Stations are measured forward from the centre of gravity of the whole vehicle, liquid frozen and
+Stations are measured forward from the centre of gravity of the complete vehicle, liquid frozen and
 engine straight; displacements are positive up and slopes are per metre forward. Mass, inertia and
-arms of the `Vehicle` are those of the whole: liquid and engine are in them.
+arms of the `Vehicle` include liquid and engine.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ from tvclin.vehicle.filters import Filter
 Number = float | FloatArray
 Check = Callable[..., FloatArray]
 
-_LARGEST = 1e12
-_size = between(1.0 / _LARGEST, _LARGEST)
-_any = between(-_LARGEST, _LARGEST)
+_MAX_NUMBER = 1e12
+"""Largest size of a number, in SI units."""
+_positive_size = between(1.0 / _MAX_NUMBER, _MAX_NUMBER)
+_bounded = between(-_MAX_NUMBER, _MAX_NUMBER)
 _damping = between(0.0, 1e3)
-_inertia = between(0.0, _LARGEST**2)
+_inertia = between(0.0, _MAX_NUMBER**2)
 
 
 class _Batched:
@@ -47,10 +48,10 @@ class _Batched:
 
 @dataclass(frozen=True, kw_only=True)
 class BendingMode(_Batched):
-    """A free-free bending mode of the whole vehicle, or a batch of them.
+    """Free-free bending mode of the complete vehicle, or a batch of modes.
 
-    Displacements and slopes belong together with the modal mass: all displacements and slopes times
-    c and the mass times c^2 are the same mode.
+    Displacements, slopes and modal mass have one normalisation: displacements and slopes times c
+    and the mass times c^2 are the same mode.
 
     Parameters
     ----------
@@ -88,38 +89,42 @@ class BendingMode(_Batched):
     tank_slopes: tuple[Number, ...] = ()
 
     def __post_init__(self) -> None:
-        _keep(self, _OF_BENDING)
+        _set_checked(self, _BENDING_CHECKS)
         for name, unit in (("tank_displacements", ""), ("tank_slopes", "1/m")):
-            given = getattr(self, name)
-            if not isinstance(given, tuple | list):
-                raise InputError(f"{name} must be a tuple, one for each tank; got {shown(given)}")
-            values = tuple(plain(_any(f"{name}[{k}]", one, unit)) for k, one in enumerate(given))
+            sequence = getattr(self, name)
+            if not isinstance(sequence, tuple | list):
+                raise InputError(
+                    f"{name} must be a tuple, one for each tank; got {shown(sequence)}"
+                )
+            values = tuple(
+                plain(_bounded(f"{name}[{k}]", value, unit)) for k, value in enumerate(sequence)
+            )
             object.__setattr__(self, name, values)
         _ = self.batch  # refuses shapes that do not broadcast
 
 
 @dataclass(frozen=True, kw_only=True)
 class SloshTank(_Batched):
-    """The liquid of one tank that sloshes, as a pendulum or as a sliding mass, or a batch of them.
+    """Sloshing liquid of a tank, as a pendulum or as a sliding mass, or a batch of them.
 
     Parameters
     ----------
     mass : array_like
-        Sloshing mass [kg], positive; a part of the vehicle's mass.
+        Sloshing mass [kg], positive; included in the vehicle's mass.
     station : array_like
-        Where the mass rests [m], forward of the centre of gravity. The hinge of a pendulum lies
-        its length ahead of that.
+        Equilibrium station of the mass [m], forward of the centre of gravity. The hinge of a
+        pendulum lies its length ahead of it.
     damping : array_like
         Damping ratio, zero or positive.
     pendulum_length : array_like, optional
         Length [m] of the pendulum, positive: omega^2 = (T - F_A)/(m L).
     frequency : array_like, optional
-        In its place the natural frequency [rad/s], positive, with the vehicle held.
+        Natural frequency [rad/s] in its place, positive, of the fixed vehicle.
 
     Raises
     ------
     InputError
-        As `BendingMode`, and unless one of length and frequency is given.
+        As `BendingMode`, and unless either length or frequency is given.
     """
 
     mass: Number
@@ -132,22 +137,22 @@ class SloshTank(_Batched):
         if (self.pendulum_length is None) == (self.frequency is None):
             raise InputError("a slosh tank needs a pendulum_length or a frequency, and not both")
         unknown = "frequency" if self.frequency is None else "pendulum_length"
-        _keep(self, tuple(check for check in _OF_SLOSH if check[0] != unknown))
+        _set_checked(self, tuple(check for check in _SLOSH_CHECKS if check[0] != unknown))
         _ = self.batch  # refuses shapes that do not broadcast
 
 
 @dataclass(frozen=True, kw_only=True)
 class Engine(_Batched):
-    """The part of an engine that turns about its gimbal, or a batch of them.
+    """Inertia of an engine about its gimbal, or a batch of engines.
 
     Parameters
     ----------
     mass : array_like
-        Mass that turns m_E [kg], positive; a part of the vehicle's mass.
+        Moving mass m_E [kg], positive; included in the vehicle's mass.
     arm : array_like
-        Its centre of gravity l_E [m], aft of the gimbal.
+        Distance l_E [m] of its centre of gravity aft of the gimbal.
     moment_of_inertia : array_like
-        Its moment of inertia I_E [kg m^2] about that centre of gravity; zero or positive, and
+        Moment of inertia I_E [kg m^2] about that centre of gravity; zero or positive, and
         positive where the arm is zero.
 
     Raises
@@ -161,25 +166,25 @@ class Engine(_Batched):
     moment_of_inertia: Number = 0.0
 
     def __post_init__(self) -> None:
-        _keep(self, _OF_ENGINES)
+        _set_checked(self, _ENGINE_CHECKS)
         _ = self.batch  # refuses shapes that do not broadcast
         if np.any(np.asarray(self.inertia_about_gimbal) == 0.0):
             raise InputError("an engine needs an arm or a moment_of_inertia other than zero")
 
     @property
     def static_moment(self) -> Number:
-        """s_E = m_E l_E [kg m]."""
+        """Static moment s_E = m_E l_E [kg m]."""
         return self.mass * self.arm
 
     @property
     def inertia_about_gimbal(self) -> Number:
-        """J_E = I_E + m_E l_E^2 [kg m^2]."""
+        """Moment of inertia about the gimbal J_E = I_E + m_E l_E^2 [kg m^2]."""
         return self.moment_of_inertia + self.mass * self.arm**2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Structure(_Batched):
-    """All that a flexible vehicle adds to the rigid one, or a batch of it.
+    """Structure of a flexible vehicle, in addition to the rigid vehicle, or a batch.
 
     Parameters
     ----------
@@ -188,17 +193,17 @@ class Structure(_Batched):
     slosh : tuple of SloshTank
         Tanks.
     engine : Engine, optional
-        Without one the engine has no inertia.
+        Engine with inertia; by default the engine has none.
     attitude_sensor, rate_gyro : Filter, optional
-        Lags of the sensors; without one a sensor follows at once.
+        Lags of the sensors; by default a sensor has none.
     thrust_follows : bool
         Whether the thrust turns with the slope of the bent gimbal.
 
     Raises
     ------
     InputError
-        For a mode with displacements or slopes at another number of tanks than there are, and
-        shapes that do not broadcast.
+        For a mode with displacements or slopes at a wrong number of tanks, and shapes that do
+        not broadcast.
     """
 
     bending: tuple[BendingMode, ...] = ()
@@ -240,7 +245,7 @@ class Structure(_Batched):
 
     @property
     def parts(self) -> str:
-        """What bends, sloshes, swings and lags, in words."""
+        """Text that lists modes, tanks, engine and lags of the structure."""
         counted = (("bending mode", len(self.bending)), ("tank", len(self.slosh)))
         words = [f"{count} {name}{'s' * (count > 1)}" for name, count in counted if count]
         words += ["engine with inertia"] * (self.engine is not None)
@@ -256,66 +261,75 @@ class Structure(_Batched):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether nothing bends, sloshes or swings, and no sensor lags."""
-        parts = (self.engine, self.attitude_sensor, self.rate_gyro)
-        return not (self.bending or self.slosh) and all(part is None for part in parts)
+        """Whether the structure has no mode, tank, engine or lag."""
+        components = (self.engine, self.attitude_sensor, self.rate_gyro)
+        return not (self.bending or self.slosh) and all(
+            component is None for component in components
+        )
 
 
-def chosen(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
-    """Return some of a batch spread to `shape`, ``(k,)``, or one, by flat positions there."""
+def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
+    """Return the elements at flat positions of a batch broadcast to `shape`, ``(k,)`` or one."""
     if isinstance(value, Filter):
         rows = [
-            np.broadcast_to(one, (*shape, one.shape[-1]))
-            for one in (value.numerator, value.denominator)
+            np.broadcast_to(row, (*shape, row.shape[-1]))
+            for row in (value.numerator, value.denominator)
         ]
-        return Filter(*(one.reshape(-1, one.shape[-1])[cases] for one in rows))
+        return Filter(*(row.reshape(-1, row.shape[-1])[cases] for row in rows))
     if isinstance(value, tuple):
-        return tuple(chosen(one, cases, shape) for one in value)
+        return tuple(select_cases(element, cases, shape) for element in value)
     if is_dataclass(value):
-        parts = {one.name: chosen(getattr(value, one.name), cases, shape) for one in fields(value)}
+        numbers = {
+            field.name: select_cases(getattr(value, field.name), cases, shape)
+            for field in fields(value)
+        }
         kind: Any = type(value)
-        return kind(**parts)
+        return kind(**numbers)
     if value is None or isinstance(value, bool | str):
         return value
     return np.broadcast_to(value, shape).ravel()[cases]
 
 
-def _keep(value: Any, checks: tuple[tuple[str, Check, str], ...]) -> None:
-    """Put the checked numbers of a frozen value in place of those that were given."""
+def _set_checked(value: Any, checks: tuple[tuple[str, Check, str], ...]) -> None:
+    """Replace the numbers of a frozen value by checked arrays."""
     for name, check, unit in checks:
         array = check(name, getattr(value, name), unit)
         object.__setattr__(value, name, plain(array))
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Yield the shapes of all numbers in a value, each by the words that lead to it."""
+    """Yield the shapes of all numbers in a value, with their names."""
     if isinstance(value, Filter):
         yield name, value.batch
     elif is_dataclass(value):
-        for one in fields(value):
-            yield from _shapes(getattr(value, one.name), f"{name} {one.name}".strip())
+        for element in fields(value):
+            yield from _shapes(getattr(value, element.name), f"{name} {element.name}".strip())
     elif isinstance(value, tuple):
-        for k, one in enumerate(value, start=1):
-            yield from _shapes(one, f"{name} {k}")
+        for k, element in enumerate(value, start=1):
+            yield from _shapes(element, f"{name} {k}")
     else:
         yield name, np.shape(value)
 
 
-_OF_BENDING = (
-    ("frequency", _size, "rad/s"),
+_BENDING_CHECKS = (
+    ("frequency", _positive_size, "rad/s"),
     ("damping", _damping, ""),
-    ("modal_mass", _size, "kg"),
-    ("gimbal_displacement", _any, ""),
-    ("gimbal_slope", _any, "1/m"),
-    ("attitude_slope", _any, "1/m"),
-    ("rate_slope", _any, "1/m"),
-    ("pressure_displacement", _any, ""),
+    ("modal_mass", _positive_size, "kg"),
+    ("gimbal_displacement", _bounded, ""),
+    ("gimbal_slope", _bounded, "1/m"),
+    ("attitude_slope", _bounded, "1/m"),
+    ("rate_slope", _bounded, "1/m"),
+    ("pressure_displacement", _bounded, ""),
 )
-_OF_SLOSH = (
-    ("mass", _size, "kg"),
-    ("station", _any, "m"),
+_SLOSH_CHECKS = (
+    ("mass", _positive_size, "kg"),
+    ("station", _bounded, "m"),
     ("damping", _damping, ""),
-    ("pendulum_length", _size, "m"),
-    ("frequency", _size, "rad/s"),
+    ("pendulum_length", _positive_size, "m"),
+    ("frequency", _positive_size, "rad/s"),
 )
-_OF_ENGINES = (("mass", _size, "kg"), ("arm", _any, "m"), ("moment_of_inertia", _inertia, "kg m^2"))
+_ENGINE_CHECKS = (
+    ("mass", _positive_size, "kg"),
+    ("arm", _bounded, "m"),
+    ("moment_of_inertia", _inertia, "kg m^2"),
+)

@@ -1,7 +1,8 @@
-"""The vehicle: the nine numbers of Table I, a damping, and what bends and sloshes in it."""
+"""Vehicle: the nine numbers of Table I, a damping, and the structure of a flexible vehicle."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
@@ -27,16 +28,23 @@ from tvclin.base.errors import (
 from tvclin.vehicle.structure import Structure
 
 STANDARD_GRAVITY = 9.80665
-"""g [m/s^2]: the mass of a vehicle is its weight over this."""
+"""Standard gravity g [m/s^2]: the mass of a vehicle is its weight over g."""
 
 
-_SMALLEST, _LARGEST = 1e-9, 1e18
-_MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")
+_MIN_SIZE, _MAX_SIZE = 1e-9, 1e18
+"""Sizes in SI units between which the numbers of a vehicle lie."""
+_UNBOUNDED_BELOW = ("aerodynamic_arm", "attitude", "time")
+"""Numbers without a smallest size."""
+_MIN_THRUST_OVER_WEIGHT = 0.5
+"""Thrust over weight below which a number is probably mistyped."""
+_MAX_THRUST_OVER_WEIGHT = 10.0
+"""Thrust over weight above which the weight is probably a mass: 1.05 at lift-off would be 10.3.
+Boosters have about 1.05 to 5."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Vehicle:
-    """A booster at one time of its flight, or a batch of them.
+    """Booster at a time of its flight, or a batch of boosters.
 
     Every number may be an array; they broadcast with each other. Angles are measured from the
     nominal flight without wind and at zero angle of attack.
@@ -64,24 +72,24 @@ class Vehicle:
     attitude : array_like
         Nominal flight attitude Theta_n [rad] above the horizontal, within 90 degrees.
     name : str
-        What the vehicle is called.
+        Name of the vehicle.
     time : float, optional
         Time of flight [s] to which the numbers belong.
     control_force_slope : array_like, optional
-        Control force per deflection [N/rad], positive; the thrust where it is not given (a
-        gimballed engine). Give it for aerodynamic surfaces and for reaction control.
+        Control force per deflection [N/rad], positive; by default the thrust (a gimballed
+        engine). It is needed for aerodynamic surfaces and for reaction control.
     pitch_damping : array_like
         Moment against the attitude rate M_q [N m s/rad], aerodynamic and of the jet, in either
-        plane; zero or positive, and zero where it is not given, as in the report.
+        plane; zero or positive, by default zero, as in the report.
     numbers_from : str
-        Where its numbers come from, for its page.
+        Source of the numbers, for the page.
     structure : Structure, optional
-        What bends, sloshes and swings in it, and the lags of its sensors; None of a rigid vehicle.
+        Bending, slosh, engine inertia, and the lags of the sensors; None for a rigid vehicle.
 
     Raises
     ------
     InputError
-        When a number is missing its rule above, or shapes do not broadcast.
+        For a number that violates its rule above, and shapes that do not broadcast.
 
     Notes
     -----
@@ -119,7 +127,7 @@ class Vehicle:
                 checked[name] = check(name, getattr(self, name), unit)
         together(**checked)
         for name, array in checked.items():
-            _plausible(name, array)
+            _check_size(name, array)
             object.__setattr__(self, name, plain(array))
         if self.structure is not None:
             instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
@@ -127,9 +135,9 @@ class Vehicle:
                 object.__setattr__(self, "structure", None)
 
     def quantities(self) -> list[Quantity]:
-        """Return its numbers as tables show them, the attitude in degrees."""
+        """Return the numbers as quantities of tables, the attitude in degrees."""
         damping = self.pitch_damping if np.any(self.pitch_damping) else None
-        every = (
+        quantities = (
             Quantity("weight", "gross weight W", self.weight, "N"),
             Quantity("thrust", "thrust T", self.thrust, "N"),
             Quantity("inertia", "moment of inertia I", self.moment_of_inertia, "kg m²"),
@@ -143,15 +151,15 @@ class Vehicle:
             Quantity("control_slope", "control force slope", self.control_force_slope, "N/rad"),
             Quantity("damping", "pitch damping M_q", damping, "N m s/rad"),
         )
-        return [one for one in every if one.value is not None]
+        return [quantity for quantity in quantities if quantity.value is not None]
 
     def _repr_html_(self) -> str:
-        return card(self.name or "Vehicle", [one[1:] for one in self.quantities()])
+        return card(self.name or "Vehicle", [quantity[1:] for quantity in self.quantities()])
 
     def __repr__(self) -> str:
         title = f"Vehicle {self.name}".strip()
         flexible = [] if self.structure is None else [("structure", self.structure.parts, "")]
-        return lines(title, [*(one[1:] for one in self.quantities()), *flexible])
+        return lines(title, [*(quantity[1:] for quantity in self.quantities()), *flexible])
 
     @classmethod
     def from_aerodynamics(
@@ -187,7 +195,7 @@ class Vehicle:
             if derived in others:
                 raise InputError(f"{derived} follows from the coefficients; leave it out")
         slope = "normal_force_coefficient_slope"
-        given = {
+        numbers = {
             "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
             "reference_area": positive("reference_area", reference_area, "m^2"),
             slope: nonnegative(slope, normal_force_coefficient_slope, "1/rad"),
@@ -195,10 +203,10 @@ class Vehicle:
                 "axial_force_coefficient", axial_force_coefficient
             ),
         }
-        together(**given)
-        for name, array in given.items():
-            _plausible(name, array)
-        pressure, area, lift, axial = given.values()
+        together(**numbers)
+        for name, array in numbers.items():
+            _check_size(name, array)
+        pressure, area, lift, axial = numbers.values()
         force = pressure * area
         return cls(normal_force_slope=force * lift, axial_force=force * axial, **others)
 
@@ -212,12 +220,12 @@ class Vehicle:
     @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
-        own = {name: np.shape(getattr(self, name)) for name in NUMBERS}
-        return broadcast(**own, structure=self.structure.batch if self.structure else ())
+        shapes = {name: np.shape(getattr(self, name)) for name in NUMBERS}
+        return broadcast(**shapes, structure=self.structure.batch if self.structure else ())
 
     @property
     def rigid(self) -> Self:
-        """The same vehicle without its structure."""
+        """Vehicle without its structure."""
         return self if self.structure is None else replace(self, structure=None)
 
     @property
@@ -227,22 +235,22 @@ class Vehicle:
 
     @property
     def control_force(self) -> float | FloatArray:
-        """Control force per deflection [N/rad]: the thrust, or the slope that was given."""
+        """Control force per deflection [N/rad]: `control_force_slope`, by default the thrust."""
         return self.thrust if self.control_force_slope is None else self.control_force_slope
 
 
-def _plausible(name: str, array: FloatArray) -> None:
-    """Refuse numbers with which no sum of theirs could be computed; no booster has them."""
+def _check_size(name: str, array: FloatArray) -> None:
+    """Raise `InputError` for sizes whose products could overflow or underflow."""
     size = np.abs(array)
-    tiny = (size < _SMALLEST) & (size > 0.0) & (name not in _MAY_BE_TINY)
-    if np.any(tiny | (size > _LARGEST)):
+    tiny = (size < _MIN_SIZE) & (size > 0.0) & (name not in _UNBOUNDED_BELOW)
+    if np.any(tiny | (size > _MAX_SIZE)):
         raise InputError(
-            f"{name} must be a size between {_SMALLEST:g} and {_LARGEST:g} in SI units; got"
-            f" {array.ravel()[np.argmax(tiny | (size > _LARGEST))]:.6g}"
+            f"{name} must be a size between {_MIN_SIZE:g} and {_MAX_SIZE:g} in SI units; got"
+            f" {array.ravel()[np.argmax(tiny | (size > _MAX_SIZE))]:.6g}"
         )
 
 
-def _attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
+def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
     return within(name, value, -np.pi / 2, np.pi / 2, unit)
 
 
@@ -255,10 +263,33 @@ _CHECKS = (
     ("control_arm", nonzero, "m"),
     ("axial_force", nonnegative, "N"),
     ("velocity", positive, "m/s"),
-    ("attitude", _attitude, "rad"),
+    ("attitude", _checked_attitude, "rad"),
     ("pitch_damping", nonnegative, "N m s/rad"),
 )
 _OPTIONAL = (("time", finite, "s"), ("control_force_slope", positive, "N/rad"))
 _WORDS = {"name", "numbers_from", "structure"}
-NUMBERS = tuple(one.name for one in fields(Vehicle) if one.name not in _WORDS)
-"""Its fields that are numbers."""
+NUMBERS = tuple(field.name for field in fields(Vehicle) if field.name not in _WORDS)
+"""Names of the numerical fields."""
+
+
+def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
+    """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
+
+    They concern a thrust far below or above the weight, and a centre of pressure behind the centre
+    of gravity.
+    """
+    ratio = np.asarray(vehicle.thrust) / vehicle.weight
+    arm = np.asarray(vehicle.aerodynamic_arm)
+    if np.any(ratio < _MIN_THRUST_OVER_WEIGHT):
+        yield f"thrust is far below weight (T/W {ratio.min():.2g}): a power of ten may be missing"
+    if np.any(ratio > _MAX_THRUST_OVER_WEIGHT):
+        yield (
+            f"thrust is far above weight (T/W {ratio.max():.2g}): if the weight is a mass, write it"
+            " as mass_kg, mass_lb or mass_slug"
+        )
+    if np.any(arm < 0.0):
+        yield (
+            f"the aerodynamic arm l_a is negative ({arm.min():.4g} m): the centre of pressure"
+            " lies behind the centre of gravity, and the air turns the vehicle back by itself; the"
+            " arm is positive where it lies ahead"
+        )

@@ -13,7 +13,7 @@ from typing import Any
 from tvclin.base.errors import InputError, number, one_of, positive
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
-from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import LayeredGust, OneMinusCosineGust
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -159,7 +159,7 @@ def wind_for_vehicle(
     """
     speed = peak_speed_of(document)
     if speed is not None and isinstance(wind, ShapedWind):
-        wind = wind.with_speed(speed, whole_vehicle(vehicle, "the speed of a wind"), plane)
+        wind = wind.with_speed(speed, complete_vehicle(vehicle, "the speed of a wind"), plane)
     if "gust" not in document or is_wind_from_gust(document):
         return wind
     if isinstance(wind, WindEnsemble):
@@ -170,7 +170,7 @@ def wind_for_vehicle(
     wind = replace(wind, gust=gust, gust_at=values.get("peak_time"))
     if speed is None:
         return wind
-    return wind.with_gust_speed(speed, whole_vehicle(vehicle, "the speed of a gust"), plane)
+    return wind.with_gust_speed(speed, complete_vehicle(vehicle, "the speed of a gust"), plane)
 
 
 def gust_of(peak: float, duration: float, plateau: float = 0.0) -> History:

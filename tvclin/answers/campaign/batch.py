@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.structure import chosen
+from tvclin.vehicle.structure import select_cases
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -75,7 +75,7 @@ class Batch:
             self.wind.case(0, shape),
             {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
             1,
-            chosen(self.vehicle, 0, shape),
+            select_cases(self.vehicle, 0, shape),
             None if self.flexible is None else self.flexible.cases(0, shape),
             {name: value[:1] for name, value in self.values.items()},
         )

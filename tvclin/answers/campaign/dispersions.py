@@ -13,9 +13,9 @@ from tvclin.base.errors import InputError, each, finite, flag, instance, number,
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.vehicle.file import VEHICLE_TABLE
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import NUMBERS
+from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
 SHAPES = ("normal", "uniform", "truncated")
 WIND = {"wind_peak": "angle", "wind_duration": "time"}

@@ -31,8 +31,8 @@ from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
-from tvclin.vehicle.file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, wind_for_vehicle, winds_of
 

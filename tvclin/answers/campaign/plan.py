@@ -33,7 +33,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
@@ -119,7 +119,9 @@ class Campaign(Case):
     until: float | None = quantity("part", None, positive)
 
     def __post_init__(self) -> None:
-        instance("vehicle", whole_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle")
+        instance(
+            "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
+        )
         super().__post_init__()
         single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | WindEnsemble):

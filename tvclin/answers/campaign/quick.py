@@ -31,7 +31,7 @@ from tvclin.base.lines import Row, Table, degrees, number, quantities, significa
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -227,7 +227,7 @@ def _campaign(
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
-        vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
+        vehicle=complete_vehicle(study.vehicle, "a dispersed study"),
         wind=study.placed,
         dispersions=dispersions,
         cases=cases,

@@ -22,7 +22,7 @@ from tvclin.control.laws.registry import design_notes
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
 from tvclin.flights.theory_comparison import FATES, NOT_KNOWN
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.winds.wind_angles import beyond_linear
 
 
@@ -49,7 +49,7 @@ class FlownCard(Shown):
         limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
         assert limit is not None
         if data is not None:
-            vehicle = whole_vehicle(case.vehicle, "the torque of a nozzle").rigid
+            vehicle = complete_vehicle(case.vehicle, "the torque of a nozzle").rigid
         if beyond := beyond_linear(float(case.history.peak)):
             return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)

@@ -18,7 +18,7 @@ from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
-from tvclin.vehicle.coefficients import IN_WORDS
+from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.concurrent import ConcurrentTrim
@@ -168,7 +168,7 @@ class Sizing(Tabled):
         )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         name = self.schedule.vehicle.name or "Sizing"
-        title = f"{name}, {self.model}, {IN_WORDS[self.plane]}: {span}"
+        title = f"{name}, {self.model}, {PLANE_TEXTS[self.plane]}: {span}"
         head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
         return table(Table(title, head, rows))
 

@@ -16,7 +16,7 @@ from tvclin.answers.sizing.flight_requirement import requirement_of_parts
 from tvclin.answers.sizing.record import Sizing
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
-from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.linear_vehicle import complete_vehicle
 
 
 def base_of(found: Sizing) -> Requirement:
@@ -77,7 +77,7 @@ def by_direction(
 
 def _along(mode: FlightMode, need: CaseRequirement, direction: str, begins: float) -> float:
     """The required deflection [rad] along the flight of a pulse that begins at a time [s]."""
-    vehicle = whole_vehicle(need.vehicle, "the dynamic pressure encountered").rigid
+    vehicle = complete_vehicle(need.vehicle, "the dynamic pressure encountered").rigid
     wind = encountered_wind(need.placed, vehicle, need.plane, direction)
     flown = mode.schedule.vehicle
     paths, speeds = (

@@ -26,7 +26,7 @@ from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
 from tvclin.base.files import called
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
-from tvclin.vehicle.file import source_tables
+from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
 from tvclin.winds.wind_file import (

@@ -17,8 +17,8 @@ from tvclin.base.declared import completed
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import FileTable
-from tvclin.vehicle.file import COEFFICIENTS, is_schedule, source_tables, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
+from tvclin.vehicle.vehicle_file import COEFFICIENTS, is_schedule, read_vehicle_text, source_tables
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.request import SoundingRequest
@@ -54,7 +54,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     >>> plan.wind.shape, plan.nozzle.limit
     ('triangular', None)
     """
-    document, name = source_tables(source), vehicle_text(source)[1]
+    document, name = source_tables(source), read_vehicle_text(source)[1]
     if not _STUDIES & document.keys() and (_VEHICLES & document.keys() or is_schedule(source)):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
@@ -115,7 +115,7 @@ def load_sizing(
 
 def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
     """Return the name or the file of the vehicle of a study file, or a vehicle as it is."""
-    document, name = source_tables(source), vehicle_text(source)[1]
+    document, name = source_tables(source), read_vehicle_text(source)[1]
     named = [
         document[table]["vehicle"]
         for table in ("study", "campaign")

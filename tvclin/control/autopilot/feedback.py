@@ -19,7 +19,7 @@ from tvclin.control.autopilot.actuator import (
     positive_in_range,
     zero_or_in_range,
 )
-from tvclin.vehicle.filters import Filter, cells_of
+from tvclin.vehicle.filters import Filter, filter_cells
 
 GAINS = {
     "attitude_gain": "number",
@@ -113,7 +113,7 @@ class Feedback(Carded):
     def filter_tables(self) -> list[Table]:
         """Return a table of the filters of one autopilot; an empty list without filters."""
         rows: list[tuple[Line, ...]] = [
-            ((f"{label}, {position}",), *cells_of(filter_, f"gains.{name}.{position}"))
+            ((f"{label}, {position}",), *filter_cells(filter_, f"gains.{name}.{position}"))
             for name, label in _CHAIN_LABELS.items()
             for position, filter_ in enumerate(getattr(self, name), start=1)
         ]

@@ -22,7 +22,7 @@ from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_o
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import round_up
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
 from tvclin.winds.wind_file import gust_of
@@ -175,7 +175,7 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
 
 def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
     """The plane whose flight is shown of both; the other one where the wind has no part in it."""
-    whole = whole_vehicle(vehicle, "a wind with a direction")
+    whole = complete_vehicle(vehicle, "a wind with a direction")
     blows = [one for one, peak in wind.peaks(float(np.asarray(whole.attitude))).items() if peak]
     return plane if plane in blows else blows[0]
 

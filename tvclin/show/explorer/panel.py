@@ -21,9 +21,9 @@ from tvclin.show.explorer.lab import end, is_open
 from tvclin.show.explorer.picture import new_picture
 from tvclin.show.explorer.study import write_study
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.file import list_vehicles, load_vehicle
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import list_vehicles, load_vehicle
 
 _WIDE = {"description_width": "115px"}
 _GROUPS = {

@@ -13,8 +13,8 @@ from tvclin.base.files import exists, write_new
 from tvclin.control.autopilot.design_rules import CHAIN_OF_POSITION
 from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.controls import plateau_of
-from tvclin.vehicle.file import vehicle_table
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle_file import vehicle_table
 from tvclin.winds.shaped import ShapedWind
 
 Table = dict[str, Any]

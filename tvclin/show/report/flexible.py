@@ -13,7 +13,7 @@ from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks
 from tvclin.show.report.figures import figure_of
-from tvclin.vehicle.filters import cells_of
+from tvclin.vehicle.filters import filter_cells
 from tvclin.vehicle.structure import Structure
 
 _NAME, _TITLE = "flexible", "The flexible vehicle"
@@ -84,7 +84,7 @@ def given(structure: Structure) -> list[Table]:
         tables += [Table(title, head, tuple(rows))] if every else []
     lags = {"attitude": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
     sensors = tuple(
-        ((name,), *cells_of(one, f"structure.{name.replace(' ', '_')}"))
+        ((name,), *filter_cells(one, f"structure.{name.replace(' ', '_')}"))
         for name, one in lags.items()
         if one is not None
     )

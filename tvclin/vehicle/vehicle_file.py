@@ -1,0 +1,314 @@
+"""Vehicle files: TOML with the table [vehicle], every key carrying its unit, and a structure.
+
+[vehicle] holds the numbers of `Vehicle`; [structure], [engine], [sensors] and one [[bending]] and
+[[slosh]] for each mode and tank hold its `Structure`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib.resources import files
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.errors import Faults, InputError, naming, number, one_of, shown
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import ENCODINGS, UTF_8, called, exists, read_text, tables_of
+from tvclin.base.tables import FileTable
+from tvclin.base.units import UNITS
+from tvclin.vehicle.damping import QUANTITIES, damping_of
+from tvclin.vehicle.filters import Filter
+from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
+from tvclin.vehicle.vehicle import NUMBERS, STANDARD_GRAVITY, Vehicle
+
+_REQUIRED = {
+    "weight": "force",
+    "moment_of_inertia": "inertia",
+    "thrust": "force",
+    "aerodynamic_arm": "length",
+    "control_arm": "length",
+    "velocity": "speed",
+    "attitude": "angle",
+}
+_FORCES = {"normal_force_slope": "force slope", "axial_force": "force"}
+_AERODYNAMICS = {
+    "dynamic_pressure": "pressure",
+    "reference_area": "area",
+    "normal_force_coefficient_slope": "per angle",
+    "axial_force_coefficient": "number",
+}
+_OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
+_MASS_KEYS = {"mass": "mass"}
+"""Keys that replace the weight."""
+
+VEHICLE_TABLE = FileTable(
+    "[vehicle]",
+    _REQUIRED | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS_KEYS,
+    words=("name", "numbers_from"),
+)
+COEFFICIENTS = "coefficients"
+"""Table of files of a `LinearVehicle`, see `load_any_vehicle`."""
+HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
+"""Tables of a vehicle file; [flight] belongs to `FlightCondition`."""
+_SENSORS = ("attitude_sensor", "rate_gyro")
+_DISPLACEMENTS = "tank_displacements"
+_TANK_SLOPES = {f"tank_slopes_{unit}": factor for unit, factor in UNITS["per length"].items()}
+
+STRUCTURE_TABLE = FileTable("[structure]", words=("thrust_follows",))
+ENGINE_TABLE = FileTable(
+    "[engine]",
+    {"mass": "mass", "arm": "length", "moment_of_inertia": "inertia"},
+    required=("mass", "arm"),
+)
+SENSORS_TABLE = FileTable(
+    "[sensors]",
+    {f"{name}_frequency": "natural frequency" for name in _SENSORS}
+    | {f"{name}_damping": "number" for name in _SENSORS},
+)
+_BENDING = {
+    "frequency": "natural frequency",
+    "damping": "number",
+    "modal_mass": "mass",
+    "gimbal_displacement": "number",
+    "gimbal_slope": "per length",
+    "attitude_slope": "per length",
+    "rate_slope": "per length",
+}
+BENDING_TABLE = FileTable(
+    "[[bending]]",
+    _BENDING | {"pressure_displacement": "number"},
+    lists=(_DISPLACEMENTS, *_TANK_SLOPES),
+    required=tuple(_BENDING),
+)
+SLOSH_TABLE = FileTable(
+    "[[slosh]]",
+    {
+        "mass": "mass",
+        "station": "length",
+        "damping": "number",
+        "pendulum_length": "length",
+        "frequency": "natural frequency",
+    },
+    required=("mass", "station", "damping"),
+)
+
+
+def list_vehicles() -> list[str]:
+    """Return the names of the vehicles in the package."""
+    entries = (entry.name for entry in files("tvclin.vehicle").joinpath("shipped").iterdir())
+    return sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml"))
+
+
+def load_vehicle(source: str | PathLike[str]) -> Vehicle:
+    """Return a vehicle by its name in the package, or from a TOML file.
+
+    The structure follows [vehicle] in tables of its own: [structure], [engine], [sensors], and one
+    [[bending]] and [[slosh]] for each mode and tank. All are optional.
+
+    Parameters
+    ----------
+    source : str or path
+        One of `list_vehicles`, or the path of a file (anything that ends in .toml, holds a
+        path separator, or exists).
+
+    Raises
+    ------
+    InputError
+        For an unknown name (similar names are listed) and for a file that cannot be read, is
+        not TOML, lacks a key, has an unknown key, or holds a value that is not a number. One
+        sentence says which and how to correct it.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.load_vehicle("configuration-i").weight
+    1480000.0
+    >>> structure = tv.load_vehicle("made-up-booster").structure
+    >>> [mode.frequency for mode in structure.bending], len(structure.slosh)
+    ([13.58, 30.18, 61.18], 2)
+    """
+    return parse_vehicle(*read_vehicle_text(source))
+
+
+def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
+    """Return the text of a vehicle file and its name in messages; as `load_vehicle`."""
+    path, text = a_path("vehicle", source, "a name or a path"), fspath(source)
+    if text in list_vehicles():
+        resource = files("tvclin.vehicle").joinpath("shipped", f"{text}.toml")
+        return resource.read_text(encoding="utf-8"), text
+    looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
+    if not looks_like_a_path and not exists(path):
+        one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
+    name = called(path)
+    start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
+    encodings = ENCODINGS if is_csv(path) else UTF_8
+    return read_text(path, "a vehicle file", start, encodings), text
+
+
+def source_tables(source: str | PathLike[str]) -> dict[str, Any]:
+    """Return the tables of a vehicle or study file by heading; empty for a schedule in CSV."""
+    return {} if is_csv(source) else tables_of(*read_vehicle_text(source))
+
+
+def is_csv(source: str | PathLike[str]) -> bool:
+    """Return whether a source is a flight schedule in CSV, by its name."""
+    return str(a_path("source", source, "a name or a path")).lower().endswith(".csv")
+
+
+def is_schedule(source: str | PathLike[str]) -> bool:
+    """Return whether a source is a flight schedule, in CSV or as the only table of a TOML file."""
+    return is_csv(source) or source_tables(source).keys() == {"schedule"}
+
+
+def parse_vehicle(text: str, source: str) -> Vehicle:
+    """Return the vehicle of a TOML text; `source` is its name in messages."""
+    if is_csv(source) or tables_of(text, source).keys() == {"schedule"}:
+        raise InputError(missing_time_message(source))
+    faults, vehicle, structure = Faults(), None, None
+    with faults.kept():
+        table_of(text, source, VEHICLE_TABLE)
+    document = tables_of(text, source)
+    with faults.kept(), naming(called(source)):
+        structure = build_structure(document)
+    row = document.get("vehicle")
+    with faults.kept(), naming(called(source)):
+        vehicle = build_vehicle(row) if isinstance(row, dict) else None
+    faults.tell()
+    assert vehicle is not None  # or its table is at fault
+    return vehicle.replace(structure=structure)
+
+
+def missing_time_message(source: str) -> str:
+    """Return the message on a flight schedule without the time of flight."""
+    return (
+        f"{called(source)} is a flight schedule: give the time of flight of its vehicle, as --at 52"
+        ' of a command, time_s in [study], or load_schedule("flight.csv").at(52) in Python'
+    )
+
+
+def incomplete_vehicle_message(what: str) -> str:
+    """Return the message on an answer that coefficients alone do not permit."""
+    return (
+        f"{what} needs a whole vehicle, with weight, thrust and velocity; write a file with:"
+        " tvclin init FILE"
+    )
+
+
+def table_of(text: str, source: str, table: FileTable) -> dict[str, Any]:
+    """Return a table of a vehicle file with its keys; empty where [flight] is missing."""
+    document, source = tables_of(text, source), called(source)
+    if COEFFICIENTS in document:
+        raise InputError(
+            f"{source} holds [{COEFFICIENTS}] alone: {incomplete_vehicle_message('this')}"
+        )
+    if not isinstance(document.get("vehicle"), dict):
+        raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
+    unknown = [shown(key) for key in document if key not in HEADINGS]
+    if unknown:
+        messages = (f"{source}: unknown heading or key {key} outside [vehicle]" for key in unknown)
+        raise InputError("\n".join(messages))
+    with naming(source):
+        return table.one(document)
+
+
+def template() -> str:
+    """Return the text of a commented vehicle file with placeholders."""
+    return files("tvclin.vehicle").joinpath("shipped", "template.txt").read_text(encoding="utf-8")
+
+
+def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
+    """Return the vehicle of a table of keys with units; `heading` names it in messages."""
+    table = replace(VEHICLE_TABLE, heading=heading)
+    values = _with_weight(damping_of(table.read(row), table), table)
+    table.need(values, _REQUIRED)
+    aerodynamic = values.keys() & _AERODYNAMICS
+    table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
+    build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
+    return build(**values)
+
+
+def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
+    """Return the keys and values of a vehicle's table, as `build_vehicle` takes them."""
+    numbers = {name: getattr(vehicle, name) for name in NUMBERS}
+    defined = {name: float(value) for name, value in numbers.items() if value is not None}
+    words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
+    return {key: word for key, word in words.items() if word} | VEHICLE_TABLE.write(defined)
+
+
+def vehicle_file(vehicle: Vehicle) -> str:
+    """Return the text of a file of a vehicle without a structure, angles in degrees."""
+    table = vehicle_table(vehicle)
+    table["attitude_deg"] = float(f"{np.degrees(table.pop('attitude_rad')):.12g}")
+    lines = "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+    return f"# A vehicle for tvclin, at one time of its flight.\n\n[vehicle]\n{lines}"
+
+
+def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
+    """Return the numbers of a vehicle file in its own units, by name; empty for other files."""
+    row = source_tables(source).get("vehicle")
+    return VEHICLE_TABLE.units(row) if isinstance(row, dict) else {}
+
+
+def _with_weight(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
+    """Return the values with the weight m g in place of a mass."""
+    if "mass" not in values:
+        if "weight" not in values:
+            raise InputError(
+                f"a key is missing in {table.heading}: {table.spelled('weight')}, or"
+                f" {table.spelled('mass')}"
+            )
+        return values
+    if "weight" in values:
+        raise InputError(f"{table.heading} has both a weight and a mass; keep one")
+    return {name: value for name, value in values.items() if name != "mass"} | {
+        "weight": values["mass"] * STANDARD_GRAVITY
+    }
+
+
+def build_structure(document: Mapping[str, Any]) -> Structure:
+    """Return the structure of the tables of a vehicle file, all of which are optional."""
+    engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
+    sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))
+    return Structure(
+        bending=_each_built(BENDING_TABLE, document, _bending_mode),
+        slosh=_each_built(SLOSH_TABLE, document, SloshTank),
+        engine=None if engine is None else Engine(**ENGINE_TABLE.read(engine)),
+        attitude_sensor=_sensor_lag("attitude_sensor", sensors),
+        rate_gyro=_sensor_lag("rate_gyro", sensors),
+        **STRUCTURE_TABLE.read(STRUCTURE_TABLE.one(document)),
+    )
+
+
+def _each_built(
+    table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
+) -> tuple[Any, ...]:
+    """Return the values built from the rows of a repeated table; messages name the row."""
+    values = []
+    for k, row in enumerate(table.each(document), start=1):
+        with naming(f"{table.name} {k}"):
+            values.append(make(**table.read(row)))
+    return tuple(values)
+
+
+def _bending_mode(**numbers: Any) -> BendingMode:
+    slopes = {key: numbers.pop(key) for key in _TANK_SLOPES if key in numbers}
+    if len(slopes) > 1:
+        raise InputError(f"tank_slopes is given twice, as {' and '.join(slopes)}; keep one")
+    for key, values in slopes.items():
+        numbers["tank_slopes"] = tuple(
+            number(f"{key}[{k}]", value) * _TANK_SLOPES[key] for k, value in enumerate(values)
+        )
+    return BendingMode(**numbers)
+
+
+def _sensor_lag(name: str, sensors: Mapping[str, float]) -> Filter | None:
+    frequency, damping = sensors.get(f"{name}_frequency"), sensors.get(f"{name}_damping")
+    if frequency is None:
+        if damping is not None:
+            SENSORS_TABLE.need(sensors, (f"{name}_frequency",))
+        return None
+    return Filter.low_pass(frequency, damping)
