@@ -124,7 +124,7 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
     where = found.soundings.station or "an archive"
-    planes = IN_WORDS[found.plane]
+    planes = PLANE_TEXTS[found.plane]
     if not several:
         planes += f", towards {azimuths[0]:.4g} deg"
     words = f"{plural(len(found.soundings), 'sounding')} of {where}, {planes}"
