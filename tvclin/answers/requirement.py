@@ -6,8 +6,8 @@ is none of these too low for
 - the boundary of the control, with the dead band left by trim itself, as in a flight;
 - the minimum over all unstable poles, appendix C, which nothing undercuts, from the onset of the
   wind on, and for 0 < K < 1 from the state on that trim up to K times the limit has left;
-- for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
-  (4b) does not speak for it: in winds that come back, and where the path is as quick.
+- for K = 1, which claims to need no forecast, the bound without one, and the ideal trim law with
+  limits, which (4b) describes where the wind rises and falls once and the path is slow.
 """
 
 from __future__ import annotations
@@ -19,23 +19,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.trim_flown import can_fly, comes_back, lost_flown, path_counts, trim_law_flown
-from tvclin.base.arrays import FloatArray
+from tvclin.answers.time_varying import batch_requirements
+from tvclin.answers.varying_equations import Equations
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
-from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.limit import boundary_limit, leading_pole
 from tvclin.boundary.open_loop import (
     ROUNDING,
     Reason,
     open_loop_requirements,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, NominalWind, beyond_linear
 
-_LITTLE = 1.005
-"""What a flight that survives with so many times (4b) adds to it is not looked for."""
+_MARCH_ERROR = 1e-6
+"""Error of `time_varying` over static trim: closed forms stand where it requires no more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +103,13 @@ def required_deflection(
 
     Notes
     -----
-    The eqs (4b), (17) and (C1). The condition (4b) of the fastest mode speaks for the trim law as
-    long as the wind rises and falls once and the path is slow. Where the wind comes back, a second
-    mode grows at more than a twentieth of that rate, b1 is above a tenth of it, another
-    requirement is larger than that of (4b), or a flight with half a percent more is lost, the trim
-    law is flown with limits up to the largest trim deflection, with which it is never limited, and
-    the least above which all that were tried survive is required for K = 1: every two percent, and
-    for six percent above the highest that is lost every 0.2 percent, so that a narrower band of
-    losses is not excluded. (Where three modes grow, the change of the speed is left out in these
-    flights; where two of drift-exact are a pair as well, no limit below full trim is known to
-    survive, which may ask for too much.) For a pair it is that largest trim deflection over K,
-    infinite for K = 0.
+    The eqs (4b), (17) and (C1). For K = 1 what the ideal trim law requires is that of
+    `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
+    min(trim, demand), and where the path is quick, trim meets the limit more than once, or a flight
+    with half a percent more diverges, the smallest limit above all with which the limited law was
+    seen to diverge, tried every two percent, and for six percent above the highest such limit every
+    0.2 percent. A wind too long to be followed requires the largest trim. For a pair it is that
+    largest trim deflection over K, infinite for K = 0.
 
     Examples
     --------
@@ -125,22 +123,23 @@ def required_deflection(
     K = within("dead_band", dead_band, 0.0, 1.0)
     boundary = boundary_limit(plant, wind, K, "literal")
     needs = open_loop_requirements(plant, wind, K, boundary)
-    blows = wind
+    law_wind = wind
     if whole is not None:
         instance("whole", whole, History, "the wind with what blows to the other side")
         if whole.batch != wind.batch:
             raise InputError(
                 f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
             )
-        blows = whole
+        law_wind = whole
         needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)
-    beaten = (least > needs[Reason.BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
-    can = (K == 1.0) & can_fly(plant) & np.isfinite(least)
-    flies = can & (path_counts(plant) | comes_back(wind) | beaten)
-    if plant.model != "fixed-path" and np.any(can & ~flies):
-        flies = flies | lost_flown(plant, blows, _LITTLE * least, can & ~flies)
-    needs[Reason.TRIM_LAW] = trim_law_flown(plant, blows, flies, least)
+    rate, paired = leading_pole(plant)
+    limited = (K == 1.0) & ~paired & ~np.isnan(rate) & np.isfinite(least)
+    if plant.model == "fixed-path" and whole is None:
+        limited = limited & _rises_again(wind)
+    law = _trim_law(plant, law_wind, np.broadcast_to(limited, least.shape))
+    static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
+    needs[Reason.TRIM_LAW] = np.where(law > least + _MARCH_ERROR * static, law, 0.0)
     governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
     most = np.array(needs[Reason.BOUNDARY])
     for name in (Reason.MINIMUM, Reason.NO_FORECAST, Reason.AFTER_TRIM, Reason.TRIM_LAW):
@@ -157,6 +156,28 @@ def required_deflection(
         {name: plain(np.asarray(need)) for name, need in needs.items()},
         boundary.status,
     )
+
+
+def _trim_law(plant: Plant, wind: History, cases: BoolArray) -> FloatArray:
+    """Return the required deflections [rad] of the ideal trim law in some cases, else zero."""
+    which = np.flatnonzero(cases)
+    if not which.size:
+        return np.zeros(cases.shape)
+    plants, winds = plant.some(which, cases.shape), wind.some(which, cases.shape)
+    found = batch_requirements(Equations.of_plant(plants), NominalWind(winds), 1.0)
+    if np.any(too_long := np.isnan(found)):
+        found = np.where(too_long, np.abs(trim_deflection(plants, winds).peak), found)
+    required = np.zeros(cases.size)
+    required[which] = found
+    return required.reshape(cases.shape)
+
+
+def _rises_again(wind: History) -> BoolArray:
+    """Return whether winds rise again after they have fallen, so that trim may be limited twice."""
+    size = np.abs(wind.peak)[..., np.newaxis]
+    change = np.diff(np.abs(wind.looked_at), axis=-1)
+    fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
+    return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 
 
 def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:

@@ -42,7 +42,7 @@ from tvclin.kernels import limited_trim
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import run
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import EncounteredWind
+from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 STEP = 0.1
 """Length of a step times the fastest rate of vehicle and wind."""
@@ -263,16 +263,14 @@ def varying_requirement(
 
 
 def batch_requirements(
-    equations: Equations, encountered: EncounteredWind, dead_band: float
+    equations: Equations, encountered: EncounteredWind | NominalWind, dead_band: float
 ) -> FloatArray:
     """Return the required deflections [rad] of a batch of winds, ``(n,)``.
 
     NaN for a wind too long to be followed, and where the wind has no dynamic pressure. Those with
     the same steps are marched together, so that no case depends on its company.
     """
-    count = max(
-        len(equations.end), *(np.size(x) for x in (encountered.history.onset, encountered.path))
-    )
+    count = max(len(equations.end), encountered.count)
     counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
     known = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm

@@ -15,16 +15,17 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.answers.trim_flown import path_counts
 from tvclin.answers.varying_minimum import UnstableModes, unstable_modes_of
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.boundary.limit import leading_pole
-from tvclin.linear.modes import left_eigenvectors
+from tvclin.boundary.limit import COMPARABLE, leading_pole
+from tvclin.linear.modes import left_eigenvectors, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 
 PRESSURES = (1.0, 1.25, 2.0)
 """q/q_n at which equations are computed; three of them determine E, E_1 and E_2."""
+_QUICK_PATH_FRACTION = 0.1
+"""Fraction of the fastest rate from which on the rate b1 of the path is comparable with it."""
 
 
 def at_pressure(vehicle: Vehicle, ratio: FloatArray | float) -> Vehicle:
@@ -68,7 +69,18 @@ class Equations:
     @classmethod
     def frozen(cls, vehicle: Vehicle, model: str, plane: str) -> Self:
         """Return the constant equations of one vehicle, or a batch ``(n,)``, of a model."""
-        plants = [Plant.from_vehicle(at_pressure(vehicle, r), model, plane) for r in PRESSURES]
+        return cls._of(
+            [Plant.from_vehicle(at_pressure(vehicle, r), model, plane) for r in PRESSURES]
+        )
+
+    @classmethod
+    def of_plant(cls, plant: Plant) -> Self:
+        """Return the constant equations of plants at nominal dynamic pressure, one or ``(n,)``."""
+        return cls._of([plant] * len(PRESSURES))
+
+    @classmethod
+    def _of(cls, plants: Sequence[Plant]) -> Self:
+        """Return the constant equations of plants at each of `PRESSURES`."""
         nominal, slopes = (
             x.reshape(-1, 1, 1, *x.shape[x.ndim - k :])
             for x, k in zip(of_pressure(plants), (2, 3), strict=True)
@@ -79,7 +91,7 @@ class Equations:
             np.repeat(slopes, 3, axis=2),
             unstable_end(nominal[:, 0, 0]),
             np.reshape(leading_pole(plants[0])[1], (-1, 1, 1)),
-            np.ravel(path_counts(plants[0])),
+            np.ravel(has_quick_path(plants[0])),
             unstable_modes_of(nominal[:, 0, 0, :, :order], fewest=2),
         )
 
@@ -127,6 +139,19 @@ class Equations:
         """Largest rate [1/s] of the attitude of each vehicle, sqrt(mu_alpha) at its largest."""
         stiffness = np.abs(self.nominal[..., 1, 0]).max(axis=(1, 2))
         return np.asarray(np.sqrt(stiffness))
+
+
+def has_quick_path(plant: Plant) -> BoolArray:
+    """Return whether the path is unstable, or b1 or a second pole comparable with the fastest."""
+    poles = unstable_poles(plant)
+    if plant.model == "fixed-path" or not poles.shape[-1]:
+        return np.zeros(plant.batch, dtype=bool)
+    fast, b1 = np.real(poles[..., 0]), np.asarray(plant.coefficients.b1)
+    with np.errstate(invalid="ignore"):  # NaN stands for a pole that is not there
+        quick = (b1 < 0.0) | (b1 > _QUICK_PATH_FRACTION * fast)
+        if poles.shape[-1] > 1:
+            quick = quick | (np.real(poles[..., 1]) > COMPARABLE * fast)
+    return np.asarray(quick)
 
 
 def unstable_end(equations: FloatArray) -> FloatArray:

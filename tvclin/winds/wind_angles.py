@@ -253,6 +253,39 @@ def checked_linear(angle: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class NominalWind:
+    """Winds that end, as vehicles encounter them at nominal dynamic pressure: one, or ``(n,)``.
+
+    `history`: wind angles of attack [rad].
+    """
+
+    history: History
+
+    @property
+    def count(self) -> int:
+        """Number of winds."""
+        return int(np.prod(self.history.batch))
+
+    @property
+    def calm(self) -> bool:
+        """Whether there is no wind."""
+        return not np.any(np.isfinite(self.history.onset))
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n = 1 at times [s], ``(n, ...)``."""
+        return _values(self.history, times), np.ones(times.shape)
+
+    def between(self, start: float, stop: float) -> NominalWind:
+        """Return the winds from a time to another [s], and none before and after."""
+        return NominalWind(self.history.before(stop) - self.history.before(start))
+
+    def of(self, cases: IndexArray, count: int) -> NominalWind:
+        """Return the winds of some cases of a batch of so many."""
+        history = self.history
+        return NominalWind(history.some(cases, (count,))) if history.batch else self
+
+
+@dataclass(frozen=True, eq=False)
 class EncounteredWind:
     """Winds that vehicles encounter on paths of constant angle: one wind, or a batch ``(n,)``.
 
@@ -333,6 +366,11 @@ class EncounteredWind:
     def between(self, start: float, stop: float) -> EncounteredWind:
         """Return the winds from a start to a stop time [s], zero before and after."""
         return self._with(lambda x: x.before(stop) - x.before(start))
+
+    @property
+    def count(self) -> int:
+        """Number of winds, of which each may have its own path."""
+        return max(np.size(self.history.onset), np.size(self.path))
 
     @property
     def calm(self) -> bool:

@@ -12,8 +12,13 @@ import numpy as np
 
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.time_varying import varying_requirement
-from tvclin.answers.trim_flown import path_counts
-from tvclin.answers.varying_equations import PRESSURES, Equations, at_pressure, of_pressure
+from tvclin.answers.varying_equations import (
+    PRESSURES,
+    Equations,
+    at_pressure,
+    has_quick_path,
+    of_pressure,
+)
 from tvclin.answers.varying_minimum import unstable_modes_of
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit import leading_pole
@@ -67,7 +72,7 @@ class FlightEquations:
             slopes,
             np.append(costate, reach)[np.newaxis],
             paired.reshape(times.shape),
-            np.atleast_1d(np.any(path_counts(plant))),
+            np.atleast_1d(np.any(has_quick_path(plant))),
             unstable_modes_of(nominal[:, -1, 2, :, :order]),
         )
 
