@@ -1,16 +1,20 @@
 """What is required is never less than a flight needs, nor than anything that nothing undercuts."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.linalg import eig
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import drawn
-from tvclin.answers import requirement
+from tvclin.answers.time_varying import batch_requirements
+from tvclin.answers.varying_equations import Equations
 from tvclin.boundary.limit import PAIR
 from tvclin.boundary.open_loop import (
     Reason,
@@ -18,6 +22,7 @@ from tvclin.boundary.open_loop import (
 )
 from tvclin.cli.app import app
 from tvclin.flights.flown_boundary import planar_verdict
+from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(5.0)
 
@@ -120,7 +125,10 @@ def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
         tv.required_deflection(tv.Plant.from_vehicle(vehicle, model), wind)
         for model in ("drift-exact", "drift-and-speed")
     ]
-    assert needs[1].limit == pytest.approx(needs[0].limit, rel=5e-3)
+    limits = np.multiply.outer([0.998, 1.002], [abs(one.deflection) for one in needs])
+    for model, some in zip(("drift-exact", "drift-and-speed"), limits.T, strict=True):
+        law_diverges = [diverges(tv.Plant.from_vehicle(vehicle, model), wind, x) for x in some]
+        assert law_diverges == [True, False]
     plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
     # The least that no control undercuts survives, and above it a band of limits is lost.
     above = np.array([1.01, 1.02, 1.03, 1.04, 1.049, 1.06, 1.1, 1.2])
@@ -131,6 +139,28 @@ def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
     enough = limits > abs(needs[0].deflection)
     assert enough.sum() > 1
     assert np.all(flown.status[enough] == "survived")
+
+
+def diverges(plant: tv.Plant, wind: tv.SampledWind, limit: float) -> bool:
+    """Return whether the ideal trim law with a limit diverges, by LSODA, ten e-folds after."""
+    A, inputs, _, _ = plant.matrices()
+    stiff = abs(A[1, 0])
+    back = 10.0 * stiff * (np.arange(len(A)) == 0) + 10.0 * np.sqrt(stiff) * (
+        np.arange(len(A)) == 1
+    )
+
+    def rates(t, x):
+        angle = float(wind(min(t, wind.time[-1]))) if t < wind.time[-1] else 0.0
+        felt = (A[1] + back) @ x + inputs[1, 1] * angle
+        return A @ x + inputs @ [np.clip(-felt / inputs[1, 0], -limit, limit), angle]
+
+    values, rows = eig(A, left=True, right=False)
+    k = int(np.argmax(np.where(values.imag == 0.0, values.real, -np.inf)))
+    state = np.zeros(len(A))
+    for span in pairwise([*wind.time, wind.time[-1] + 10.0 / values[k].real]):
+        state = solve_ivp(rates, span, state, "LSODA", rtol=1e-8, atol=1e-12).y[:, -1]
+    row = rows[:, k].real
+    return bool(abs(row @ state) > limit * abs(row @ inputs[:, 0]) / values[k].real)
 
 
 def test_a_slow_real_pole_of_drift_and_speed_is_flown_itself():
@@ -397,53 +427,39 @@ def test_what_blows_to_the_other_side_first_counts_in_the_minimum(configuration_
             tv.required_deflection(plant, part, 0.5, whole=other)
 
 
-@pytest.fixture
-def asked(monkeypatch):
-    """Put in the place of flights what they are asked: limit and cases looked at, cases flown."""
-    told = {}
-
-    def looked_at(_plant, _wind, limit, cases):
-        told.update(limit=limit, looked_at=cases.tolist())
-        return np.zeros(cases.shape, dtype=bool)
-
-    def flown(_plant, _wind, cases, _least):
-        told.update(flown=cases.tolist())
-        return np.zeros(cases.shape)
-
-    monkeypatch.setattr(requirement, "lost_flown", looked_at)
-    monkeypatch.setattr(requirement, "trim_law_flown", flown)
-    return told
+def agreement(seed, model, dead_band, count=12):
+    """Return requirements by the march and by the closed forms, over static trim, ``(count,)``."""
+    rng = np.random.default_rng(seed)
+    plant, wind = tv.Plant.from_vehicle(fleet(rng, count), model), blowing(rng, count)
+    found = tv.required_deflection(plant, wind, dead_band)
+    march = batch_requirements(Equations.of_plant(plant), NominalWind(wind), dead_band)
+    return march / np.abs(plant.coefficients.B * wind.peak), found
 
 
-def test_the_trim_law_is_flown_for_each_reason_alone_and_else_looked_at(
-    configuration_i, asked, monkeypatch
-):
-    c = tv.Coefficients.from_vehicle(configuration_i)
-    plant = tv.Plant.from_coefficients(c, "drift-exact")
-    quick_path = tv.Plant.from_coefficients(c.replace(b1=[c.b1, 0.06]), "drift-exact")
-    found = tv.required_deflection(quick_path, triangle(7.5))
-    assert (asked["looked_at"], asked["flown"]) == ([True, False], [False, True])
-    np.testing.assert_allclose(asked["limit"], 1.005 * np.abs(found.deflection), rtol=1e-14)
-    asked.clear()
-    tv.required_deflection(plant, triangle(7.5))
-    assert (asked["looked_at"], asked["flown"]) == (True, False)
-    asked.clear()
-    tv.required_deflection(plant, triangle(7.5), 0.5)
-    assert asked == {"flown": False}
-    tv.required_deflection(plant, triangle(7.5), whole=triangle(7.5))
-    assert asked == {"flown": True}
-    back = tv.SampledWind(time=np.arange(6.0), angle=[0.0, 0.08, 0.04, 0.04, 0.08, 0.0])
-    tv.required_deflection(plant, back)
-    assert asked == {"flown": True}
-    needs = requirement.open_loop_requirements
+MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
 
-    def more(*given):
-        found = needs(*given)
-        return found | {Reason.MINIMUM: 1.5 * found[Reason.BOUNDARY]}
 
-    monkeypatch.setattr(requirement, "open_loop_requirements", more)
-    tv.required_deflection(plant, triangle(7.5))
-    assert asked == {"flown": True}
+@drawn(6, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS))
+def test_frozen_and_varying_requirements_are_the_same(seed, model):
+    """With K = 1 of all models, winds and both arms; the bound without a forecast stands alone."""
+    march, found = agreement(seed, model, 1.0)
+    march = np.where(found.governs == Reason.NO_FORECAST, np.maximum(march, found.limit), march)
+    assert march == pytest.approx(found.limit, abs=1e-6, rel=1e-6)
+
+
+@drawn(6, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS[:2]), st.sampled_from([0.75, 0.5]))
+def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_band):
+    """Winds of one peak, where the exit of the dead band is one crossing."""
+    rng, count = np.random.default_rng(seed), 12
+    plant = tv.Plant.from_vehicle(fleet(rng, count), model)
+    tau = np.exp(rng.uniform(np.log(0.5), np.log(80.0), count))
+    wind = tv.winds.AsymmetricTriangularWind(
+        peak=PEAK, duration=tau, peak_time=tau * rng.uniform(0.0, 1.0, count)
+    )
+    found = tv.required_deflection(plant, wind, dead_band)
+    march = batch_requirements(Equations.of_plant(plant), NominalWind(wind), dead_band)
+    trim = np.abs(plant.coefficients.B * wind.peak)
+    assert march / trim == pytest.approx(found.limit, abs=1e-6)
 
 
 def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():

@@ -59,7 +59,10 @@ def test_json_equals_the_library() -> None:
         for v in map(schedule.at, times)
     ]
     ratios = np.array([[study.ratio_to_nominal] for study in studies])
-    assert needs == pytest.approx(found.required["K = 1, varying"] * ratios, rel=0.02)
+    # at 60 s the path is quick, and what a head wind adds is not a factor on what the flight does
+    expected = found.required["K = 1, varying"] * ratios
+    assert needs[1:] == pytest.approx(expected[1:], rel=0.005)
+    assert needs[0] == pytest.approx(expected[0], rel=0.03)
     found = replace(found, required=found.required | {counted: needs})
     total = tv.worst_total(
         found,

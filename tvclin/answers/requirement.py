@@ -163,7 +163,7 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray) -> FloatArray:
     which = np.flatnonzero(cases)
     if not which.size:
         return np.zeros(cases.shape)
-    plants, winds = plant.some(which, cases.shape), wind.some(which, cases.shape)
+    plants, winds = plant.cases(which, cases.shape), wind.cases(which, cases.shape)
     found = batch_requirements(Equations.of_plant(plants), NominalWind(winds), 1.0)
     if np.any(too_long := np.isnan(found)):
         found = np.where(too_long, np.abs(trim_deflection(plants, winds).peak), found)
@@ -175,7 +175,7 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray) -> FloatArray:
 def _rises_again(wind: History) -> BoolArray:
     """Return whether winds rise again after they have fallen, so that trim may be limited twice."""
     size = np.abs(wind.peak)[..., np.newaxis]
-    change = np.diff(np.abs(wind.looked_at), axis=-1)
+    change = np.diff(np.abs(wind.shape_samples), axis=-1)
     fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
     return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 

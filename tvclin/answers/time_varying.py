@@ -19,8 +19,9 @@ With several unstable modes no control needs less than the minimum over all of t
 Required with K = 1 is the smallest limit from which on every limit survives, for the ideal trim law
 in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
 path, and where trim meets the limit once and the path is slow; it is required as long as trim meets
-it to one side alone. Else the limited law itself is flown (`LimitedFlights`) with many limits, and
-what is required lies above all of them with which a flight diverges.
+it to one side alone. Else the limited law itself is flown (`LimitedFlights`) with many limits,
+through the wind and the calm after it, and what is required lies above all of them with which a
+flight diverges.
 
 The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
 `STEP` taken here.
@@ -50,6 +51,9 @@ FLIGHT_PARTS = 4
 """Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
 _GAIN = 10.0
 """Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
+_AFTER, _STEP_AFTER = 15.0, 0.05
+"""Length of a flight after its wind times the unstable pole, and of its steps there times the
+fastest rate. On a quick path the law may fail to bring back what the limit, held, would have."""
 _FLIGHT_MARGIN = 1.005
 """A flight with so many times the limit of both curves shows whether they are sufficient."""
 _LOWEST_OF_BOTH_SIDES, _LOWEST_AGAIN = 0.5, 0.9
@@ -176,6 +180,30 @@ def over_steps(
     return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
 
 
+def and_after(
+    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the same with the calm after the wind, in which the law must bring the vehicle back.
+
+    `times`, `wind`, `ratio`: as of `over_steps`.
+    """
+    count = int(steps_after(equations).max())
+    rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
+    step = (_STEP_AFTER / rate)[:, np.newaxis, np.newaxis]
+    calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
+    times = np.concatenate([times, calm], axis=1)
+    wind = np.concatenate([wind, np.zeros(calm.shape)], axis=1)
+    return times, wind, np.concatenate([ratio, np.ones(calm.shape)], axis=1)
+
+
+def steps_after(equations: Equations) -> IndexArray:
+    """Return how many steps a flight of the limited law takes after its wind, ``(n,)``."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
+    counts = np.ceil(_AFTER / _STEP_AFTER) * np.where(np.isnan(slower), 1.0, np.ceil(slower))
+    return np.minimum(counts, _MAX_STEPS).astype(int)
+
+
 @dataclass(frozen=True, eq=False)
 class VaryingRequirement:
     """Deflections [rad] that winds require of vehicles whose equations vary, as sizes ``(n,)``.
@@ -274,6 +302,7 @@ def batch_requirements(
     counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
     known = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    counts = np.insert(counts, 0, steps_after(equations), axis=-1)
     required = np.full(count, np.nan)
     groups, group = np.unique(counts[known], axis=0, return_inverse=True)
     for k in range(len(groups)):
@@ -300,7 +329,7 @@ def _of_flights(
     required = np.maximum(limit, minimum)
     if not np.any(known & (flown | equations.drifts)):
         return required
-    times, wind, ratio = over_steps(motion, encountered, FLIGHT_PARTS)
+    times, wind, ratio = and_after(equations, *over_steps(motion, encountered, FLIGHT_PARTS))
     flights = LimitedFlights(motion.over(times), times, wind, ratio)
     if equations.drifts:
         every = np.flatnonzero(known)

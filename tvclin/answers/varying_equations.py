@@ -140,6 +140,13 @@ class Equations:
         stiffness = np.abs(self.nominal[..., 1, 0]).max(axis=(1, 2))
         return np.asarray(np.sqrt(stiffness))
 
+    @property
+    def end_pole(self) -> FloatArray:
+        """Growth rate p.A p [1/s] at the end of each, the pole of a constant vehicle, ``(n,)``."""
+        order = self.nominal.shape[-2]
+        costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]
+        return np.asarray(np.einsum("ni,nij,nj->n", costate, A, costate))
+
 
 def has_quick_path(plant: Plant) -> BoolArray:
     """Return whether the path is unstable, or b1 or a second pole comparable with the fastest."""

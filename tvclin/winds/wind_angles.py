@@ -273,7 +273,7 @@ class NominalWind:
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] and q/q_n = 1 at times [s], ``(n, ...)``."""
-        return _values(self.history, times), np.ones(times.shape)
+        return _history_values(self.history, times), np.ones(times.shape)
 
     def between(self, start: float, stop: float) -> NominalWind:
         """Return the winds from a time to another [s], and none before and after."""
@@ -282,7 +282,7 @@ class NominalWind:
     def of(self, cases: IndexArray, count: int) -> NominalWind:
         """Return the winds of some cases of a batch of so many."""
         history = self.history
-        return NominalWind(history.some(cases, (count,))) if history.batch else self
+        return NominalWind(history.cases(cases, (count,))) if history.batch else self
 
 
 @dataclass(frozen=True, eq=False)
