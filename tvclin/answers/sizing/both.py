@@ -1,4 +1,4 @@
-"""The sizing of both planes with one stop, of those of each plane and of the winds' vectors."""
+"""Sizing of both planes with one limit shape, from each plane and from the winds' vectors."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ def in_both_planes(
     vehicles: list[Vehicle],
     placed: list[list[dict[str, PlacedWind]]],
     stop: Stop,
-    told: Callable[[Any], Any],
+    counted: Callable[[Any], Any],
 ) -> Sizing:
-    """Return the sizing of both planes, without its notes, of those of each.
+    """Return the sizing of both planes from the sizings of each, without notes.
 
-    Vehicles are those of the flight times, for each of which `placed` has every wind by planes;
-    `told` passes each need on, and tells that it is done.
+    `vehicles` has one for each flight time, and `placed` for each the winds by planes. `counted`
+    returns its argument and counts it for the progress.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
     beyond = pitch.beyond_one_pole | yaw.beyond_one_pole
     bands = pitch.dead_bands
     needs = [
         [
-            told(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), stop, bands))
+            counted(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), stop, bands))
             for j, wind in enumerate(row)
         ]
         for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
@@ -68,7 +68,7 @@ def in_both_planes(
 
 
 def _arises(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
-    """When a number of a fixed wind arises [s]: in the plane that needs more, ``(m,)``."""
+    """Return when a number of a fixed wind arises [s]: in the plane of the larger, ``(m,)``."""
     times = [one.arising(name) for one in (pitch, yaw)]
     sizes = [np.nanmax(one.required[name], axis=0, initial=0.0) for one in (pitch, yaw)]
     in_pitch = np.isnan(times[1]) | ((sizes[0] >= sizes[1]) & ~np.isnan(times[0]))
@@ -82,10 +82,10 @@ def _required(
     stop: Stop,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
-    """What both planes require, and where the vector asks for more than each by itself.
+    """Return the requirements [rad] of both planes, and where the wind vector requires more.
 
     Of the trim, the minimum and the bound without a forecast the larger of both planes counts, of
-    dead bands the corner of both; and what the vector of the wind asks for, if that is more.
+    dead bands the corner of both; and the requirement of the wind's vector, if it is larger.
     """
     known = [name for name in pitch.required if name in yaw.required]
     held = {name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in known}
@@ -102,7 +102,7 @@ def _required(
     names = [Requirement(dead_band=K) for K in pitch.dead_bands]
     for k, name in enumerate(names):
         required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
-        if (along := replace(name, varying=True)) in held:  # what the vector asks for besides
+        if (along := replace(name, varying=True)) in held:  # what the vector requires besides
             beyond_planes = np.divide(
                 required[name], held[name], out=np.ones(held[name].shape), where=held[name] > 0.0
             )
@@ -122,7 +122,7 @@ def _vector(
     stop: Stop,
     bands: FloatArray,
 ) -> VectorNeed:
-    """What the vector asks for; zeros where one plane alone has wind, for which it says all."""
+    """Return the requirements of the wind vector; zeros where one plane alone has wind."""
     if any(one.calm for one in wind.values()):
         nothing = np.zeros(bands.shape)
         return VectorNeed(0.0, nothing, 0.0, 0.0, ())
@@ -138,5 +138,5 @@ def _vector(
 
 
 def _larger(values: FloatArray, needs: list[list[VectorNeed]], value: Any) -> FloatArray:
-    """Values of each plane by itself, or those of the vector if they are larger; NaN is kept."""
+    """Return the larger of the planes' values [rad] and the vector's; NaN is propagated."""
     return np.asarray(np.maximum(values, [[value(one) for one in row] for row in needs]))

@@ -1,4 +1,4 @@
-"""What one vehicle, frozen at its time, needs in one wind."""
+"""Requirements of one wind on the deflection limit of a vehicle frozen at its flight time."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _HIGHEST = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class FrozenNeed:
-    """Deflections [rad] that one wind asks of one vehicle; NaN where one is not defined.
+class FrozenRequirement:
+    """Required deflections [rad] of a frozen vehicle in one wind; NaN where one is not defined.
 
-    `trim` is |B alpha_w,max|, without drift; `required` at each dead band, ``(k,)``; `no_forecast`
-    of laws that do not know when the wind will stop; `minimum` that of appendix C; `slow_mode` y of
-    eq (C8), from one on the slow mode of the flight path decides. `said` is why something is not
-    defined, or not met exactly.
+    `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
+    `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
+    C; `slow_mode` y of eq (C8), from one on the slow mode of the flight path decides. `said` is why
+    one is not defined, or not satisfied exactly.
     """
 
     trim: float
@@ -43,21 +43,22 @@ class FrozenNeed:
     said: tuple[str, ...]
 
 
-def frozen_need(
+def frozen_requirement(
     plant: Plant,
     wind: History,
     dead_bands: FloatArray,
     law: str,
     whole: History | None = None,
-) -> FrozenNeed:
-    """Return what a plant needs in a wind that ends, at dead bands ``(k,)``.
+) -> FrozenRequirement:
+    """Return the requirements [rad] of a wind that ends, at dead bands ``(k,)``.
 
-    With the law "bound" `no_forecast` is the bound of all laws without one, with "flown" what the
-    recoverable-attitude law needs in flight. `whole` is the wind with what blows to the other side.
+    With the law "bound" `no_forecast` is the bound of all laws without a forecast, with "flown" the
+    smallest limit that the recoverable-attitude law survives with. `whole` is the wind with the
+    angles of both signs.
     """
     said: list[str] = []
 
-    def asked(function: Callable[[], Any], missing: Any) -> Any:
+    def value_or(function: Callable[[], Any], missing: Any) -> Any:
         try:
             return function()
         except InputError as error:
@@ -66,25 +67,27 @@ def frozen_need(
 
     paired = False
 
-    def needed() -> FloatArray:
+    def largest() -> FloatArray:
         nonlocal paired
-        found = required_deflection(plant, wind, dead_bands, whole=whole)
-        statuses = dict.fromkeys(np.ravel(found.status).tolist())
-        said.extend(one for one in statuses if one not in (OK, STABLE))
+        limit = required_deflection(plant, wind, dead_bands, whole=whole)
+        statuses = dict.fromkeys(np.ravel(limit.status).tolist())
+        said.extend(status for status in statuses if status not in (OK, STABLE))
         paired = PAIR in statuses
-        return np.abs(np.asarray(found.deflection))
+        return np.abs(np.asarray(limit.deflection))
 
     slow = slow_mode(plant, wind)
     exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
     two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
-    minimum = asked(lambda: float(least_peaks(two, wind)), np.nan)
-    required = np.maximum(asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum)))
+    minimum = value_or(lambda: float(least_peaks(two, wind)), np.nan)
+    required = np.maximum(
+        value_or(largest, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
+    )
     no_forecast = np.nan
     if paired:
         said.append("no bound of laws without a forecast is known where two modes grow as a pair")
     else:
-        no_forecast = asked(lambda: _no_forecast(plant, wind, law), np.nan)
-    return FrozenNeed(
+        no_forecast = value_or(lambda: _no_forecast(plant, wind, law), np.nan)
+    return FrozenRequirement(
         trim=abs(float(plant.coefficients.B * wind.peak)),
         required=required,
         no_forecast=no_forecast,
@@ -95,10 +98,10 @@ def frozen_need(
 
 
 def slow_mode(plant: Plant, wind: History) -> float:
-    """Return y of eq (C8) for any wind: the slow mode's demand over that of the fast one.
+    """Return y of eq (C8) for any wind: the ratio of the slow mode's demand to the fast mode's.
 
     It is one at the edge of the single-pole theory, for a triangle at `single_pole_validity`, and
-    negative where the modes are driven to opposite sides. NaN without two real unstable poles.
+    negative where the modes are driven in opposite directions. NaN without two real unstable poles.
     """
     modes = unstable_modes(Plant.from_coefficients(plant.coefficients, "drift-exact"))
     if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):

@@ -1,4 +1,4 @@
-"""What a reader of a sizing should know before believing its numbers."""
+"""Notes on a sizing: where it is not known, doubtful, or largest at an end of the flight."""
 
 from collections.abc import Collection, Mapping
 
@@ -8,9 +8,9 @@ from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.winds.wind_angles import linear_notes
 
 _FEW = 2
-"""Flight times that are named each."""
+"""Largest number of flight times that are listed one by one."""
 _SAME = 1e-9
-"""What is not larger by this part is as large."""
+"""Relative difference up to which two deflections count as equal."""
 
 
 def notes_of(found: Sizing) -> tuple[str, ...]:
@@ -26,7 +26,7 @@ def notes_of(found: Sizing) -> tuple[str, ...]:
 
 
 def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
-    """Return of each wind at which flight times it is not known, and why at the first of them."""
+    """Return a note for each wind on the flight times at which it is not known, and why."""
     notes = []
     for j, wind in enumerate(found.winds):
         times = {float(t): row[j] for t, row in zip(found.times, whys, strict=True) if row[j]}
@@ -36,7 +36,7 @@ def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
 
 
 def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
-    """Notes on winds, by name, whose largest angle [rad] at a flight time is doubtfully linear."""
+    """Return notes on winds, by name, whose largest angle [rad] is doubtfully linear."""
     return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
 
 
@@ -103,11 +103,11 @@ def _outside(found: Sizing) -> list[str]:
 
 
 def _at_the_ends(found: Sizing) -> list[str]:
-    """What is largest at the first or the last flight time, and may be larger beyond it."""
+    """Return notes on requirements that are largest at the first or the last flight time."""
     order = np.argsort(found.times)
     ends: dict[str, list[str]] = {}
     for requirement in found.required:
-        if requirement.varying or requirement.direction:  # as with frozen ones at nominal pressure
+        if requirement.varying or requirement.direction:  # follows the nominal one
             continue
         name, values = requirement.label, found.at_times(requirement)[order]
         times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]

@@ -1,4 +1,4 @@
-"""Where in the flight a wind blows: moved so that its peak meets a time, or cut where it is."""
+"""Placing of winds in the flight: with the peak at a flight time, or a window of flight time."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -20,20 +20,20 @@ PLACINGS = ("peak", "flight")
 PEAK = PLACINGS[0]
 
 WindOf = History | PlaneWind | MeasuredPlanes | Callable[[Vehicle], History | PlaneWind]
-"""A wind, or what gives the wind that a vehicle meets: of a wind speed, an angle."""
+"""A wind, or a function from a vehicle to its wind: a wind speed has another angle for each."""
 
 _TOP = 1.0 - 1e-12
-"""All that is higher than this part of the peak belongs to it: the top may be flat."""
+"""Fraction of the peak above which a wind is at its top, which may be flat."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedWind:
     """A wind in a flight: in its own time, whose zero is at a flight time [s].
 
-    What stands for an unknown wind is calm; `why` it is, where the reason is not that a sounding
-    ends. `fixed` says whether this wind meets every flight time, as a sounding without a window.
-    `whole` is a wind that blows to both sides with what blows to the other one, `pressure` flight
-    times [s] and the dynamic pressure there over that in calm air, where it is known.
+    An unknown wind is represented by a calm; `why` says the reason, unless a sounding ends. `fixed`
+    says whether all flight times have this same wind, such as a sounding without a window. `whole`
+    is a wind of both signs, of which `history` has the larger one; `pressure` flight times [s] and
+    the dynamic pressure encountered there over the nominal one, where it is known.
     """
 
     history: History
@@ -46,7 +46,7 @@ class PlacedWind:
 
     @property
     def calm(self) -> bool:
-        """Whether no wind is left."""
+        """Whether the wind is zero."""
         return not np.isfinite(self.history.onset)
 
     @property
@@ -61,11 +61,11 @@ class PlacedWind:
 
 
 def named_winds(winds: WindOf | Mapping[str, WindOf]) -> dict[str, WindOf]:
-    """Return winds by name; one alone is called "wind". `InputError` if there is none."""
-    found = dict(winds) if isinstance(winds, Mapping) else {"wind": winds}
-    if not found:
+    """Return winds by name; a single one is called "wind". `InputError` if there is none."""
+    by_name = dict(winds) if isinstance(winds, Mapping) else {"wind": winds}
+    if not by_name:
         raise InputError("winds must hold one wind or more; got none")
-    return found
+    return by_name
 
 
 def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> dict[str, str]:
@@ -80,26 +80,26 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
-    """Return a wind placed at a flight time [s] of a vehicle; a measured one has its place already.
+    """Return a wind placed at a flight time [s] of a vehicle; a measured wind is placed already.
 
     With "peak" its peak is moved to that time (the middle of a flat top); with "flight" it is in
-    flight time already, and what blows within half a window [s] of it counts. `InputError` for a
-    batch of winds, and one that never ends or is zero; `NotKnownError` from what gives the wind.
+    flight time, and the part within half a window [s] counts. `InputError` for a batch of winds,
+    and a wind that never ends or is zero; `NotKnownError` from a function that gives the wind.
     """
     if isinstance(wind, MeasuredWind):
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
-        both = wind.to_both_sides(vehicle)
-        values = both(both.probe_times())
+        signed = wind.to_both_sides(vehicle)
+        values = signed(signed.probe_times())
         two_sided = values.min() < 0.0 < values.max()
-        met = None if wind.pressure is None else (wind.wind.time, wind.pressure)
+        pressure = None if wind.pressure is None else (wind.wind.time, wind.pressure)
         return PlacedWind(
             wind(vehicle),
             0.0,
             fixed=wind.window is None and wind.gust is None,
-            whole=both if two_sided else None,
-            pressure=met,
+            whole=signed if two_sided else None,
+            pressure=pressure,
         )
     history = given(wind, vehicle)
     if not isinstance(history, History) or history.batch:
@@ -124,11 +124,11 @@ def place_in(
     placing: str,
     window: float,
 ) -> dict[str, PlacedWind]:
-    """Return a wind placed at a flight time by planes: in one as `place`, or as vectors in both.
+    """Return a wind placed at a flight time, by planes; in both planes its vector is placed.
 
-    What is `NotKnownError` at this time is placed as an unknown one, and so is a wind of more than
-    `MAX_LINEAR_ANGLE`. The peak that meets the time is that of the vector. `InputError` as `place`,
-    and in both planes for a wind without a direction.
+    A wind of more than `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, is placed as an
+    unknown one. `InputError` for the reasons of `place`, and in both planes for a wind without a
+    direction.
     """
     try:
         if len(planes) == 1:
@@ -143,7 +143,7 @@ def place_in(
 
 
 def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
-    """Largest size [rad] of a placed wind's angle: of both planes that of its vector."""
+    """Return the largest size [rad] of the wind angle, of both planes of its vector."""
     winds = {plane: one.history for plane, one in placed.items() if not one.calm}
     if len(winds) < len(PLANES):
         return max((abs(float(one.peak)) for one in winds.values()), default=0.0)
@@ -151,7 +151,7 @@ def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
 
 
 def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
-    """Size [rad] of a placed wind's angle at a flight time [s]: of both planes of its vector."""
+    """Return the wind angle [rad] of a placed wind at a flight time [s], a size."""
     angles = [float(one.history(time - one.zero)) for one in placed.values()]
     return float(np.linalg.norm(angles))
 
@@ -190,7 +190,7 @@ def _in_both(
 
 
 def given(wind: Any, vehicle: Vehicle) -> Any:
-    """Return a wind, or the one that a function of the vehicle gives."""
+    """Return the wind of a vehicle, which may be given as a function of it."""
     made = callable(wind) and not isinstance(wind, History | PlaneWind)
     return wind(vehicle) if made else wind
 

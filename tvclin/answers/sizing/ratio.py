@@ -1,8 +1,8 @@
-"""The controllability ratio, as teams write it: what the nozzle has over what trim takes.
+"""The controllability ratio: the deflection limit over the deflection that trim takes.
 
     ratio = limit/(nominal + trim + sqrt(gust^2 + thrust offset^2 + offset of centre of gravity^2))
 
-It is kept above 2 where that can be had, and above 1 at the least.
+Design rules keep it above 2 where possible, and above 1 always.
 """
 
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 
 GOAL, LEAST = 2.0, 1.0
-"""What the ratio should exceed, and what it must."""
+"""Values that the ratio should exceed, and that it must exceed."""
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,12 @@ class ControllabilityRatio(Shown):
 
     @property
     def ratio(self) -> float:
-        """Available deflection over what is taken; infinite where nothing is."""
+        """Available deflection over the deflection taken; infinite where none is."""
         return self.limit / self.takes.total if self.takes.total else np.inf
 
     @property
     def words(self) -> str:
-        """Where the ratio stands."""
+        """The ratio against its goal and its limit, in words."""
         known = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:
             return f"above the goal of {GOAL:g}{known}"
@@ -70,7 +70,7 @@ class ControllabilityRatio(Shown):
 
     @property
     def table(self) -> Table:
-        """The ratio and what it is made of."""
+        """Table of the contributions to the ratio."""
         rows = rows_of(self.takes, "ratio", "trim of the wind")
         whole = degrees("ratio.takes", self.takes.total)
         rows.append((("trim and all that adds up",), (SUMS,), whole))
@@ -79,7 +79,7 @@ class ControllabilityRatio(Shown):
 
     @property
     def verdict(self) -> Line:
-        """The ratio, and where it stands."""
+        """The ratio with its number, and against its goal and limit."""
         return (
             "Controllability ratio ",
             *significant("ratio.ratio", self.ratio),
@@ -88,7 +88,7 @@ class ControllabilityRatio(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Why ratio and verdict differ."""
+        """Reasons for which ratio and verdict differ."""
         yield (
             "the controllability ratio takes the whole of trim at the wind's peak for needed, as if"
             " the wind lasted, and adds a gust by squares; the boundary takes the time that the"

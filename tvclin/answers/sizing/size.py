@@ -19,7 +19,7 @@ from tvclin.answers.sizing.flight_requirement import (
     FlightWind,
     flight_requirement,
 )
-from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
+from tvclin.answers.sizing.frozen import LAWS, FrozenRequirement, frozen_requirement
 from tvclin.answers.sizing.notes import doubtful_winds, flight_times, notes_of, unknown_rows
 from tvclin.answers.sizing.placing import (
     PlacedWind,
@@ -219,7 +219,7 @@ def _sized(
     )
 
 
-def _said(times: FloatArray, needs: list[list[FrozenNeed]]) -> list[str]:
+def _said(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
     """What is said of the needs, each once, with the flight times where it is not said of all."""
     at: dict[str, list[float]] = {}
     for time, row in zip(times.tolist(), needs, strict=True):
@@ -252,12 +252,12 @@ def _circumstances(
     }
 
 
-def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenNeed:
+def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenRequirement:
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         every = np.full(bands.shape, needs)
-        return FrozenNeed(needs, every, needs, needs, np.nan, ())
-    return frozen_need(plant, wind.history, bands, law, wind.whole)
+        return FrozenRequirement(needs, every, needs, needs, np.nan, ())
+    return frozen_requirement(plant, wind.history, bands, law, wind.whole)
 
 
 def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
@@ -338,7 +338,7 @@ def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
     found = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
         found[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
-    if isinstance(needs[0][0], FrozenNeed):
+    if isinstance(needs[0][0], FrozenRequirement):
         found[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
     return found | {MINIMUM: _table(needs, lambda need: need.minimum)}
 

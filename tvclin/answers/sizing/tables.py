@@ -1,4 +1,4 @@
-"""A sizing as tables over flight time, and what stands in their columns, in words."""
+"""Tables of a sizing over flight time, and the legend of their columns."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ _MARKS = {
     "=": "what the sign of a pulse changes is not known, that at nominal pressure is of both",
     "?": "a wind is not known",
 }
-"""What the marks of flight times mean in a table of the worst winds."""
+"""Meanings of the marks of flight times in a table of the worst winds."""
 _OFF = "{} off by [%]"
 """Head of the column with the error of a frozen requirement."""
 _MAX_FREEZING_ERROR = 1.0
@@ -26,13 +26,13 @@ _MAX_FREEZING_ERROR = 1.0
 
 
 def marks_line(s: Sizing) -> str:
-    """Return what the marks mean that a table of the worst winds has; nothing if it has none."""
+    """Return the meanings of the marks in a table of the worst winds; empty without marks."""
     there = {mark for i in range(s.times.size) for mark in _marks(s, i)}
     return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in there)
 
 
 def legend(s: Sizing) -> str:
-    """Return what the requirements of a sizing are, in sentences."""
+    """Return the definitions of the requirements of a sizing, in sentences."""
     trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
     signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
     signed *= any(one.direction for one in s.required)
@@ -40,12 +40,11 @@ def legend(s: Sizing) -> str:
 
 
 def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
-    """Return by flight time what one wind asks for, of its place, or the worst wind of each time.
+    """Return the requirements by flight time of one wind, by its index, or of the worst wind.
 
     First with parameters that vary while the wind blows, where the sizing has them, and in head and
-    tail winds: of a wind that is fixed in the flight one number each, with the time at which it
-    arises. Then with those of each flight time; and for both planes what each by itself asks for of
-    the requirement that is counted.
+    tail winds: a wind that is fixed in the flight has one number each, with the time at which it
+    arises. Then with frozen parameters; and for both planes the counted requirement of each plane.
     """
     frozen = [one for one in s.required if not (one.varying or one.direction)]
     first = _first(s)
@@ -97,7 +96,7 @@ def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[
 
 
 def whole_flight(s: Sizing, wind: int) -> Table:
-    """Return each requirement of a wind that is fixed in the flight, and when it arises [s]."""
+    """Return the requirements of a wind that is fixed in the flight, and when they arise [s]."""
     name, rows = s.winds[wind], []
     for requirement, worst in s.worst_in(name).items():
         if not np.isnan(s.arising(requirement)[wind]):
@@ -109,12 +108,12 @@ def whole_flight(s: Sizing, wind: int) -> Table:
 
 
 def _fixed(s: Sizing, names: Sequence[Requirement]) -> BoolArray:
-    """Which winds have one number for the whole flight of all of these requirements, ``(m,)``."""
+    """Return which winds have one number for the flight of all these requirements, ``(m,)``."""
     return np.all([~np.isnan(s.arising(name)) for name in names], axis=0)
 
 
 def _differing(s: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
-    """Indices of the flight times at which a requirement differs: the first of a fixed wind."""
+    """Return indices of flight times at which a requirement differs: of a fixed wind the first."""
     fixed = ~np.isnan(s.arising(name))
     known = np.isfinite(s.required[name])
     if not (fixed.all() if wind is None else fixed[wind]):
@@ -123,7 +122,7 @@ def _differing(s: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
 
 
 def by_wind(s: Sizing, counted: Requirement) -> Table:
-    """Return the largest of each requirement in each wind, and when what counts is."""
+    """Return the largest of each requirement in each wind, and the time of the counted one."""
     names = _first(s)
     rows = []
     for j, wind in enumerate(s.winds):
@@ -152,7 +151,7 @@ def each_wind(s: Sizing, counted: Requirement) -> list[Table]:
 
 
 def _first(s: Sizing) -> list[Requirement]:
-    """The requirements that come first: varying ones, if there are any, in calm air and winds."""
+    """Return the requirements of the first table: the varying ones, if there are any."""
     varying = [one for one in s.required if one.varying or one.direction]
     return varying if s.freezing_error else list(s.required)
 
@@ -170,7 +169,7 @@ def _required(s: Sizing, names: Sequence[Requirement], wind: int | None) -> list
 
 
 def _doubts(s: Sizing, i: int, wind: int | None) -> list[Line]:
-    """What is doubtful at a flight time: the cells of one wind, or the marks of any of them."""
+    """Return the cells of doubts at a flight time: of one wind, or the marks of all winds."""
     if wind is not None:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * s.change[i, wind], 1)
         one_pole, data = not s.beyond_one_pole[i, wind], s.covered[i, wind]
@@ -190,7 +189,7 @@ def _marks(s: Sizing, i: int) -> str:
 
 
 def _off(s: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
-    """By how much a frozen requirement is off at a flight time, in the worst wind or in one."""
+    """Return the error [%] of a frozen requirement at a flight time, in the worst or one wind."""
     percent = 100.0 * _freezing_error(s, name, i, wind)
     return number(f"{_key(i, wind)}.frozen_off_percent", percent, 1)
 
@@ -208,7 +207,7 @@ def _short(requirement: Requirement) -> str:
 
 
 def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
-    """What each plane asks for at a flight time, in one wind or in that which is worst for both."""
+    """Return the requirement of each plane at a flight time, in one wind or the worst for both."""
     both, key = s.required[counted][i], f"{_key(i, wind)}.planes"
     j = int(np.argmax(np.nan_to_num(both, nan=-1.0))) if wind is None else wind
     arises = float(s.arising(counted)[j])
