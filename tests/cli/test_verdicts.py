@@ -50,6 +50,12 @@ def run(*arguments: str) -> Result:
             1,
             (f".690 deg {NOMINAL}; without a limit it uses 0.895", SEE, "Limit 0.4 deg: NOT SUFF"),
         ),
+        (
+            ("margins", "configuration-i", *WIND, "--limit-deg", "1.2", "--flown"),
+            1,
+            (f"{NOMINAL}, with a limit of 1.2 deg", "Criteria classic: NOT MET"),
+        ),
+        (("laws", "configuration-i", *WIND[2:], "--wind", "triangle"), 0, (NOMINAL,)),
         (("size", "configuration-i", *WIND, *LIMIT, *AT), 1, ("Limit 0.400 deg: NOT SUFF",)),
         (("card", "configuration-i", *WIND, *LIMIT, *AT), 1, ("NOT SURVIVED: trim is lost",)),
     ],
@@ -61,6 +67,37 @@ def test_no_command_calls_a_limit_sufficient_that_is_not(arguments, code, words)
     assert result.exit_code == code, said
     assert [one for one in words if one not in said] == [], said
     assert OTHERS.search(said) is None, said
+
+
+FILE = """
+[study]
+vehicle = "configuration-i"
+[wind]
+shape = "triangular"
+peak_deg = 5.0
+duration_s = 7.5
+[nozzle]
+limit_deg = 0.4
+[campaign]
+cases = 1
+seed = 1
+"""
+
+
+def test_page_and_campaign_of_one_case_say_what_the_study_says(tmp_path) -> None:
+    file, page = tmp_path / "one.toml", tmp_path / "page.html"
+    file.write_text(FILE, encoding="utf-8")
+    assert run("report", str(file), "--output", str(page)).exit_code == 1
+    text = page.read_text(encoding="utf-8")
+    assert "<h1>NOT SUFFICIENT: the limit of" in text
+    shown = re.sub(r"<[^>]*>", " ", text)
+    assert OTHERS.search(shown[: shown.index("Inputs")].replace(" SUFFICIENT in ", "")) is None
+    required = np.degrees(tv.load_study(file).study().required_deflection)
+    folder = str(tmp_path / "campaign")
+    assert run("campaign", "run", str(file), "--folder", folder).exit_code == 0
+    shown = json.loads(run("campaign", "show", folder, "--limit-deg", "0.4", "--json").stdout)
+    assert shown["nominal_deg"] == pytest.approx(required, rel=1e-9)
+    assert shown["success"]["estimate"] == 0.0
 
 
 @pytest.mark.parametrize("command", NUMBERED)

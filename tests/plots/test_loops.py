@@ -214,7 +214,7 @@ def test_the_box_has_the_sides_of_the_criteria(name):
     aside = {"classic": 30.0, "aircraft": 45.0}[name]
     assert box.get_xy() == (-180.0 - aside, -6.0)
     assert (box.get_width(), box.get_height()) == (2.0 * aside, 12.0)
-    assert f"criteria {name} met" in heading(plot)
+    assert f"criteria {name} MET" in heading(plot)
 
 
 def test_the_box_of_own_criteria_may_be_lopsided_and_may_be_missing():
@@ -225,7 +225,7 @@ def test_the_box_of_own_criteria_may_be_lopsided_and_may_be_missing():
 
     assert box_sides(own) == (3.0, 8.0, 0.0)
     assert (*box.get_xy(), box.get_width(), box.get_height()) == (-180.0, -8.0, 0.0, 11.0)
-    assert "criteria own not met" in heading(plot)
+    assert "criteria own NOT MET" in heading(plot)
     assert not without.axes[0, 0].patches
 
 

@@ -71,7 +71,7 @@ class Nozzle:
     Attributes
     ----------
     limit : float, optional
-        Deflection limit [rad]; is it enough?
+        Deflection limit [rad]; is it sufficient?
     stop : Stop or str, optional
         What it can do in both planes over its limit, or a word: "round", "round-each-plane" (each
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it

@@ -1,8 +1,8 @@
 """What both planes ask of one stop: each by itself in its part of it, and the vector of both.
 
 A rectangle inside the stop gives each plane a part of its own, in which it may be flown as if the
-other were not there: what each needs alone is then enough. The report's control in the plane,
-whose dead band is left by the vector, may need more in a wind that turns; the larger counts.
+other were not there: what each requires alone is then sufficient. The report's control in the
+plane, whose dead band is left by the vector, may need more in a wind that turns; the larger counts.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ STUDY_TABLE = FileTable(
 
 @dataclass(frozen=True, eq=False)
 class Study(CaseRequirement, Shown):
-    """What a booster needs to survive a wind, and whether a given limit is enough.
+    """Required deflection of a booster in a wind, and the verdict on a limit.
 
     It has all of `CaseRequirement`, on which the verdict rests.
 

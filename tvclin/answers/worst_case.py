@@ -98,7 +98,7 @@ class WorstCase(Shown):
         Whether every loop that was tried is stable.
     deflection : Worst or None
         The required deflection [rad], in size; None without a wind, and infinite in one of more
-        than 30 deg, in which no deflection is known to be enough.
+        than 30 deg, in which no deflection is known to be sufficient.
     tried : int
         How many loops were tried.
     """

@@ -1,4 +1,4 @@
-"""`tvclin availability`: on how many days of an archive the nozzle is enough."""
+"""`tvclin availability`: on how many days of an archive the nozzle is sufficient."""
 
 from dataclasses import dataclass, replace
 from math import radians
@@ -154,7 +154,7 @@ def availability(
     ),
     plot: Plot = None,
 ) -> None:
-    """Say on how many days of an archive of soundings the nozzle is enough.
+    """Say on how many days of an archive of soundings the nozzle is sufficient.
 
     Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
     needs no forecast. What a balloon did not see is unknown, not calm.

@@ -8,6 +8,7 @@ import typer
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
 from tvclin.base.errors import InputError
+from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import known
 from tvclin.cli.output import print_tables, say
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -58,7 +59,7 @@ class BoxFound:
         disk = self.worst.margins["disk_margin"]
         at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
         say(f"Worst disk margin at: {at}")
-        say(f"Criteria {self.asked.name} in the box: {'MET' if self.met else 'NOT MET'}")
+        say(f"Criteria {self.asked.name} in the box: {satisfaction(self.met)}")
 
 
 def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxFound | None:

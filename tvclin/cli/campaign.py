@@ -120,7 +120,7 @@ def show(
     folder: Folder,
     output: Output = None,
     limit_deg: float | None = asked(
-        "Also print how probable it is that this limit, in deg, is enough."
+        "Also print how probable it is that this limit, in deg, is sufficient."
     ),
     probability: float | None = asked("Fraction of all flights to be covered, below 1."),
     confidence: float | None = asked("Confidence of every bound, below 1."),

@@ -13,6 +13,7 @@ from tvclin.answers.trials import WINDS, LawTrials, law_trials, standard_laws, s
 from tvclin.base.documents import picked
 from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
+from tvclin.base.quantities import NOMINAL
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import parts_line
@@ -56,6 +57,8 @@ def laws(
 
     A gust blows on top of each wind; a sounding, --winds, in place of them all. Gains are those of
     the law autopilot.
+
+    Flights and bounds are at nominal dynamic pressure; tvclin study is the verdict on a limit.
 
     Exit code 0: answered; 2: bad input.
     """
@@ -117,7 +120,8 @@ class _Found:
         winds = f"winds of {abs(degrees(self.peak)):.4g} deg and {self.duration:g} s"
         servo = self.case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
-        say(f"{self.case.vehicle.name or source}, {self.plant.model}, {winds}, {engine}")
+        name = self.case.vehicle.name or source
+        say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {engine}")
         print_tables(*needed(self.trials, self.beside), loads(self.trials))
         say(LEGEND)
         say(tried(self.trials))

@@ -8,6 +8,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError
 from tvclin.base.lines import quantities
+from tvclin.base.quantities import satisfaction
 from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
@@ -60,7 +61,7 @@ class MarginsFound:
 
 
 def print_margins(title: str, found: MarginsFound) -> None:
-    """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
+    """Print an autopilot, the margins of its loop, those by band, and the criteria."""
     whole = found.whole
     print_autopilot(title, found.autopilot, found.plant)
     if whole.stable:
@@ -72,7 +73,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
         _print_bands(found.bands, found.asked)
     if whole.stable:
         say_notes(whole.notes)
-        say(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
+        say(f"Criteria {found.asked.name}: {satisfaction(found.met)}")
 
 
 def _print_bands(found: BandMargins, asked: Criteria) -> None:

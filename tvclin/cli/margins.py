@@ -1,4 +1,4 @@
-"""`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
+"""`tvclin margins`: the stability margins of an autopilot, and its criteria."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +10,7 @@ from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, one_of
+from tvclin.base.quantities import NOMINAL
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -73,14 +74,14 @@ def margins(
     margins are printed as a whole and for each mode. --rigid leaves all that out. With --detuned
     the criteria judge the margins with each change of a mode too.
 
-    --flown flies through the wind with the limit --limit-deg, and prints how much gain,
-    effectiveness and delay may change before a flight is lost. The criteria judge the linear
-    margins, not these.
+    --flown flies through the wind with the limit --limit-deg, at nominal dynamic pressure, and
+    prints how much gain, effectiveness and delay may change before a flight is lost. The criteria
+    judge the linear margins, not these.
 
     --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
     vehicle there, and the worst required deflection. The criteria judge the worst margins too.
 
-    Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
+    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
     one_of("--chart", chart, _CHARTS)
     if not flown:
@@ -164,7 +165,7 @@ def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
 def _print_flown(found: FlownMargins, case: StudyPlan, name: str) -> None:
     """Print flown margins in a wind with a name, and what is odd about them."""
     title = (
-        f"In this {wind_words(name, case)}, with a stop at"
+        f"In this {wind_words(name, case)}, {NOMINAL}, with a limit of"
         f" {degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
     print_tables(flown_table(found, title))

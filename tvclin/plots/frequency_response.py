@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.errors import InputError, instance
+from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.loop import Loop
@@ -92,7 +93,7 @@ def nichols_chart(
     _draw_box(axes, box, criteria.name)
     more = ""
     if samples.margins.stable and any(box):
-        met = "met" if criteria.are_satisfied(samples.judged) else "not met"
+        met = satisfaction(criteria.are_satisfied(samples.judged))
         more = f", criteria {criteria.name} {met}"
     axes.set(
         title=title("Nichols chart of the loop", samples, more),

@@ -58,8 +58,8 @@ def columns(campaign: Campaign) -> dict[str, str]:
 def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
     """Return the outputs of a batch that are computed together or alone, ``(n,)`` each.
 
-    In a wind beyond linear aerodynamics no deflection is known to be enough: it is infinite, and a
-    flight counts as lost. `InputError` when one of the cases cannot be answered.
+    In a wind beyond linear aerodynamics no deflection is known to be sufficient: it is infinite,
+    and a flight counts as lost. `InputError` when one of the cases cannot be answered.
     """
     found: dict[str, Any] = {}
     for name in campaign.outputs:

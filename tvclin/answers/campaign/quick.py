@@ -28,6 +28,7 @@ from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
+from tvclin.base.quantities import sufficiency
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -66,7 +67,7 @@ class DispersedStudy(Shown):
     required : Quantile
         The deflection [rad] that covers the probability asked for.
     success : Success or None
-        How probable the limit of the study is enough.
+        How probable the limit of the study is sufficient.
     drivers : dict of str to float
         Rank correlation of each parameter with the required deflection, the strongest first.
     """
@@ -108,7 +109,9 @@ class DispersedStudy(Shown):
             (of_flights, ("too few cases to say",) if np.isinf(r.upper) else covers),
         ]
         if self.success is not None:
-            rows.append(("the limit is enough in", self.success.line("dispersed.success")))
+            rows.append(
+                (f"the limit is {sufficiency(True)} in", self.success.line("dispersed.success"))
+            )
         drivers = tuple(
             ((name.replace("_", " "),), number(f"dispersed.driver.{name}", rank, 2))
             for name, rank in self.drivers.items()
@@ -206,7 +209,7 @@ def disperse_study(
         )
         deflection[vectors], found["status"][vectors] = np.inf, BEYOND
     counted, limit = deflection[good], study.limit
-    enough = 0 if limit is None else int(np.sum(covers(limit, counted)))
+    sufficient = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(
         nominal=study,
         dispersions=dispersions,
@@ -215,7 +218,9 @@ def disperse_study(
         deflection=deflection,
         status=found["status"].astype(str),
         required=quantile_bound(counted, probability, confidence),
-        success=None if limit is None else success_probability(enough, counted.size, confidence),
+        success=None
+        if limit is None
+        else success_probability(sufficient, counted.size, confidence),
         drivers=sensitivities({k: v[good] for k, v in values.items()}, counted),
     )
 

@@ -78,7 +78,7 @@ class CampaignResults(Tabled):
 
     @property
     def converged(self) -> bool:
-        """Whether the rule of the campaign says that the chunks so far are enough."""
+        """Whether the rule of the campaign says that the chunks so far suffice."""
         until, there = self.campaign.until, len(self.chunks)
         looked = there in checkpoints(self.campaign.chunks)
         if until is None or not looked or self.chunks != tuple(range(there)):
@@ -169,7 +169,7 @@ class CampaignResults(Tabled):
     def success(
         self, limit: float | None = None, output: str | None = None, confidence: float | None = None
     ) -> Success | None:
-        """Return how probable it is that a limit [rad] is enough; None where none is asked about.
+        """Return how probable it is that a limit [rad] is sufficient; None without a limit.
 
         Parameters
         ----------

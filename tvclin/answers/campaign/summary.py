@@ -14,6 +14,7 @@ from tvclin.answers.case import FROZEN
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
+from tvclin.base.quantities import sufficiency, survival
 from tvclin.vehicle.coefficients import BOTH
 
 _MOST = 5
@@ -27,8 +28,8 @@ class CampaignSummary(Shown):
 
     `output`: the angle in question. `limit`: the limit in question [rad]. `required`: what covers
     the probability asked for [rad]. `answers`: the output of the cases that have an answer [rad],
-    ``(n,)``. `success`, `survival`, `loss`: how probable the limit is enough, a flight survives,
-    and is lost.
+    ``(n,)``. `success`, `survival`, `loss`: how probable the limit is sufficient, a flight
+    survives, and is lost.
     """
 
     found: CampaignResults
@@ -151,11 +152,13 @@ class CampaignSummary(Shown):
             (of_cases, _angle("estimate", self.required.estimate)),
             (of_flights, self._bound("upper", self.required.upper)),
         ]
-        limit = f"{np.degrees(self.limit or 0.0):.3f} deg are enough in"
-        parts = {limit: self.success, "survive": self.survival, "are lost": self.loss}
+        limit = f"{np.degrees(self.limit or 0.0):.3f} deg is {sufficiency(True)} in"
+        parts = {limit: self.success, survival(True): self.survival, survival(False): self.loss}
         rows += [(k, one.line(k)) for k, one in parts.items() if one is not None]
         if flights is not None:
-            rows.append(("flights", (f"{flights[0]} survived, {flights[1]} lost",)))
+            rows.append(
+                ("flights", (f"{flights[0]} {survival(True)}, {flights[1]} {survival(False)}",))
+            )
             rows.append(("loss is driven by", (self._driven(*flights),)))
         rows.append(("dynamic pressure", (self.pressure,)))
         if self.trusts_a_forecast:
@@ -172,7 +175,11 @@ class CampaignSummary(Shown):
             return _angle(name, angle)
         flights = self.found.flights
         lost = self.output.startswith("flight_") and flights is not None and flights[1] > 0
-        return ("none, flights are lost" if lost and angle > 0.0 else "too few cases to say",)
+        return (
+            f"none, flights are {survival(False)}"
+            if lost and angle > 0.0
+            else "too few cases to say",
+        )
 
     def _driven(self, survived: int, lost: int) -> str:
         """What drives the loss of flights, as far as the confidence asked for reaches."""

@@ -51,7 +51,7 @@ def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dic
 class Need(Shown):
     """A line of a data sheet; numbers in its unit.
 
-    What is needed is infinite where nothing is enough, and not a number where it is not known.
+    What is needed is infinite where nothing is sufficient, and not a number where it is not known.
     """
 
     name: str

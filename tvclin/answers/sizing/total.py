@@ -197,14 +197,14 @@ class DeflectionTotal(Shown):
     def sufficient(self) -> bool | None:
         """Whether the limit covers the total and leaves the reserve, at the rate that there is.
 
-        None without a limit, and where it is enough for what is known and not all is known.
+        None without a limit, and where it is sufficient for what is known and not all is known.
         """
         if self.limit is None:
             return False if self.too_slow else None
         if not self.lines:
             return None
-        enough = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
-        return None if enough and self.not_sized else enough
+        sufficient = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
+        return None if sufficient and self.not_sized else sufficient
 
     @property
     def left(self) -> float | None:

@@ -17,6 +17,7 @@ from tvclin.base.cards import table
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
 from tvclin.base.lines import Line, Table, number
+from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
@@ -117,7 +118,7 @@ class Detuned:
             numbers = (number(f"detuned.{k}.{name}", getattr(m, name)[k], 2) for name in _COLUMNS)
             critical = (_margin_label(self.critical_margin[k]),)
             short = change.replace(" at the sensors", "").replace("half its", "half")
-            verdict = ("met" if self.satisfied[k] else "NOT MET",)
+            verdict = (satisfaction(bool(self.satisfied[k])),)
             rows.append(((short,), *numbers, critical, verdict))
         head = ("change", *_COLUMNS.values(), "fails first", "asked")
         return Table("Margins with one mode detuned, in dB and deg", head, tuple(rows))

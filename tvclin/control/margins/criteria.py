@@ -10,6 +10,7 @@ from tvclin.base import lines
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, plain, text
 from tvclin.base.lines import Line, Table, labelled, significant
+from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import FileTable
 from tvclin.control.margins.bands import GAIN, PHASE, RIGID, BandMargins, ModeBand
 from tvclin.control.margins.margins import MARGINS, Margins, margin, unit_factor
@@ -360,5 +361,5 @@ def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
     by = ("+" if 0.0 <= surplus < np.inf else "", *significant(f"{key}.surplus", surplus, 3))
     return (
         (*prefix, *significant(key, limit, unit=unit)),
-        (*by, " met" if judgement.satisfied else " NOT MET"),
+        (*by, f" {satisfaction(judgement.satisfied)}"),
     )

@@ -99,7 +99,7 @@ def _availability(found: Findings) -> list[Block]:
     if np.nanmax(a.most, initial=0.0) > 0.0:
         label = "The part of soundings that fly, over the deflection limit"
         caption = (
-            "Part of the judged soundings in which a limit is enough, over that limit, with its"
+            "Part of the judged soundings in which a limit is sufficient, over that limit, with its"
             " confidence interval. The vertical line is the limit in question."
         )
         blocks.append(figure_of(availability_chart(a), "availability", label, caption))
