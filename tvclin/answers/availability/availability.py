@@ -156,10 +156,10 @@ def availability(
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
         pressure=own_sign(sign),
     )
-    needs = judge.requirements(soundings, progress)
-    added, told = _added(growth, needs.least, needs.most, soundings)
-    needs, near = judge.decided(soundings, needs, capability - added)
-    least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
+    bounds = judge.requirements(soundings, progress)
+    added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)
+    required, flight_notes = judge.decided(soundings, bounds, capability - added)
+    least, most = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
     one = np.ndim(azimuth) == 0
     return Availability(
         soundings=soundings,
@@ -169,16 +169,16 @@ def availability(
         model=model,
         least=least[0] if one else least,
         most=most[0] if one else most,
-        known=needs.known[0] if one else needs.known,
+        known=required.known[0] if one else required.known,
         persistence=added,
         confidence=trusted,
         notes=(
-            *(*soundings.notes, *told, *near),
-            *_judged(judge, needs.judged),
-            *_seasons(soundings, needs.why),
+            *(*soundings.notes, *growth_notes, *flight_notes),
+            *_judged(judge, required.judged),
+            *_seasons(soundings, required.reasons),
         ),
-        reasons=tuple(needs.why),
-        judged=needs.judged,
+        reasons=tuple(required.reasons),
+        judged=required.judged,
         judge=judge,
     )
 

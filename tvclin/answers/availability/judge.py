@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -48,25 +49,25 @@ class Requirements:
 
     Attributes
     ----------
-    least, most : ndarray
+    lower, upper : ndarray
         Bounds, with calm and with a strong wind where it is not known, ``(a, n)`` for azimuths and
         soundings; NaN where nothing can be said. Where trim reaches a limit more than once, and no
-        flight decided, `most` holds what a flight may require more, up to the largest trim.
+        flight decided, `upper` holds what a flight may require more, up to the largest trim.
     lowest : ndarray
-        What flights with all the wind known require at least, ``(a, n)``.
+        Lowest limits with which flights may survive, ``(a, n)``.
     known : ndarray of bool
         Whether the wind is known wherever it may count, ``(a, n)``.
-    why : list of str
+    reasons : list of str
         Reason for which nothing can be said of a sounding, or empty.
     judged : ndarray
         First and last time [s] of the judged part of the flight, ``(n, 2)``.
     """
 
-    least: FloatArray
-    most: FloatArray
+    lower: FloatArray
+    upper: FloatArray
     lowest: FloatArray
     known: BoolArray
-    why: list[str]
+    reasons: list[str]
     judged: FloatArray
 
 
@@ -163,41 +164,32 @@ class Judge:
         self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
     ) -> Requirements:
         """Return bounds of what soundings require, from trim and demand; report progress."""
-        least, most, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
-        known_all = np.ones(least.shape, dtype=bool)
+        lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
+        known = np.ones(lower.shape, dtype=bool)
         heights = np.full((len(soundings), 2), np.nan)
-        why = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
-        for reason, holds in self._left_out(soundings):
+        reasons = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
+        for reason, holds in self._unjudged(soundings):
             for i in np.flatnonzero(holds & soundings.usable).tolist():
-                why[i] = why[i] or reason
-        index = np.flatnonzero([not reason for reason in why])
-        last = len(soundings) - index.size
-        for some, within, known in self._together(soundings, index):
-            heights[some] = within
-            flat = np.flatnonzero(~np.isnan(within[:, 0]))
-            those, winds = some[flat], known.some(flat)
-            if those.size:
-                low, high, flown = self._bounds(winds, within[flat], held=False)
-                least[:, those], most[:, those], lowest[:, those] = low, high, flown
-                partly = np.flatnonzero(winds.incomplete(self.path))
-                if partly.size:
-                    held, higher, _ = self._bounds(
-                        winds.some(partly), within[flat[partly]], held=True
-                    )
-                    low, high, those = low[:, partly], high[:, partly], those[partly]
-                    known_all[:, those] = np.abs(held - low) <= _KNOWN_TOLERANCE * held
-                    least[:, those] = np.minimum(low, held)
-                    most[:, those] = np.maximum(high, higher)
-            last += some.size
+                reasons[i] = reasons[i] or reason
+        index = np.flatnonzero([not reason for reason in reasons])
+        done = len(soundings) - index.size
+        for cases, within, winds in self._together(soundings, index):
+            heights[cases] = within
+            done += cases.size
+            linear = np.flatnonzero(~np.isnan(within[:, 0]))
+            if linear.size:
+                bounds = self._bounds_of_unknown(winds.some(linear), within[linear])
+                for values, bound in zip((lower, upper, lowest, known), bounds, strict=True):
+                    values[:, cases[linear]] = bound
             if progress is not None:
-                progress(last, len(soundings))
-        fast, nothing = np.isnan(heights[:, 0]), np.isnan(least).any(axis=0)
-        why = [
-            reason or (TOO_FAST if steep else TOO_FLAT if none else "")
-            for reason, steep, none in zip(why, fast, nothing, strict=True)
+                progress(done, len(soundings))
+        steep, unknown = np.isnan(heights[:, 0]), np.isnan(lower).any(axis=0)
+        reasons = [
+            reason or (TOO_FAST if fast else TOO_FLAT if flat else "")
+            for reason, fast, flat in zip(reasons, steep, unknown, strict=True)
         ]
         times = np.interp(heights, self.path.height, self.path.time)
-        return Requirements(least, most, lowest, known_all, why, times)
+        return Requirements(lower, upper, lowest, known, reasons, times)
 
     def decided(
         self, soundings: Soundings, bounds: Requirements, limits: FloatArray
@@ -208,42 +200,41 @@ class Judge:
         is flown for what it requires, if all its wind is known. One that survives with less than
         its lower bound has the limit for its requirement.
         """
-        room = np.maximum(limits, 0.0)[:, np.newaxis]
-        least, most, notes = bounds.least.copy(), bounds.most.copy(), []
+        limit = np.maximum(limits, 0.0)[:, np.newaxis]
+        lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
-            more = (bounds.least <= room) & (room < bounds.most)
-            less = bounds.known & (bounds.lowest <= room) & (room < bounds.least)
-        survive, index = np.zeros(least.shape, dtype=bool), np.any(more | less, axis=0)
+            between = (lower <= limit) & (limit < upper)
+            below = bounds.known & (bounds.lowest <= limit) & (limit < lower)
+        survive, index = np.zeros(lower.shape, dtype=bool), np.any(between | below, axis=0)
         for some, within, winds in self._together(soundings, np.flatnonzero(index)):
-            for a, limit in enumerate(room[:, 0].tolist()):
-                for held in (False, True):
-                    whole = bounds.known[a, some] ^ held
-                    cases = np.flatnonzero((more | less)[a, some] & whole)
-                    if not cases.size:
-                        continue
-                    those = some[cases]
-                    marched = list(self._marched(winds.some(cases), within[cases], a, held=False))
-                    if held:
-                        marched += self._marched(winds.some(cases), within[cases], a, held=True)
-                    survive[a, those] = self._survive(marched, limit)
-                    fails = np.flatnonzero(more[a, those] & ~survive[a, those])
-                    if fails.size and not held:
-                        each = [(p, of_plane.requirement(fails)) for p, of_plane in marched]
-                        least[a, those[fails]] = most[a, those[fails]] = self._in_planes(each)
-        most = np.where(more & survive, room, most)
-        least, most = (np.where(less & survive, room, values) for values in (least, most))
-        flown = int(np.sum((more & (bounds.known | survive)).any(axis=0)))
-        if flown:
+            for a, known in product(range(limits.size), (True, False)):
+                places = np.flatnonzero(
+                    (between | below)[a, some] & (bounds.known[a, some] == known)
+                )
+                if not places.size:
+                    continue
+                cases, part = some[places], (winds.some(places), within[places], a)
+                marched = list(self._marched(*part))
+                if not known:
+                    marched += self._marched(*part, strong=True)
+                survive[a, cases] = self._survive(marched, float(limit[a, 0]))
+                lost = np.flatnonzero(between[a, cases] & ~survive[a, cases])
+                if known and lost.size:
+                    required = [(p, in_plane.requirement(lost)) for p, in_plane in marched]
+                    lower[a, cases[lost]] = upper[a, cases[lost]] = self._in_planes(required)
+        upper = np.where((between | below) & survive, limit, upper)
+        lower = np.where(below & survive, limit, lower)
+        if flown := int(np.sum((between & (bounds.known | survive)).any(axis=0))):
             notes.append(
                 f"{flown} soundings whose trim reaches the limit more than once were flown with"
                 " trim"
             )
-        if fewer := int(np.sum((less & survive).any(axis=0))):
+        if fewer := int(np.sum((below & survive).any(axis=0))):
             notes.append(
                 f"of the soundings that fly {fewer} have a bound of their needs above the limit: a"
                 " flight of the trim law survives with it"
             )
-        return replace(bounds, least=least, most=most), notes
+        return replace(bounds, lower=lower, upper=upper), notes
 
     def _together(
         self, soundings: Soundings, index: IndexArray
@@ -260,8 +251,8 @@ class Judge:
             winds = known.some(some)
             yield index[some], winds.flat(self.path, self.additions.strongest), winds
 
-    def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
-        """Of which soundings nothing can be said, and why."""
+    def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
+        """Return reasons for which nothing can be said, and of which soundings each holds."""
         empty = soundings.counts == 0
         ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
         level = np.append(soundings.height, np.nan)
@@ -274,23 +265,38 @@ class Judge:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
-    def _bounds(self, known: KnownWinds, within: FloatArray, held: bool) -> FloatArray:
-        """Return least, most and lowest of winds between heights [m], ``(3, a, n)``."""
-        found = []
+    def _bounds_of_unknown(
+        self, winds: KnownWinds, within: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+        """Return lower, upper, lowest and known of `Requirements`, ``(a, n)`` each."""
+        lower, upper, lowest = self._bounds(winds, within)
+        known = np.ones(lower.shape, dtype=bool)
+        partly = np.flatnonzero(winds.incomplete(self.path))
+        if partly.size:
+            calm = lower[:, partly]
+            strong, higher, _ = self._bounds(winds.some(partly), within[partly], strong=True)
+            known[:, partly] = np.abs(strong - calm) <= _KNOWN_TOLERANCE * strong
+            lower[:, partly] = np.minimum(calm, strong)
+            upper[:, partly] = np.maximum(upper[:, partly], higher)
+        return lower, upper, lowest, known
+
+    def _bounds(self, known: KnownWinds, within: FloatArray, strong: bool = False) -> FloatArray:
+        """Return lower, upper and lowest of `Bounds`, of both planes, ``(3, a, n)``."""
+        towards = []
         for a in range(self.azimuths.size):
-            each = [
-                (p, np.stack([winds.bounds.least, winds.bounds.most, winds.bounds.lowest]))
-                for p, winds in self._marched(known, within, a, held)
+            in_planes = [
+                (p, np.stack([winds.bounds.lower, winds.bounds.upper, winds.bounds.lowest]))
+                for p, winds in self._marched(known, within, a, strong)
             ]
-            found.append(self._in_planes(each, (3, within.shape[0])))
-        return np.stack(found, axis=1)
+            towards.append(self._in_planes(in_planes, (3, within.shape[0])))
+        return np.stack(towards, axis=1)
 
     def _in_planes(
-        self, each: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
+        self, in_planes: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
     ) -> FloatArray:
         """Return the deflections [rad] that both planes require, from those of winds by plane."""
-        planes = np.zeros((len(self.planes), *(each[0][1].shape if each else shape)))
-        for p, required in each:
+        planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
+        for p, required in in_planes:
             np.maximum(planes[p], required, out=planes[p])
         return planes.max(axis=0) if self.stop == "square" else np.hypot.reduce(planes)
 
@@ -299,82 +305,79 @@ class Judge:
 
         With a round limit shape a plane has the fraction of the limit that it has of both bounds.
         """
-        least = np.zeros((len(self.planes), *marched[0][1].bounds.least.shape))
+        lower = np.zeros((len(self.planes), *marched[0][1].bounds.lower.shape))
         for p, winds in marched:
-            np.maximum(least[p], winds.bounds.least, out=least[p])
-        size, share = np.hypot.reduce(least), np.ones(least.shape)
+            np.maximum(lower[p], winds.bounds.lower, out=lower[p])
+        size, share = np.hypot.reduce(lower), np.ones(lower.shape)
         if self.stop == "round":
-            share = np.divide(least, size, out=share, where=size > 0.0)
+            share = np.divide(lower, size, out=share, where=size > 0.0)
         survives = np.ones(size.shape, dtype=bool)
         flown = []
         for p, winds in marched:
-            decide, lost = winds.flown(share[p] * limit)
-            survives &= ~lost
-            flown.append((winds, share[p] * limit, decide))
-        for winds, limits, decide in flown:
-            cases = np.flatnonzero(decide & survives)
+            undecided, insufficient = winds.undecided(share[p] * limit)
+            survives &= ~insufficient
+            flown.append((winds, share[p] * limit, undecided))
+        for winds, limits, undecided in flown:
+            cases = np.flatnonzero(undecided & survives)
             if cases.size:
                 survives[cases] = winds.survive(limits, cases)
         return survives
 
     def _marched(
-        self, known: KnownWinds, within: FloatArray, a: int, held: bool
+        self, known: KnownWinds, within: FloatArray, a: int, strong: bool = False
     ) -> Iterator[tuple[int, MarchedWinds]]:
         """Iterate over places of planes, and all winds there that a flight must survive.
 
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: place of the
-        azimuth. `held`: whether a wind that is not known is strong.
+        azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """
         azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
         for part in self.parts:
             low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
-            height = np.clip(known.knots(part.path, held), low, high)
-            times = np.interp(height, part.path.height, part.path.time)
-            blows = {
-                plane: (low < high) * known.at(known.wind(azimuth, plane, held), height)
+            height = np.clip(known.knots(part.path, strong), low, high)
+            speeds = {
+                plane: (low < high) * known.at(known.wind(azimuth, plane, strong), height)
                 for plane in PLANES
             }
-            bare = LineWinds(times, blows)
+            measured = LineWinds(np.interp(height, part.path.height, part.path.time), speeds)
             for plane, march in part.marches.items():
-                for side, winds in self._pushed(bare, plane, known, height, azimuth, held):
-                    for gusty in march.with_gusts(winds, side, self.additions):
+                p = self.planes.index(plane)
+                for sign, winds in self._of_signs(measured, plane, known, height, azimuth, strong):
+                    for gusty in march.with_gusts(winds, sign, self.additions):
                         bounds = march.bounds(gusty, pressure)
-                        yield (
-                            self.planes.index(plane),
-                            MarchedWinds(march, gusty, bounds, pressure),
-                        )
+                        yield p, MarchedWinds(march, gusty, bounds, pressure)
 
-    def _pushed(
+    def _of_signs(
         self,
-        bare: LineWinds,
+        measured: LineWinds,
         plane: str,
         known: KnownWinds,
         height: FloatArray,
         azimuth: float,
-        held: bool,
+        strong: bool,
     ) -> Iterator[tuple[float, LineWinds]]:
-        """Iterate over the signs of winds in a plane, and winds grown to that side.
+        """Iterate over signs, and winds with a growth, and a strong unknown wind, of that sign.
 
         One sign stands for both where nothing is added to the winds.
         """
-        if not held and self.additions.symmetric:
-            yield 1.0, bare
+        if not strong and self.additions.symmetric:
+            yield 1.0, measured
             return
-        wind, grown = bare.speeds[plane], self.additions.grown(height)
-        hidden, strong = np.zeros(height.shape, dtype=bool), wind
-        if held:
+        wind, growth = measured.speeds[plane], self.additions.grown(height)
+        unknown, size = np.zeros(height.shape, dtype=bool), wind
+        if strong:
             usual = np.interp(height, self.heights, self.strength[plane, azimuth])
-            hidden, strong = known.unknown(height), np.maximum(np.abs(wind), usual)
-        for side in (1.0, -1.0):
-            blows = np.where(hidden, side * strong, wind) + side * grown
-            blows = np.where(np.ptp(height, axis=1, keepdims=True) > 0.0, blows, 0.0)
-            yield side, LineWinds(bare.times, bare.speeds | {plane: blows})
+            unknown, size = known.unknown(height), np.maximum(np.abs(wind), usual)
+        judged = np.ptp(height, axis=1, keepdims=True) > 0.0
+        for sign in (1.0, -1.0):
+            speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)
+            yield sign, LineWinds(measured.times, measured.speeds | {plane: speed})
 
 
 @lru_cache(maxsize=8)
 def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
     """Return the parts of a flight, kept for the next question about it."""
-    found = []
+    parts = []
     for part in flight.parts:
         path = FlightPath.of(part)
         modes = {plane: FlightMode(part, model, plane, part.span) for plane in planes}
@@ -385,5 +388,5 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
             for plane, motion in motions.items()
             if fastest is not None
         }
-        found.append(FlightPart(path, marches))
-    return tuple(found)
+        parts.append(FlightPart(path, marches))
+    return tuple(parts)

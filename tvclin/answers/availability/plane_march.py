@@ -27,7 +27,7 @@ from tvclin.answers.varying_equations import Equations
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.winds.histories import History
 
-_MOST_OVER_LEAST = 1.2
+_UPPER_OVER_LOWER = 1.2
 """Up to which multiple of min(trim, demand) a flight may require more, where trim meets it more
 than once while the path drifts, or the path is quick; docs/availability.md says what was
 measured."""
@@ -74,19 +74,19 @@ class Bounds:
 
     Attributes
     ----------
-    least : ndarray
+    lower : ndarray
         The largest min(trim, demand).
-    most : ndarray
-        What a flight may require, no more than the largest trim.
+    upper : ndarray
+        The most that a flight may require, no more than the largest trim.
     lowest : ndarray
-        The lowest limit with which a flight may survive: less than `least` where trim reaches that
+        The lowest limit with which a flight may survive: less than `lower` where trim reaches that
         to both sides, or more than once while the path drifts.
     highest : ndarray
         A limit that the law never meets.
     """
 
-    least: FloatArray
-    most: FloatArray
+    lower: FloatArray
+    upper: FloatArray
     lowest: FloatArray
     highest: FloatArray
 
@@ -115,14 +115,15 @@ class PlaneMarch:
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of even steps, and the equations there."""
-        return self._every(1)
+        return self._equations_in(1)
 
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] of the steps of flights, and the equations there."""
-        return self._every(FLIGHT_PARTS)
+        return self._equations_in(FLIGHT_PARTS)
 
-    def _every(self, parts: int) -> tuple[FloatArray, Equations]:
+    def _equations_in(self, parts: int) -> tuple[FloatArray, Equations]:
+        """Return times [s] of even steps in so many parts, and the equations there."""
         steps = even_steps(self.fastest, (self.path.time[0], self.path.time[-1]), parts)
         return steps, self.motion.over(steps)
 
@@ -131,57 +132,57 @@ class PlaneMarch:
         steps, equations = self._steps
         return curves(equations, *self.path.encountered(steps, winds, self.plane, pressure))
 
-    def _limit(self, found: Curves, side: float | None = None) -> tuple[FloatArray, FloatArray]:
-        paired = np.broadcast_to(self._steps[1].paired, found.trim.shape)
-        return found.limit_of_trim_law(paired, side)
+    def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return the largest min(trim, demand) [rad] and its time [s], of one sign or either."""
+        paired = np.broadcast_to(self._steps[1].paired, march.trim.shape)
+        return march.limit_of_trim_law(paired, sign)
 
     def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
         """Return bounds of the deflections that winds require."""
-        found, equations = self.curves(winds, pressure), self._steps[1]
-        limit, highest = self._limit(found)[0], found.highest_limit
+        march, equations = self.curves(winds, pressure), self._steps[1]
+        limit, highest = self._limit(march)[0], march.highest_limit
         if np.any(equations.paired):
             return Bounds(limit, limit, limit, highest)
-        doubted, lowest = decided_by_flights(equations, found, limit)
-        more = np.maximum(limit, np.minimum(_MOST_OVER_LEAST * limit, highest))
-        most = np.where(doubted & equations.drifts, more, limit)
-        return Bounds(limit, most, lowest, highest)
+        flown, lowest = decided_by_flights(equations, march, limit)
+        upper = np.maximum(limit, np.minimum(_UPPER_OVER_LOWER * limit, highest))
+        return Bounds(limit, np.where(flown & equations.drifts, upper, limit), lowest, highest)
 
-    def with_gusts(self, winds: LineWinds, side: float, additions: Additions) -> list[LineWinds]:
-        """Return winds with a gust to one side: where they are largest, and at their limit.
+    def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
+        """Return winds with a gust of one sign: where they are largest, and at their limit.
 
-        `side`: sign of the winds that count; where there are none the gust is left out.
+        `sign`: that of the wind; where no wind has it there is no gust.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
             return [winds]
-        angle = side * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
-        calm = np.max(angle, axis=1) <= 0.0
-        top = np.argmax(angle, axis=1)
+        angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
+        calm, top = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
         equations = self._steps[1].nominal[0, :, 1, 1]
-        turn = -np.sign(np.sum(equations[:, -1] / equations[:, -2]))  # of trim in such a wind
-        at_limit = self._limit(self.curves(winds, additions.pressure), turn * side)[1]
-        speed = partial(self._gust_speed, side, additions, calm)
+        trim_per_wind = -np.sum(equations[:, -1] / equations[:, -2])
+        march = self.curves(winds, additions.pressure)
+        at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)[1]
+        speed = partial(self._gust_speed, sign, additions, calm)
         return [
             winds.with_gust(gust, self.plane, at, speed)
             for at in (times[np.arange(top.size), top], at_limit)
         ]
 
     def _gust_speed(
-        self, side: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
+        self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
     ) -> FloatArray:
         """Return speeds [m/s] of a gust of angles [rad] at times [s], zero in a calm."""
         gust, speed = additions.gust, additions.gust_speed
         if gust is not None and speed is not None:
-            blows = side * speed * angle / float(gust.peak)
+            speeds = sign * speed * angle / float(gust.peak)
         else:
-            blows = self.path.speed_of_angle(side * angle, at, self.plane, additions.pressure)
-        return np.where(calm[:, np.newaxis], 0.0, blows)
+            speeds = self.path.speed_of_angle(sign * angle, at, self.plane, additions.pressure)
+        return np.where(calm[:, np.newaxis], 0.0, speeds)
 
     def flights(self, winds: LineWinds, pressure: bool) -> LimitedFlights:
         """Return flights of the ideal trim law through winds."""
         steps, equations = self._flight_steps
-        each = self.path.encountered(steps, winds, self.plane, pressure)
-        return LimitedFlights(equations, *each)
+        encountered = self.path.encountered(steps, winds, self.plane, pressure)
+        return LimitedFlights(equations, *encountered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +196,7 @@ class MarchedWinds:
     winds : LineWinds
         One wind of each sounding.
     bounds : Bounds
-        What they require.
+        Bounds of their requirements.
     pressure : bool
         Whether the dynamic pressure encountered counts.
     """
@@ -205,22 +206,22 @@ class MarchedWinds:
     bounds: Bounds
     pressure: bool
 
-    def flown(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return with which limits [rad] flights must decide, and which are lost without any."""
-        lost = limit < self.bounds.lowest
-        return (self.bounds.most > limit) & ~lost, lost
+    def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
+        """Return with which limits [rad] flights must decide, and which are insufficient anyway."""
+        insufficient = limit < self.bounds.lowest
+        return (self.bounds.upper > limit) & ~insufficient, insufficient
 
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
         """Return whether flights of cases survive with limits [rad] and all above."""
         flights = self.march.flights(self.winds.of(cases), self.pressure)
-        return flights.survive(limit[cases], self.bounds.most[cases])
+        return flights.survive(limit[cases], self.bounds.upper[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
         """Return the deflections [rad] that cases require, by flights where these decide."""
-        b, required = self.bounds, self.bounds.least[cases]
-        doubted = np.flatnonzero((b.most > b.least)[cases] | (b.lowest < b.least)[cases])
-        if doubted.size:
-            flown = cases[doubted]
+        b, required = self.bounds, self.bounds.lower[cases]
+        places = np.flatnonzero((b.upper > b.lowest)[cases])
+        if places.size:
+            flown = cases[places]
             flights = self.march.flights(self.winds.of(flown), self.pressure)
-            required[doubted] = flights.requirement(b.lowest[flown], b.highest[flown])
+            required[places] = flights.requirement(b.lowest[flown], b.highest[flown])
         return required

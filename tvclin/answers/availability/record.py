@@ -225,14 +225,18 @@ class Availability(Tabled):
         instance("profile", profile, WindProfile, "see read_sounding")
         one = Soundings.from_profiles([profile], ["2000-01-01"])
         room = self.limit - self.persistence
-        needs, _ = self.judge.decided(one, self.judge.requirements(one), room)
+        required, _ = self.judge.decided(one, self.judge.requirements(one), room)
         found = []
         for a, most in enumerate(np.atleast_2d(self.most)):
-            least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))
+            least, high = (
+                float(x[a, 0] + self.persistence[a]) for x in (required.lower, required.upper)
+            )
             known = most[~np.isnan(most)]
             part = float(np.mean(known < high * _LESS)) if known.size else float("nan")
-            span = needs.judged[0].tolist()
-            found.append(Today(least, high, self.limit, part, (span[0], span[1]), needs.why[0]))
+            span = required.judged[0].tolist()
+            found.append(
+                Today(least, high, self.limit, part, (span[0], span[1]), required.reasons[0])
+            )
         return self._plain(found)
 
     def _columns(self) -> Columns:
