@@ -154,6 +154,20 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are() 
         assert found.flies[0] != 1.0
 
 
+def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -> None:
+    """In a cross wind that turns about, flights with 1.004 to 1.0075 of the bound are lost."""
+    given = np.array([0.0, 5.0, 9.7, 13.1, 16.7, 19.2, 22.7, 25.3, 27.2, 42.0]) * 1e3
+    cross = np.array([0.0, 2.3, 11.6, -11.6, 10.1, 13.5, -15.8, -8.0, -15.0, -0.5])
+    height = np.unique(np.append(given, np.arange(0.0, 42e3, 500.0)))
+    wind = tv.WindProfile(height=height, east=0.0 * height, north=-np.interp(height, given, cross))
+    asked = {"azimuth": EAST, "plane": "yaw"}
+    bound = tv.availability(flight, one(wind), limit=1e-4, **asked).least[0]
+    limits = bound * np.array([1.002, 1.006, 1.01])
+    assert lost_flown(flight, wind, EAST, "yaw", limits).tolist() == [False, True, False]
+    for limit, flies in zip(limits.tolist(), (0.0, 0.0, 1.0), strict=True):
+        assert tv.availability(flight, one(wind), limit=limit, **asked).flies[0] == flies
+
+
 @pytest.mark.parametrize(
     ("name", "plane", "seed"),
     usual(

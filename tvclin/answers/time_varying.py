@@ -68,6 +68,8 @@ _SLOWEST = 0.25
 """The slowest rate [1/s] that sets even steps."""
 _STEPS_TOGETHER = 5_000
 """Steps of all winds that are marched together: some ten megabytes."""
+_ALIKE = 4
+"""Multiple to which the number of limits is rounded, so that many winds have the same."""
 _MAX_STEPS = 20_000
 """Steps over one wind."""
 _WIND_RATE_FACTOR = 2.0
@@ -412,21 +414,27 @@ class LimitedFlights:
             required[case] = np.where(never, np.inf, np.maximum(edge, low[case]))
         return required
 
-    def survive(self, limit: FloatArray, high: FloatArray) -> BoolArray:
+    def survive(self, limit: FloatArray, high: FloatArray, bound: FloatArray) -> BoolArray:
         """Return whether flights survive with limits [rad] and all above, up to `high`, ``(n,)``.
 
-        Above the first, limits are tried every `STRIDE`, as by `requirement`.
+        Limits are tried as by `requirement`: every `FINE` up to `AHEAD` above a `bound` [rad] of
+        what is required, or above the first limit, and every `STRIDE` from there on.
         """
-        from tvclin.flights.closed_loop.survival_limit import STRIDE
+        from tvclin.flights.closed_loop.survival_limit import AHEAD, FINE, STRIDE
 
         low = np.maximum(limit, _MIN_LIMIT)
-        span = np.log(np.maximum(high / low, 1.0))
-        counts = np.ceil(span / STRIDE).astype(int)
+        top = np.maximum(high, low)
+        middle = np.clip((1.0 + AHEAD) * np.minimum(bound, low), low, top)
+        spans = np.log(middle / low)[:, np.newaxis], np.log(top / middle)[:, np.newaxis]
+        fine, coarse = (np.ceil(x / step) for x, step in zip(spans, (FINE, STRIDE), strict=True))
+        counts = _ALIKE * np.ceil((fine + coarse)[:, 0] / _ALIKE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
         for count in np.unique(counts[survives & (counts > 0)]).tolist():
             cases = np.flatnonzero(survives & (counts == count))
-            parts = span[cases, np.newaxis] * np.arange(1, count + 1) / count
-            tried = low[cases, np.newaxis] * np.exp(parts)
+            k, n = np.arange(1, count + 1), fine[cases]
+            parts = spans[0][cases] * np.minimum(k / np.maximum(n, 1.0), 1.0)
+            above = np.clip((k - n) / np.maximum(coarse[cases], 1.0), 0.0, 1.0)
+            tried = low[cases, np.newaxis] * np.exp(parts + spans[1][cases] * above)
             survives[cases] = ~np.any(self.diverge(tried, cases), axis=1)
         return survives
 

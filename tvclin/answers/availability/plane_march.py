@@ -214,7 +214,7 @@ class MarchedWinds:
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
         """Return whether flights of cases survive with limits [rad] and all above."""
         flights = self.march.flights(self.winds.of(cases), self.pressure)
-        return flights.survive(limit[cases], self.bounds.upper[cases])
+        return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
         """Return the deflections [rad] that cases require, by flights where these decide."""
