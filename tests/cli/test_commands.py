@@ -326,10 +326,23 @@ def loaded_by(commands: list[str], folder: Path) -> set[str]:
 
 
 def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
-    commands = ["vehicles", "poles", "boundary", "optimum", "respond", "study", "margins"]
+    commands = ["vehicles", "poles", "boundary", "optimum", "respond", "study", "fly", "margins"]
     commands += ["margins --delay-ms 40", "margins --json", "autopilot", "autopilot --json"]
 
     assert loaded_by(commands, tmp_path) == set()
+
+
+def test_a_study_imports_neither_scipy_nor_numba() -> None:
+    code = (
+        "import sys\n"
+        "from tvclin.cli.app import main\n"
+        "sys.argv[1:] = ['study']\n"
+        "try: main()\n"
+        "except SystemExit as end: assert end.code in (0, 1, None)\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"scipy", "numba", "matplotlib", "control"} & set(out.stderr.split())
 
 
 def test_a_study_of_a_fixed_path_in_calm_air_loads_neither_flights_nor_other_commands() -> None:

@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tvclin.ascent.flight_condition import FlightCondition
+from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
@@ -29,7 +30,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.flights.nozzle_command import Control, ReportControl, command_of
-from tvclin.flights.planar import fly_planar, planar_case
+from tvclin.flights.planar import planar_case, planar_outputs
 from tvclin.flights.sixdof.fly_sixdof import SixDof, fly_sixdof, planes_verdict
 from tvclin.flights.sixdof.model import Earth
 from tvclin.flights.verdict import judged, watched_until
@@ -37,9 +38,6 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-
-if TYPE_CHECKING:
-    from control import TimeResponseData
 
 
 Verdict = Callable[[float], bool]
@@ -118,23 +116,30 @@ def _check_frozen(frozen: bool, condition: object) -> None:
         )
 
 
+def _sixdof_outputs(*given: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and outputs of a flight in JSBSim, as of `fly_sixdof`."""
+    flight = fly_sixdof(*given, **options)
+    return np.asarray(flight.time), np.array(flight.outputs)
+
+
 @dataclass(frozen=True)
 class Engine:
     """One way to fly, and what it is in words.
 
-    `fly`: a flight, as of `fly_planar`. `verdict`: takes a vehicle, a wind and a control, and by
-    name the plane, whether parameters are frozen, and options of its own.
+    `outputs`: times and outputs of a flight, as of `planar_outputs`. `verdict`: takes a vehicle, a
+    wind and a control, and by name the plane, whether parameters are frozen, and options of its
+    own.
     """
 
     words: str
-    fly: Callable[..., TimeResponseData]
+    outputs: Callable[..., tuple[FloatArray, FloatArray]]
     verdict: Callable[..., Verdict]
 
 
 ENGINES: Mapping[str, Engine] = MappingProxyType(
     {
-        "planar": Engine("planar equations (B1)", fly_planar, planar_verdict),
-        "sixdof": Engine("six degrees of freedom (JSBSim)", fly_sixdof, sixdof_verdict),
+        "planar": Engine("planar equations (B1)", planar_outputs, planar_verdict),
+        "sixdof": Engine("six degrees of freedom (JSBSim)", _sixdof_outputs, sixdof_verdict),
     }
 )
 

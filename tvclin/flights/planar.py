@@ -404,6 +404,39 @@ def fly_planar(
     -0.093
     0.091
     """
+    times, outputs = planar_outputs(
+        vehicle,
+        control,
+        wind,
+        timepts,
+        deflection_limit=deflection_limit,
+        plane=plane,
+        drift=drift,
+        condition=condition,
+        actuator=actuator,
+        rate_limit=rate_limit,
+    )
+    title = f"Planar flight, {vehicle.name or 'vehicle'}, {plane}"
+    return time_response(times, outputs, OUTPUTS, name="planar", title=title, wind=wind)
+
+
+def planar_outputs(
+    vehicle: Vehicle,
+    control: Control,
+    wind: History,
+    timepts: ArrayLike,
+    *,
+    deflection_limit: float = np.inf,
+    plane: str = "pitch",
+    drift: bool = True,
+    condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
+) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] ``(n,)`` and outputs ``(5, n)`` of a flight, without python-control.
+
+    Same parameters, outputs, exceptions and warnings as `fly_planar`.
+    """
     times = times_row("timepts", timepts)
     span = (float(times.min()), float(times.max()))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
@@ -413,6 +446,4 @@ def fly_planar(
         warn_of_the_end(flown.end)
     rows = flown.rows(times)
     alpha = case.motion.angle_of_attack(times, rows[:-1], wind(times))
-    outputs = np.vstack([rows[:3], alpha, rows[-1]])
-    title = f"Planar flight, {vehicle.name or 'vehicle'}, {plane}"
-    return time_response(times, outputs, OUTPUTS, name="planar", title=title, wind=wind)
+    return times, np.vstack([rows[:3], alpha, rows[-1]])

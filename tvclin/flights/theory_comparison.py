@@ -229,15 +229,16 @@ def fly_beside(
     else:
         least = number("boundary", boundary, positive, "rad")
     options: dict[str, Any] = {"plane": plane, "condition": condition}
-    fly_there = ENGINES[one_of("engine", engine, ENGINES)].fly
-    survives = ENGINES[engine].verdict(vehicle, wind, control, frozen=condition is None, **options)
+    flying = ENGINES[one_of("engine", engine, ENGINES)]
+    survives = flying.verdict(vehicle, wind, control, frozen=condition is None, **options)
     survived, predicted = survives(limit), limit >= least
     holds = isinstance(control, ReportControl)
     with warnings.catch_warnings():
         if survived and holds:  # over to the other side, where the limit has long been let go
             warnings.filterwarnings("ignore", message="the flight ends")
-        flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
-    times, rows = np.asarray(flown.time), np.array(flown.outputs)
+        times, rows = flying.outputs(
+            vehicle, control, wind, timepts, deflection_limit=limit, **options
+        )
     linear = _linear(plant, control, wind, times, limit)
     linear[:, np.logical_or.accumulate(np.abs(linear[0]) > MAX_SHOWN_ATTITUDE)] = np.nan
     ends = tuple(
