@@ -39,7 +39,6 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
-
 Verdict = Callable[[float], bool]
 """Takes a deflection limit [rad] and says whether its flight survives."""
 

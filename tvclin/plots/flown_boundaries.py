@@ -17,6 +17,7 @@ from tvclin.base.errors import instance, one_of, one_row, positive, within
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
 from tvclin.flights.nozzle_command import ReportControl
+from tvclin.flights.verdict import OUTPUTS
 from tvclin.plots.boundaries import ABSCISSA, ORDINATE, drift_words
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
@@ -53,14 +54,14 @@ def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
 
     `engine`: one of `ENGINES`.
     """
-    fly = ENGINES[engine].fly
+    fly = ENGINES[engine].outputs
 
     def attitude(wind: History, limit: float, dead_band: float, times: FloatArray) -> FloatArray:
         control = ReportControl(dead_band)
         with warnings.catch_warnings():  # that a flight below the boundary ends is what is shown
             warnings.filterwarnings("ignore", "the flight ends", UserWarning)
-            flown = fly(vehicle, control, wind, times, deflection_limit=limit)
-        return np.asarray(flown.outputs["attitude"])
+            _, outputs = fly(vehicle, control, wind, times, deflection_limit=limit)
+        return np.asarray(outputs[OUTPUTS.index("attitude")])
 
     return attitude
 
