@@ -199,11 +199,15 @@ def and_after(
 
 
 def steps_after(equations: Equations) -> IndexArray:
-    """Return how many steps a flight of the limited law takes after its wind, ``(n,)``."""
+    """Return how many steps a flight of the limited law takes after its wind, ``(n,)``.
+
+    None on a slow path, on which the law brings back whatever the limit can.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
     counts = np.ceil(_AFTER / _STEP_AFTER) * np.where(np.isnan(slower), 1.0, np.ceil(slower))
-    return np.minimum(counts, _MAX_STEPS).astype(int)
+    quick = np.broadcast_to(equations.quick_path, counts.shape)
+    return np.where(quick, np.minimum(counts, _MAX_STEPS), 0.0).astype(int)
 
 
 @dataclass(frozen=True, eq=False)
