@@ -52,6 +52,18 @@ def test_a_vehicle_that_does_not_change_needs_exactly_what_it_needs_frozen(confi
     assert np.all(found.steady)
 
 
+def test_dead_bands_that_differ_in_the_seventh_digit_have_a_number_each(configuration) -> None:
+    wind, bands = tv.TriangularWind(peak=PEAK, duration=7.5), (0.3333334, 0.3333333)
+    found = tv.size(held(configuration), wind, times=[66.0], dead_bands=bands, varying=False)
+    plant = tv.Plant.from_vehicle(configuration, "drift-exact")
+    needed = np.abs(tv.required_deflection(plant, wind, bands).deflection)
+    assert needed[0] > needed[1]
+    for K, deflection in zip(bands, needed, strict=True):
+        requirement = tv.answers.Requirement(dead_band=K)
+        assert found.required[requirement][0, 0] == pytest.approx(deflection, rel=1e-12)
+        assert found.required[f"K = {K}"] is found.required[requirement]
+
+
 def test_each_time_has_the_vehicle_of_that_time(configuration_i) -> None:
     schedule = turning(configuration_i)
     found = tv.size(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from tvclin.answers.case import DIRECTIONS
 from tvclin.base.errors import between, flag, number, one_of
 
@@ -57,8 +59,10 @@ class Requirement:
 
     @property
     def name(self) -> str:
-        """The quantity, or the dead band as "K = 1"."""
-        return f"K = {self.dead_band:g}" if self.quantity == DEAD_BAND else self.quantity
+        """The quantity, or the dead band with all its digits, as "K = 1"."""
+        if self.quantity != DEAD_BAND:
+            return self.quantity
+        return f"K = {np.format_float_positional(self.dead_band, trim='-')}"
 
     @property
     def label(self) -> str:
