@@ -83,10 +83,11 @@ def availability(
         that is added against the vehicle; or how needs grew between the archive's own soundings.
     gust : History, optional
         On top of each wind, once with its middle where the wind is largest, and once where trim
-        reaches the need; the larger counts.
+        reaches what the wind alone requires; the larger counts. By its angle it is the wind that
+        turns the flight path by that angle.
     gust_speed : float, optional
-        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: the flight meets it
-        at the angle of that time, eq (B1e), in each plane as if it blew in that plane alone.
+        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: it adds to the wind
+        at each time, in each plane as if it blew in that plane alone.
     known_to : float, optional
         Height [m] to which a sounding must go to be judged.
     utc_offset : float, optional

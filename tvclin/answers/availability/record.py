@@ -1,4 +1,4 @@
-"""On how many days a limit is enough: one value, with its parts, curves, placards and tables."""
+"""On how many days a limit is sufficient: a record with its parts, curves, placards and tables."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class Today(Shown):
     Attributes
     ----------
     least, most : float
-        What it asks for [rad], with what may come until launch: with calm, and with a strong wind,
-        where it did not see it. NaN where nothing can be said.
+        Bounds of its required deflection [rad], with what may come until launch: with calm, and
+        with a strong wind, where it is not known. NaN where nothing can be said.
     limit : float
         Deflection capability [rad].
     part : float
@@ -89,10 +89,10 @@ class Availability(Tabled):
     plane, model : str
         As they were asked for.
     least, most : ndarray
-        What each sounding asks for [rad], with what persistence adds, ``(n,)``: with calm, and with
-        a strong wind, where it did not see it. NaN where nothing can be said. Where the limit is
-        met more than once, and trim was not flown, `most` holds what a flight may need more, up to
-        the largest trim.
+        Bounds of the required deflections [rad], with persistence, ``(n,)``: with calm, and with a
+        strong wind, where it is not known. NaN where nothing can be said. Where trim reaches the
+        limit more than once, or the path is quick, `most` holds what a flight may require more, up
+        to the largest trim; the limit where a flight survived with it.
     known : ndarray of bool
         Whether the need is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray
@@ -132,10 +132,10 @@ class Availability(Tabled):
 
     @property
     def need(self) -> FloatArray:
-        """What each sounding asks for [rad], at least; NaN where this limit is not judged.
+        """Required deflections [rad], at least; NaN where this limit is not judged.
 
-        It depends on the limit of `availability`: a sounding that meets its limit more than once is
-        flown if it asks for about this limit, and else `least` and `most` bracket what it needs.
+        They depend on the limit of `availability`: a sounding whose trim reaches it more than once
+        is flown if it requires about this limit, and else `least` and `most` are its bounds.
         """
         return np.where(np.isnan(self.flies), np.nan, self.least)
 
