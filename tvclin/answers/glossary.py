@@ -60,6 +60,11 @@ TERMS = QUANTITIES | {
 """The terms of a study and its page."""
 
 
+def quantity_table() -> Table:
+    """Return the quantities of a verdict, each with its sentence."""
+    return quantities("Quantities", ((name, (words,)) for name, words in QUANTITIES.items()))
+
+
 def symbol_table() -> Table:
     """Return what the symbols mean."""
     return quantities("What the symbols mean", ((k, (words,)) for k, words in SYMBOLS.items()))

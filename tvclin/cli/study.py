@@ -76,7 +76,7 @@ def study(
         " dispersions where no study file gives them.",
     ),
     drawn: DisperseOptions = DisperseOptions(STUDY, "cases seed"),
-    explain: bool = switch("--explain", "Explain each symbol in one line."),
+    explain: bool = switch("--explain", "Explain each symbol and each quantity in one line."),
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -122,10 +122,10 @@ def _print(found: Findings, source: str, explain: bool) -> None:
     say(tables.LEGEND)
     say_notes(s.notes)
     if explain:
-        from tvclin.answers.glossary import symbol_table
+        from tvclin.answers.glossary import quantity_table, symbol_table
 
         say("")
-        print_tables(symbol_table())
+        print_tables(symbol_table(), quantity_table())
     if d is not None:
         say("")
         print_tables(*d.tables())

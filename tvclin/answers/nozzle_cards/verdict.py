@@ -179,5 +179,9 @@ class NozzleVerdict(Shown):
         )
         known = ", where that is known" if self.unknown else ""
         return (
-            Table(f"What is asked of the nozzle{known}", ("", "needed", "there", "left"), rows),
+            Table(
+                f"What is asked of the nozzle{known}",
+                ("", "required", "available", "remaining"),
+                rows,
+            ),
         )

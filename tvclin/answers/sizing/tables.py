@@ -10,6 +10,7 @@ from tvclin.answers.quantity import Requirement
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.base.arrays import BoolArray
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
+from tvclin.base.quantities import NO_FORECAST, QUANTITIES, WIND_KNOWN
 
 _MARKS = {
     "1": "beyond the single-pole theory",
@@ -36,7 +37,8 @@ def legend(s: Sizing) -> str:
     trusts = " K below 1 trusts a forecast." if (s.dead_bands < 1.0).any() else ""
     signed = f" Head and tail wind: K = {s.dead_bands[0]:g} with the dynamic pressure in them."
     signed *= any(one.direction for one in s.required)
-    return f"No forecast: {s.law_words}. Minimum: the wind is known (appendix C).{trusts}{signed}"
+    known = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
+    return f"{NO_FORECAST.capitalize()}: {s.law_words}. {known}{trusts}{signed}"
 
 
 def over_time(s: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
@@ -203,7 +205,9 @@ def _freezing_error(s: Sizing, name: Requirement, i: int, wind: int | None) -> f
 
 def _short(requirement: Requirement) -> str:
     """Return a requirement as the head of its column: the direction of the wind, or its name."""
-    return f"{requirement.direction} wind" if requirement.direction else requirement.name
+    bounds = {"no forecast": NO_FORECAST, "minimum": WIND_KNOWN}
+    name = bounds.get(requirement.name, requirement.name)
+    return f"{requirement.direction} wind" if requirement.direction else name
 
 
 def _by_planes(s: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
