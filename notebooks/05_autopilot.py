@@ -112,7 +112,7 @@ for place, (name, loop) in enumerate(loops.items()):
     flown = tv.flights.flown_margins(plant, law, wind, limit=stop, **nozzle)
     fall, rise = flown.gain_fall, flown.gain_rise
     at = np.arange(2) + 0.4 * place
-    promised = 20.0 * np.log10([fall.near_rest, rise.near_rest])
+    promised = 20.0 * np.log10([fall.linear, rise.linear])
     changes.bar(at, promised, 0.36, fill=False, edgecolor=f"C{place}")
     changes.bar(at, [fall.dB, rise.dB], 0.36, color=f"C{place}", label=name)
     asks = tv.compare_with_trim(plant, loop, wind).ratio_to_trim

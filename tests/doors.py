@@ -77,7 +77,7 @@ INSIDE = {
     "CampaignResults",
     "ControllabilityRatio",
     "Detuned",
-    "FlightBeside",
+    "FlightComparison",
     "FlightCard",
     "Loads",
     "RangeReference",
@@ -118,7 +118,7 @@ TOLD = {
     "judge": (".final_motion.offset", ".final_motion.rate"),
     "DeflectionTotal": (".needed_rate",),
     "compare_with_trim": (".peak_flight_path_angle",),
-    "fly_beside": (".flown", ".linear"),
+    "compare_flight": (".flown", ".linear"),
 }
 """Where NaN is the answer, as the docstrings say: of poles that are repeated or not there, and of a
 flight that is lost."""
@@ -198,7 +198,7 @@ def doors(folder: Path) -> dict[str, Door]:
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.control.WindEstimator(bandwidth=10.0)
-    beside = tv.flights.fly_beside(
+    beside = tv.flights.compare_flight(
         booster, tv.flights.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
     )
     responses = tv.attitude_responses(plant, held, wind, [0.0, 5.0])
@@ -528,7 +528,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Filter.notch": Door(
             tv.vehicle.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
         ),
-        "FlightBeside.peaks": Door(beside.peaks, {"name": "attitude"}),
+        "FlightComparison.peaks": Door(beside.peaks, {"name": "attitude"}),
         "FlightSchedule": Door(
             tv.FlightSchedule,
             {
@@ -1022,8 +1022,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 **hardware,
             },
         ),
-        "fly_beside": Door(
-            tv.flights.fly_beside,
+        "compare_flight": Door(
+            tv.flights.compare_flight,
             {
                 "vehicle": booster,
                 "control": tv.flights.ReportControl(),

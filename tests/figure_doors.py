@@ -32,7 +32,7 @@ def figures(folder: Path) -> dict[str, Door]:
     available = tv.availability(
         tv.load_schedule("configuration-i", step=5.0), archive, limit=0.01, azimuth=1.5
     )
-    beside = tv.flights.fly_beside(
+    beside = tv.flights.compare_flight(
         vehicle, tv.flights.ReportControl(), wind, [0.0, 4.0, 8.0], deflection_limit=0.01
     )
     law = tv.SaturatedLaw(autopilot)

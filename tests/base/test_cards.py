@@ -76,9 +76,9 @@ def test_the_boundary_of_a_law_shows_degrees():
         deflection=np.radians(0.4),
         scan=np.array([0.7, 0.9]),
         survives=np.array([False, True]),
-        looked=((0.01, 0.9), (0.001, 0.83)),
+        refinements=((0.01, 0.9), (0.001, 0.83)),
         growth=-0.1,
-        creeps=False,
+        has_unstable_mode=False,
         status="ok",
     )
     assert list(cells(found).values()) == [

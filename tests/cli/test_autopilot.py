@@ -302,7 +302,7 @@ def test_flown_margins_stand_beside_the_linear_ones():
         one = getattr(expected, name)
         found = document["flown"][name]
         assert found["value"] == pytest.approx(one.value, rel=1e-9)
-        assert (found["cause"], found["again"]) == (one.cause, one.again)
+        assert (found["cause"], found["again"]) == (one.cause, one.survives_beyond)
     assert document["flown"]["spare"] == pytest.approx(expected.spare, rel=1e-12)
     stepped = json.loads(run(*asked, "--sample-rate", "60", "--json").stdout)
     assert document["margins"] == stepped["margins"]

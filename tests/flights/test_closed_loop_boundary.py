@@ -277,7 +277,7 @@ def test_an_edge_is_above_every_loss_that_lies_a_little_above_the_scanned_one(no
     edge = closed_loop_boundary(plant, law, wind, **hardware)
     assert edge.limit > window[1]
     assert not edge.monotone
-    step, end = edge.looked[0]
+    step, end = edge.refinements[0]
     limits = np.append(np.linspace(*window, 9), np.arange(edge.limit, end, step))
     limits *= abs(plant.coefficients.B * wind.peak)
     flown = tv.fly_many(plant, law, wind, deflection_limit=limits, **hardware).status
@@ -291,7 +291,7 @@ def test_the_scan_and_the_ends_of_its_range():
     inner = closed_loop_boundary(plant, law, wind, sample_rate=50.0, lowest=0.3, highest=0.9)
     assert (inner.scan[0], inner.scan[-1]) == (0.3, 0.9)
     assert set(np.linspace(0.3, 0.9, 61).round(9)) <= set(inner.scan.round(9))
-    for k, (step, end) in enumerate(inner.looked, start=1):
+    for k, (step, end) in enumerate(inner.refinements, start=1):
         assert step == pytest.approx(0.01 / 16**k)
         assert end >= inner.limit + 60 * step
         above = inner.scan[(inner.scan >= inner.limit) & (inner.scan <= end)]

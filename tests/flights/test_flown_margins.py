@@ -10,11 +10,11 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.turns import usual
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.flown_margins import CHANGES, NearRest
+from tvclin.flights.closed_loop.flown_margins import CHANGES, LinearMargins
 from tvclin.flights.closed_loop.sampled_stability import (
-    delay_at_growth,
-    factors_at_growth,
-    worst_near_rest,
+    dominant_pole,
+    linear_delay_margin,
+    linear_gain_margins,
 )
 
 PEAK = np.radians(5.0)
@@ -80,13 +80,13 @@ def radius(*args):
 def test_margins_near_rest_bring_an_eigenvalue_of_another_step_to_the_circle(delay):
     law, h = LAWS["attitude and rate"], 0.02
     one = one_flight(PLANT, law, WIND, 2.0 * TRIM, Hardware(h, delay, SERVO))
-    assert worst_near_rest(one).real == pytest.approx(
+    assert dominant_pole(one).real == pytest.approx(
         np.log(radius(1.0, 1.0, delay, h)) / h, abs=1e-8
     )
-    late = delay_at_growth(one, BETA)
+    late = linear_delay_margin(one, BETA)
     changed = []
     for place, name in enumerate(("gain", "effectiveness")):
-        fall, rise = factors_at_growth(one, name, BETA)
+        fall, rise = linear_gain_margins(one, name, BETA)
         for factor, inside in ((1.0 / fall, 1.001), (rise, 0.999)):
             for part in (1.0, inside, 1.0 / inside):
                 change = [1.0, 1.0, delay, h]
@@ -106,15 +106,15 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     estimator = tv.control.WindEstimator(bandwidth=5.0)
     law = tv.RecoverableAttitudeLaw(PLANT, design_peak=PEAK, estimator=estimator)
     one = one_flight(PLANT, law, WIND, TRIM, Hardware(0.01, 0.03, SERVO))
-    gain, effect = (factors_at_growth(one, name, BETA) for name in ("gain", "effectiveness"))
+    gain, effect = (linear_gain_margins(one, name, BETA) for name in ("gain", "effectiveness"))
     assert abs(gain[1] / effect[1] - 1.0) > 0.05
     for edge in (1.0 / gain[0], gain[1]):
-        assert abs(worst_near_rest(replace(one, gain=np.asarray(edge))).real) < 1e-8
+        assert abs(dominant_pole(replace(one, gain=np.asarray(edge))).real) < 1e-8
     for edge in (1.0 / effect[0], effect[1]):
         changed = replace(one, plant=PLANT.with_effectiveness(edge))
-        assert abs(worst_near_rest(changed).real) < 1e-8
-    late = 0.03 + delay_at_growth(one, BETA)
-    assert abs(worst_near_rest(one.delayed(late)).real) < 1e-8
+        assert abs(dominant_pole(changed).real) < 1e-8
+    late = 0.03 + linear_delay_margin(one, BETA)
+    assert abs(dominant_pole(one.delayed(late)).real) < 1e-8
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0263])
@@ -129,10 +129,10 @@ def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late)
     assert found.delay.value == pytest.approx(linear.delay_margin, abs=1e-5)
     for name in CHANGES:
         one = getattr(found, name)
-        assert one.value == pytest.approx(one.near_rest, rel=1e-3)
+        assert one.value == pytest.approx(one.linear, rel=1e-3)
         assert one.cause in ("rings", "undecided")
-    assert found.near_rest == NearRest(
-        found.gain_fall.near_rest, found.gain_rise.near_rest, found.delay.near_rest
+    assert found.linear == LinearMargins(
+        found.gain_fall.linear, found.gain_rise.linear, found.delay.linear
     )
 
 
@@ -146,14 +146,14 @@ def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less
         plant, tv.SaturatedLaw(gains), wind, limit=limit, actuator=nozzle
     )
     assert found.spare == pytest.approx(1.2, abs=2e-4)
-    assert found.delay.near_rest == pytest.approx(0.4206, abs=5e-5)
+    assert found.delay.linear == pytest.approx(0.4206, abs=5e-5)
     assert replace(gains, actuator=nozzle).margins(plant).delay_margin == pytest.approx(
-        found.delay.near_rest + 0.005, abs=1e-5
+        found.delay.linear + 0.005, abs=1e-5
     )
     assert found.delay.cause == "rings"
-    assert found.delay.lost == pytest.approx(0.470, abs=1e-3)
+    assert found.delay.loss == pytest.approx(0.470, abs=1e-3)
     assert found.gain_fall.value == pytest.approx(2.175, abs=1e-3)
-    assert found.gain_fall.near_rest == pytest.approx(10.859, abs=5e-4)
+    assert found.gain_fall.linear == pytest.approx(10.859, abs=5e-4)
     assert found.effectiveness_fall.value == pytest.approx(1.170, abs=1e-3)
 
 
@@ -190,13 +190,13 @@ NEAR_REST = {
 def test_margins_are_those_of_the_table(case, expected):
     name, times = case
     found = margins(LAWS[name], times)
-    lost = (found.gain_fall.lost, found.effectiveness_fall.lost, found.delay.lost)
+    lost = (found.gain_fall.loss, found.effectiveness_fall.loss, found.delay.loss)
     np.testing.assert_allclose(lost, expected, rtol=1e-3, atol=6e-4)
-    np.testing.assert_allclose(found.near_rest, NEAR_REST[name], rtol=1e-3)
+    np.testing.assert_allclose(found.linear, NEAR_REST[name], rtol=1e-3)
     for change in CHANGES:
         one = getattr(found, change)
-        assert one.value == min(one.lost, one.near_rest)
-        assert (one.cause == "rings") == (one.near_rest <= one.lost)
+        assert one.value == min(one.loss, one.linear)
+        assert (one.cause == "rings") == (one.linear <= one.loss)
     assert found.gain_rise.cause == found.effectiveness_rise.cause == "rings"
 
 
@@ -221,7 +221,7 @@ def test_brute_flights_of_changed_gains_plants_and_delays_find_the_same(name, ch
     limit = times * boundary(law, rate) * TRIM
     found = getattr(margins(law, times, rate), name)
     assert found.cause == "lost"
-    assert not found.again
+    assert not found.survives_beyond
     parts = np.concatenate([np.linspace(0.02, 0.98, 25), [0.999, 1.0, 1.002, 1.1, 1.2]])
     for part in parts:
         value = part * found.value if change == "delay" else found.value**-part
@@ -327,17 +327,17 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     free, slow = (
         margins(gains, 1.5, rate=50.0, rate_limit=rate) for rate in (np.inf, np.radians(0.3))
     )
-    assert slow.near_rest == pytest.approx(free.near_rest, rel=1e-9)
-    assert slow.delay.lost < 0.7 * free.delay.lost
-    assert slow.effectiveness_fall.lost < 0.9 * free.effectiveness_fall.lost
-    assert slow.gain_rise.lost < free.gain_rise.lost == np.inf  # a ringing nozzle is dear
+    assert slow.linear == pytest.approx(free.linear, rel=1e-9)
+    assert slow.delay.loss < 0.7 * free.delay.loss
+    assert slow.effectiveness_fall.loss < 0.9 * free.effectiveness_fall.loss
+    assert slow.gain_rise.loss < free.gain_rise.loss == np.inf  # a ringing nozzle is dear
 
 
 def test_a_switch_may_lose_earlier_than_the_loop_grows_and_survive_again():
     found = margins(LAWS["dead band"], 1.5)
     assert found.delay.value == pytest.approx(0.583, abs=1e-3)
-    assert found.delay.near_rest == pytest.approx(0.7834, abs=1e-4)
-    assert found.delay.again
+    assert found.delay.linear == pytest.approx(0.7834, abs=1e-4)
+    assert found.delay.survives_beyond
     assert found.delay.cause == "undecided"
     assert found.notes == (
         "delay 0.5831: beyond it flights stay undecided",
@@ -386,7 +386,7 @@ def test_figures_show_the_margins_and_the_map():
     np.testing.assert_array_equal(drawn.abscissa, [found[1].spare, found[0].spare])
     shown = {column.label: column.values for column in drawn.columns}
     np.testing.assert_allclose(shown["gain fall"], [found[1].gain_fall.dB, found[0].gain_fall.dB])
-    assert shown["delay: grows near rest"][0] == found[1].near_rest.delay
+    assert shown["delay: grows near rest"][0] == found[1].linear.delay
     chart = tv.flights.boundary_map(PLANT, law, WIND, [0.7, 1.0, 1.4], [0.0, 0.7], sample_rate=20.0)
     plot = tv.plots.boundary_map_chart(chart, limit=TRIM)
     assert chart.growth[-1, -1] > 0.0 > chart.growth[-1, 0]
@@ -410,7 +410,9 @@ def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
     hardware = Hardware(0.01, 0.0, tv.Actuator())
     one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, hardware)
     pace = float(plant.poles[0])
-    gain, effectiveness = (factors_at_growth(one, name, pace) for name in ("gain", "effectiveness"))
+    gain, effectiveness = (
+        linear_gain_margins(one, name, pace) for name in ("gain", "effectiveness")
+    )
     # Both are roots of the same loop; the integrator takes four digits of sixteen.
     np.testing.assert_allclose(effectiveness, gain, rtol=1e-9)
 

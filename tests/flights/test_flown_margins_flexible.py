@@ -38,15 +38,15 @@ def test_near_rest_they_are_the_margins_of_the_sampled_loop(found):
     plant, m = found
     sampled = replace(gains(plant), actuator=SERVO, delay=DELAY, sample_rate=RATE).margins(plant)
     # Differences of steps of small states leave 1e-9 or so of their numbers.
-    assert m.gain_rise.near_rest == pytest.approx(sampled.gain_increase, rel=1e-6)
-    assert m.gain_fall.near_rest == pytest.approx(sampled.aero_margin, rel=1e-6)
-    if m.delay.near_rest > 25.0 / RATE:  # more than such a loop is computed for
-        assert m.delay.near_rest == pytest.approx(sampled.delay_margin, rel=1e-6)
+    assert m.gain_rise.linear == pytest.approx(sampled.gain_increase, rel=1e-6)
+    assert m.gain_fall.linear == pytest.approx(sampled.aero_margin, rel=1e-6)
+    if m.delay.linear > 25.0 / RATE:  # more than such a loop is computed for
+        assert m.delay.linear == pytest.approx(sampled.delay_margin, rel=1e-6)
         return
     # Phase over frequency is no exact delay of a sampled loop, whose aliases turn otherwise.
     late = replace(gains(plant), actuator=SERVO, sample_rate=RATE)
     for factor, stable in ((1.0 - 1e-5, True), (1.0 + 1e-5, False)):
-        moved = replace(late, delay=DELAY + factor * m.delay.near_rest)
+        moved = replace(late, delay=DELAY + factor * m.delay.linear)
         assert moved.margins(plant).stable == stable
 
 

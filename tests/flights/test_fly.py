@@ -486,7 +486,7 @@ class Relay(tv.control.Law):
 
 
 def test_a_law_that_chatters_is_told_to_be_sampled(monkeypatch):
-    monkeypatch.setattr(continuous, "_MOST_SWITCHES", 30)
+    monkeypatch.setattr(continuous, "_MAX_SWITCHES", 30)
     with pytest.raises(InputError, match="switches more than 30 times; give a sample_rate"):
         tv.fly(plant_of(), Relay(), WIND, [0.0, 20.0], deflection_limit=B * PEAK)
 
@@ -514,7 +514,7 @@ def test_a_boundary_flown_long_after_the_beginning_of_time_is_that_at_zero():
 
 
 def test_the_evaluations_of_a_flight_are_bounded(monkeypatch):
-    monkeypatch.setattr(continuous, "_MOST_EVALUATIONS", 100)
+    monkeypatch.setattr(continuous, "_MAX_EVALUATIONS", 100)
     with pytest.raises(InputError, match="more than 100 evaluations of its equations, at t = "):
         tv.fly(plant_of(), LAWS["lean"](plant_of()), WIND, [0.0, 20.0], deflection_limit=0.01)
 

@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.sampled_stability import worst_near_rest
+from tvclin.flights.closed_loop.sampled_stability import dominant_pole
 
 VEHICLE = tv.load_vehicle("configuration-i")
 MODE = tv.vehicle.BendingMode(
@@ -198,7 +198,7 @@ def test_near_rest_a_flight_is_the_loop_whose_margins_are_exact(rate, delay):
     """The worst mode of a flight with filters, and that of the sampled loop closed."""
     law = tv.SaturatedLaw(SHAPED)
     flight = one_flight(BOOSTER, law, WIND, 0.1, Hardware(1 / rate, delay, STIFF))
-    grown = np.exp(worst_near_rest(flight).real / rate)
+    grown = np.exp(dominant_pole(flight).real / rate)
     sampled = replace(SHAPED, actuator=STIFF, delay=delay, sample_rate=rate)
     w = sampled.exact_loop(BOOSTER).form.closed_poles()[0]
     radius = np.abs((1 + w / (2 * rate)) / (1 - w / (2 * rate))).max()

@@ -394,7 +394,7 @@ def test_a_flight_beside_the_linear_theory_goes_on_to_the_end_of_its_wind():
     vehicle, wind = tv.load_vehicle("configuration-i"), TriangularWind(peak=0.02, duration=7.5)
     for engine in ("planar", "sixdof"):
         with pytest.raises(InputError, match=r"timepts must reach the end of the wind, 7\.5 s"):
-            tv.flights.fly_beside(
+            tv.flights.compare_flight(
                 vehicle,
                 tv.flights.ReportControl(),
                 wind,

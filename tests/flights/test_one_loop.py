@@ -9,7 +9,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.turns import drawn
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.sampled_stability import step_near_rest
+from tvclin.flights.closed_loop.sampled_stability import equilibrium_step
 
 VEHICLE = tv.load_vehicle("made-up-booster")
 STRUCTURE = VEHICLE.structure
@@ -59,7 +59,7 @@ def flown_step(plant, autopilot):
     """The step of a flight near rest."""
     law = tv.SaturatedLaw(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
     length = 1.0 / autopilot.sample_rate
-    return step_near_rest(
+    return equilibrium_step(
         one_flight(plant, law, WIND, 0.1, Hardware(length, autopilot.delay, autopilot.actuator))
     )
 

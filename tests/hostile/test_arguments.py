@@ -73,7 +73,7 @@ DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude",
 }  # fmt: skip
 """Angles that may be up to a turn; all others are within 90 degrees."""
 BEYOND = {
-    ("BangBang", "limit"), ("ConstantDeflection", "limit"), ("fly_beside", "boundary"),
+    ("BangBang", "limit"), ("ConstantDeflection", "limit"), ("compare_flight", "boundary"),
     ("fly_many", "rate_limit"),
     ("total_deflection", "dispersion"), ("total_deflection", "wind"),
     ("Nozzle", "travel_limit"),

@@ -8,7 +8,7 @@ from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.batch import polynomial_pieces
-from tvclin.flights.closed_loop.outcomes import judging
+from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded, slow_ends
 from tvclin.numerics.propagation import matrix_exponentials
@@ -152,7 +152,7 @@ def test_threads_change_nothing(monkeypatch):
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
 def test_the_rows_that_judge_are_the_unstable_coordinates(model):
     plant = Plant.from_vehicle(VEHICLE, model)
-    modes, judges = unstable_coordinates(plant), judging(plant)
+    modes, judges = unstable_coordinates(plant), outcome_criteria(plant)
     N, states = modes.rows.shape
     np.testing.assert_allclose(judges.rows[0, :N, :states], modes.rows, rtol=1e-9, atol=1e-12)
     assert not np.any(judges.rows[..., states:])
@@ -162,9 +162,9 @@ def test_the_rows_that_judge_are_the_unstable_coordinates(model):
 
 def test_a_plant_with_a_pair_or_without_an_unstable_pole_is_not_judged():
     pair = Plant.from_vehicle(VEHICLE, "drift-and-speed")
-    assert np.isnan(judging(pair).reach[0])
+    assert np.isnan(outcome_criteria(pair).reach[0])
     mixed = Plant.from_coefficients(Coefficients(mu_alpha=np.array([0.2, -0.2]), mu_delta=1.0))
-    np.testing.assert_array_equal(np.isnan(judging(mixed).reach), [False, True])
+    np.testing.assert_array_equal(np.isnan(outcome_criteria(mixed).reach), [False, True])
 
 
 @pytest.mark.parametrize("power", [1.3, 3.0, 4.0, 40.0])

@@ -73,7 +73,7 @@ def response(vehicle, factor):
 def flight(vehicle):
     planar = tv.flights.ReportControl()
     times = np.linspace(0.0, 12.0, 61)
-    flown = tv.flights.fly_beside(vehicle, planar, WIND, times, deflection_limit=0.03)
+    flown = tv.flights.compare_flight(vehicle, planar, WIND, times, deflection_limit=0.03)
     curves = plots.flight_curves(flown, 0.03, "fly", vehicle.name)
     return plots.flight_chart(curves, f"{vehicle.name}\nflown")
 

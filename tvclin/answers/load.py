@@ -17,7 +17,7 @@ from tvclin.boundary.fronts.loads import load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
-from tvclin.flights.theory_comparison import FATES, NOT_KNOWN
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
 from tvclin.winds.wind_angles import beyond_linear
 
 
@@ -169,7 +169,7 @@ class FlownLoad(Shown):
     @property
     def words(self) -> str:
         """What becomes of the flight, in words."""
-        fate = f"{self.law} {FATES[self.status]} with this limit"
+        fate = f"{self.law} {OUTCOME_WORDS[self.status]} with this limit"
         if not np.isfinite(self.load):
             return fate
         felt = f"{fate}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"

@@ -380,7 +380,7 @@ def _flexible(found: Findings) -> Question:
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(found, "flexible"),))
     part = f" with the {found.study.plane} plane's part of the stop" * found.study.in_both
-    flexible, rigid = f.flight.fates
+    flexible, rigid = f.flight.outcomes
     flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{part}"
     line: Line = (f"{flown} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:

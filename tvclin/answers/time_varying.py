@@ -404,7 +404,7 @@ class LimitedFlights:
         limited.
         """
         from tvclin.flights.closed_loop.survival_limit import (
-            edges_above_losses,  # late: with all flights
+            limits_above_losses,  # late: with all flights
         )
 
         bottom = np.maximum(low, _MIN_LIMIT)
@@ -414,7 +414,7 @@ class LimitedFlights:
             def diverge(limits: FloatArray, case: IndexArray = case) -> BoolArray:
                 return self.diverge(limits.T, case).T
 
-            edge, never = edges_above_losses(diverge, bottom[case], top[case])
+            edge, never = limits_above_losses(diverge, bottom[case], top[case])
             required[case] = np.where(never, np.inf, np.maximum(edge, low[case]))
         return required
 

@@ -272,9 +272,9 @@ def _trial(
         lowest=float(found.scan[0]),
         highest=float(found.scan[-1]),
         growth=found.growth,
-        creeps=found.creeps,
+        creeps=found.has_unstable_mode,
         monotone=found.monotone,
-        looked=found.looked,
+        looked=found.refinements,
         peak_angle_of_attack=largest[0],
         peak_attitude=largest[1],
     )

@@ -17,8 +17,8 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
 from tvclin.flights.nozzle_command import ReportControl
-from tvclin.flights.theory_comparison import FlightBeside, fly_beside, linear_boundary
-from tvclin.flights.verdict import watched_until
+from tvclin.flights.theory_comparison import FlightComparison, compare_flight, linear_boundary
+from tvclin.flights.verdict import verdict_time
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
 from tvclin.vehicle.linear_vehicle import complete_vehicle
@@ -159,7 +159,7 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
             f" {abs(np.degrees(float(wind.peak))):.3g} deg (the boundary is proportional to it)"
         )
     longest = _LONGEST / float(np.abs(all_modes(plant).poles).max())
-    flown = max(length, watched_until(wind, pole) - float(wind.onset))
+    flown = max(length, verdict_time(wind, pole) - float(wind.onset))
     if flown > longest:
         raise InputError(
             f"a flight must be at most {longest:.4g} s long, {_LONGEST:g} times that of its fastest"
@@ -172,7 +172,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)
     told = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
-    flight = fly_beside(case.vehicle, case.control, case.wind, times, **told)
+    flight = compare_flight(case.vehicle, case.control, case.wind, times, **told)
     over = f"{limit / case.boundary:.4g} times the linear boundary"
     return Compared(
         case=case,
@@ -194,7 +194,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     )
 
 
-def _ends(case: FlightCase, flight: FlightBeside) -> Iterator[str]:
+def _ends(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
     """Whether the flight survives, and what is odd about it."""
     flown = f"Flown at {case.pressure} dynamic pressure: {survival(flight.survived)}."
     yield f"{flown} Linear theory: {survival(flight.predicted)}."

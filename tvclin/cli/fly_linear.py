@@ -16,7 +16,7 @@ from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.cli.margin_tables import parts_line
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.theory_comparison import FATES, NOT_KNOWN, SampledFlight, fly_sampled
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS, SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
 
 _SPARE, _HIGHEST = 1.1, 4.0
@@ -151,5 +151,7 @@ RINGS_MEANS = (
 def _word(status: str) -> str:
     if status == NOT_KNOWN:
         return survival(None)
-    fate = {"survived": "", "lost": "", "rings": ", it rings"}.get(status, f", it {FATES[status]}")
+    fate = {"survived": "", "lost": "", "rings": ", it rings"}.get(
+        status, f", it {OUTCOME_WORDS[status]}"
+    )
     return f"{survival(status == 'survived')}{fate}"

@@ -12,7 +12,7 @@ from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_json, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import wind_words
-from tvclin.flights.theory_comparison import PEAKS, FlightBeside
+from tvclin.flights.theory_comparison import PEAKS, FlightComparison
 from tvclin.winds.wind_angles import linear_notes
 
 
@@ -25,7 +25,7 @@ class Compared:
     """
 
     case: Any
-    flight: FlightBeside
+    flight: FlightComparison
     limit: float
     beside: str
     columns: tuple[str, ...]

@@ -17,5 +17,5 @@ from .nozzle_command import ReportControl as ReportControl
 from .planar import fly_planar as fly_planar
 from .sixdof.fly_sixdof import fly_sixdof as fly_sixdof
 from .sixdof.model import Earth as Earth
-from .theory_comparison import FlightBeside as FlightBeside
-from .theory_comparison import fly_beside as fly_beside
+from .theory_comparison import FlightComparison as FlightComparison
+from .theory_comparison import compare_flight as compare_flight

@@ -33,14 +33,14 @@ from tvclin.flights.nozzle_command import Control, ReportControl, command_of
 from tvclin.flights.planar import planar_case, planar_outputs
 from tvclin.flights.sixdof.fly_sixdof import SixDof, fly_sixdof, planes_verdict
 from tvclin.flights.sixdof.model import Earth
-from tvclin.flights.verdict import judged, watched_until
+from tvclin.flights.verdict import verdict_of, verdict_time
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
 Verdict = Callable[[float], bool]
-"""Takes a deflection limit [rad] and says whether its flight survives."""
+"""Function from a deflection limit [rad] to whether its flight survives."""
 
 
 def planar_verdict(
@@ -57,23 +57,23 @@ def planar_verdict(
 ) -> Verdict:
     """Return the verdict of planar flights.
 
-    All but `frozen` as of `fly_planar`; the wind ends. `frozen`: whether parameters are frozen; if
-    not, they vary along the nominal flight of `condition`. `InputError` as `fly_planar`, and for an
-    aerodynamically stable vehicle.
+    `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
+    The other parameters are those of `fly_planar`; the wind ends. `InputError` in the same cases as
+    `fly_planar`, and for an aerodynamically stable vehicle.
     """
     _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
-    if frozen:  # any time is like another, and near zero it is known more sharply
+    if frozen:  # the equations do not depend on time, and near zero its rounding is smallest
         wind = wind.shift(-wind.onset)
-    span = (float(wind.onset), watched_until(wind, pole))
+    span = (float(wind.onset), verdict_time(wind, pole))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
     command = command_of(control, span[0], actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        flown = case.flown(command, limit)
-        return float(flown.rows(np.array([min(flown.end, span[1])]))[1, 0])
+        flight = case.flown(command, limit)
+        return float(flight.rows(np.array([min(flight.end, span[1])]))[1, 0])
 
-    return judged(late_rate, command.control, wind, pole)
+    return verdict_of(late_rate, command.control, wind, pole)
 
 
 def sixdof_verdict(
@@ -92,23 +92,23 @@ def sixdof_verdict(
 ) -> Verdict:
     """Return the verdict of flights in JSBSim.
 
-    `step`, `earth`: as of `fly_sixdof`, which says what is refused; all others as of
+    `step`, `earth`: same as in `fly_sixdof`, with its exceptions. The other parameters are those of
     `planar_verdict`.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
     pole, begin = float(case.coefficients.pole), float(wind.onset)
-    air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, pole))
+    air = case.air(wind, min(0.0, begin) if frozen else begin, verdict_time(wind, pole))
     command = command_of(control, begin, actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
         return float(case.flown(case.steering(command, limit, air), air)[-1, 1])
 
-    return judged(late_rate, command.control, wind, pole)
+    return verdict_of(late_rate, command.control, wind, pole)
 
 
 def _check_frozen(frozen: bool, condition: object) -> None:
-    """Raise `InputError` unless parameters are frozen, or vary in a condition."""
+    """Raise `InputError` unless exactly one of frozen parameters and a condition is given."""
     if flag("frozen", frozen) == (condition is not None):
         raise InputError(
             "condition must be given exactly when parameters are not frozen (frozen=False)"
@@ -116,18 +116,18 @@ def _check_frozen(frozen: bool, condition: object) -> None:
 
 
 def _sixdof_outputs(*given: Any, **options: Any) -> tuple[FloatArray, FloatArray]:
-    """Return times [s] and outputs of a flight in JSBSim, as of `fly_sixdof`."""
+    """Return times [s] and outputs of a flight in JSBSim; parameters are those of `fly_sixdof`."""
     flight = fly_sixdof(*given, **options)
     return np.asarray(flight.time), np.array(flight.outputs)
 
 
 @dataclass(frozen=True)
 class Engine:
-    """One way to fly, and what it is in words.
+    """Engine of nonlinear flights, and its description in words.
 
-    `outputs`: times and outputs of a flight, as of `planar_outputs`. `verdict`: takes a vehicle, a
-    wind and a control, and by name the plane, whether parameters are frozen, and options of its
-    own.
+    `outputs`: function that returns times [s] and outputs of a flight, such as `planar_outputs`.
+    `verdict`: function that returns the `Verdict` of a vehicle, a wind and a control, such as
+    `planar_verdict`.
     """
 
     words: str
@@ -143,24 +143,26 @@ ENGINES: Mapping[str, Engine] = MappingProxyType(
 )
 
 
-_FINEST, _WIDEST = 1e-7, 1e3
-"""Least tolerance and largest limit, over the largest trim deflection."""
+_MIN_TOLERANCE = 1e-7
+"""Smallest tolerance of the limit, over the largest trim deflection."""
+_MAX_LIMIT_OVER_TRIM = 1e3
+"""Largest limit of the search, over the largest trim deflection."""
 
 
 @dataclass(frozen=True)
 class FlownBoundary(Shown):
-    """A boundary that was flown.
+    """Boundary of nonlinear flights.
 
     Attributes
     ----------
     limit : float
-        y, the least deflection limit that survives over ``|B alpha_w,max|``.
+        y, the smallest deflection limit that survives over ``|B alpha_w,max|``.
     deflection : float
-        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
+        Deflection -limit B alpha_w,max [rad]; its sign opposes the wind.
     error : float
         Half of the last bracket of y.
     flights : int
-        How many flights it took.
+        Number of flights.
     """
 
     limit: float
@@ -184,34 +186,35 @@ def flown_boundary(
     highest: float = 1.5,
     **options: Any,
 ) -> FlownBoundary:
-    """Return the least deflection limit with which a control survives a wind, found by flying.
+    """Return the smallest deflection limit with which a control survives a wind in flight.
 
     Parameters
     ----------
     vehicle : Vehicle
         One vehicle, aerodynamically unstable.
     wind : History or PlaneWind
-        One wind that ends, from t = 0 on or later. One with a direction is flown in both planes at
-        once, by a law in JSBSim; the limit is over the largest vector, in the measure of the stop.
+        One wind that ends, from t = 0 on or later. A wind with a direction is flown in both planes
+        at once, by a law in JSBSim; the limit is over the largest vector, in the measure of the
+        limit shape.
     dead_band : float
         K of the report's control, in [0, 1]; see `ReportControl`.
     law : Law or Autopilot, optional
-        Flies in place of the report's control. Where its survival does not grow with the limit,
-        what is found is one of the limits between survival and loss.
+        Law instead of the report's control. If survival is not monotonic in the limit, the result
+        is one of the limits between survival and loss.
     engine : str or callable
-        One of `ENGINES`, or a function like these.
+        Name in `ENGINES`, or a function such as `planar_verdict`.
     plane : {"pitch", "yaw"}
         The plane of wind and nozzle.
     frozen : bool
-        Whether mass, forces and speed stay what they are; an engine may know no other way.
+        Whether mass, forces and speed are constant; an engine may require it.
     tolerance : float
-        The limit is known to this part of ``|B alpha_w,max|``.
+        Tolerance of the limit, over ``|B alpha_w,max|``.
     highest : float
-        Largest limit that is tried, over ``|B alpha_w,max|``.
+        Largest limit of the search, over ``|B alpha_w,max|``.
     **options
-        What else the engine takes: "planar" drift, condition, actuator and rate_limit, as of
-        `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`, and in both planes drift,
-        step, stop and saturate, as of `fly_planes`.
+        Further options of the engine: for "planar" drift, condition, actuator and rate_limit, see
+        `fly_planar`; for "sixdof" also step and earth, see `fly_sixdof`; in both planes drift,
+        step, stop and saturate, see `fly_planes`.
 
     Returns
     -------
@@ -223,7 +226,7 @@ def flown_boundary(
     InputError
         For a vehicle without an unstable pole, batches, a wind that never ends, numbers out of
         range, a dead band and a law together, and a wind in which the highest limit is not
-        enough.
+        sufficient.
 
     Examples
     --------
@@ -243,24 +246,26 @@ def flown_boundary(
     control = ReportControl(dead_band) if law is None else law
     if law is not None and ReportControl(dead_band) != ReportControl():
         raise InputError("dead_band belongs to the report's control; leave it out with a law")
-    top = number("highest", highest, positive)
-    number("highest", top, between(0.0, _WIDEST))
-    narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
-    make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)].verdict
+    upper = number("highest", highest, positive)
+    number("highest", upper, between(0.0, _MAX_LIMIT_OVER_TRIM))
+    width = number("tolerance", tolerance, between(_MIN_TOLERANCE, 0.5))
+    engine_verdict = (
+        engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)].verdict
+    )
     if isinstance(wind, PlaneWind):
         if engine != "sixdof":
             raise InputError('a wind with a direction is flown with engine="sixdof"')
         survives = planes_verdict(vehicle, wind, control, frozen=frozen, **options)
     else:
-        survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
+        survives = engine_verdict(vehicle, wind, control, plane=plane, frozen=frozen, **options)
     trim = -float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak)
     scale = abs(trim)
-    if not survives(top * scale):
+    if not survives(upper * scale):
         raise InputError(
-            f"wind must be survived with {top:g} times the largest trim deflection as the limit"
+            f"wind must be survived with {upper:g} times the largest trim deflection as the limit"
         )
-    lost, saved, flights = 0.0, top, 1
-    while saved - lost > 2.0 * narrow:
+    lost, saved, flights = 0.0, upper, 1
+    while saved - lost > 2.0 * width:
         middle = 0.5 * (lost + saved)
         lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)
         flights += 1

@@ -15,11 +15,10 @@ from tvclin.winds.histories import History
 
 @dataclass(frozen=True)
 class ReportControl:
-    """Trim until K times the deflection limit is asked for, then the whole limit for ever.
+    """The report's control: trim until K times the deflection limit, then the full limit for ever.
 
-    The dead band is left by the trim deflection itself, which is the literal switch of
-    `trim_then_hold`, but trim is what the measured angle of attack asks for, and the feedback of
-    `TrimLaw` holds the attitude where that is not quite enough.
+    The switch acts on the trim deflection, as the literal switch of `trim_then_hold`. Trim follows
+    the measured angle of attack, and the feedback of `TrimLaw` corrects its residual error.
 
     Parameters
     ----------
@@ -39,17 +38,17 @@ class ReportControl:
         object.__setattr__(self, "dead_band", K)
 
 
-ONSET = 1e-9
-"""Part of the limit at which a control with no dead band takes a wind to have begun."""
+ONSET_OVER_LIMIT = 1e-9
+"""Demand, over the limit, at which a control without dead band takes a wind to have begun."""
 Control = History | Law | Autopilot | ReportControl
-"""What can fly."""
+"""Types that command the nozzle of a flight."""
 
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """What turns the nozzle, and through what, checked; make it with `command_of`.
+    """Command of the nozzle and its hardware, checked; made by `command_of`.
 
-    `control`: what asks for a deflection. `actuator`: what lies between a law and the nozzle.
+    `control`: source of the command. `actuator`: actuator between a law and the nozzle.
     `rate_limit`: largest deflection rate [rad/s] of a law.
     """
 
@@ -61,17 +60,17 @@ class Command:
 def command_of(
     control: object, start: float, actuator: Actuator | None = None, rate_limit: float = np.inf
 ) -> Command:
-    """Return what turns the nozzle of a flight that begins at a time [s].
+    """Return the command of the nozzle in a flight that begins at `start` [s].
 
-    `InputError` for what is no control, histories in a batch or from before the flight, an
-    autopilot with a delay, filters, two actuators, and hardware without a law.
+    `InputError` for another type than `Control`, histories in a batch or from before the flight,
+    an autopilot with a delay, filters, two actuators, and hardware without a law.
     """
-    most = check_rate_limit(rate_limit)
+    max_rate = check_rate_limit(rate_limit)
     if isinstance(control, History | ReportControl):
-        if actuator is not None or most < np.inf:
+        if actuator is not None or max_rate < np.inf:
             raise InputError("actuator and rate_limit belong to a law or an autopilot")
         if isinstance(control, History):
-            check_one("control", control, start)
+            check_history("control", control, start)
         return Command(control)
     if isinstance(control, Autopilot):
         if control.delay != 0.0:
@@ -85,13 +84,13 @@ def command_of(
     assert isinstance(control, Law)
     if any(control.chains):
         raise InputError("filters are flown by fly() with a sample_rate; leave them out here")
-    return Command(control, actuator, most)
+    return Command(control, actuator, max_rate)
 
 
 def limit_of(control: object, deflection_limit: float) -> float:
     """Return the deflection limit [rad]; `InputError` unless it is positive.
 
-    Only a history may do without one.
+    It may be infinite for a history.
     """
     if isinstance(control, History) and deflection_limit == np.inf:
         return np.inf
@@ -100,8 +99,8 @@ def limit_of(control: object, deflection_limit: float) -> float:
     )
 
 
-def check_one(name: str, history: object, start: float) -> None:
-    """Raise `InputError` unless this is one history that begins with the flight [s] or later."""
+def check_history(name: str, history: object, start: float) -> None:
+    """Raise `InputError` unless `history` is a single one with an onset at `start` [s] or later."""
     instance(name, history, History, "such as TriangularWind")
     assert isinstance(history, History)
     single(name, history.batch)

@@ -34,15 +34,15 @@ from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_span
 from tvclin.flights.closed_loop.continuous import Arc, ContinuousFlight, Loop, smooth_piece
 from tvclin.flights.nozzle_command import (
-    ONSET,
+    ONSET_OVER_LIMIT,
     Command,
     Control,
     ReportControl,
-    check_one,
+    check_history,
     command_of,
     limit_of,
 )
-from tvclin.flights.verdict import FARTHEST, OUTPUTS, warn_of_the_end
+from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS, warn_of_the_end
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
@@ -237,9 +237,9 @@ class PlanarCase:
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")
         loop = Loop(self.motion, law, limit, rate_limit, actuator)
-        flight = ContinuousFlight(loop, self.wind, FARTHEST)
+        flight = ContinuousFlight(loop, self.wind, MAX_ATTITUDE)
         arcs = flight.arcs(*self.span)
-        return self._ended(arcs, lambda times: flight.shown(arcs, times))
+        return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Flown:
         from scipy.integrate import solve_ivp
@@ -297,7 +297,7 @@ def planar_case(
     """Return the case of a vehicle in a wind over a span of time [s]; as of `fly_planar`."""
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     check_span(*span)
-    check_one("wind", wind, span[0])
+    check_history("wind", wind, span[0])
     ending("wind", wind.end)
     nominal = None
     if condition is not None:
@@ -317,13 +317,13 @@ class _TrimThenHold(TrimLaw):
     @property
     def engage(self) -> float:  # type: ignore[override]
         """K, or the first sign of a wind."""
-        return max(self.dead_band, ONSET)
+        return max(self.dead_band, ONSET_OVER_LIMIT)
 
 
 def _far(t: float, x: FloatArray, *inputs: Any) -> float:
     """What falls through zero where the attitude leaves the range of the model."""
     del t, inputs
-    return FARTHEST * (1.0 + _FURTHER) - abs(float(x[0]))
+    return MAX_ATTITUDE * (1.0 + _FURTHER) - abs(float(x[0]))
 
 
 _far.terminal = True  # type: ignore[attr-defined]

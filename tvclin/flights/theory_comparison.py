@@ -32,7 +32,7 @@ from tvclin.flights.closed_loop.fly_many import SURVIVED, FlownCases, fly_many
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.flights.flown_boundary import ENGINES
 from tvclin.flights.nozzle_command import ReportControl
-from tvclin.flights.verdict import FARTHEST, OUTPUTS
+from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE, release_time
 from tvclin.linear.flexible import AnyPlant
@@ -43,18 +43,18 @@ from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import beyond_linear
 
 SAMPLE_RATE = 100.0
-"""Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
-_HIGHEST = 4.0
-"""Limits that are tried, over the largest trim deflection; what needs more is refused."""
-_AT_LIMIT = 1e-9
-"""A deflection so near the limit, over the limit, is at it."""
+"""Sample rate of a law in the linear flight [Hz]: the steps of JSBSim."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit of the search for the linear boundary, over the largest trim deflection."""
+_LIMIT_TOLERANCE = 1e-9
+"""Relative distance from the limit at which a deflection counts as at the limit."""
 PEAKS = ("attitude", "deflection", "angle_of_attack")
-"""Of these outputs tables show the largest."""
+"""Outputs whose peaks tables show."""
 
 
 @dataclass(frozen=True, eq=False)
-class FlightBeside:
-    """A flight and the linear flight with the same limit.
+class FlightComparison:
+    """Flight of an engine, compared with the linear flight with the same limit.
 
     Attributes
     ----------
@@ -66,12 +66,12 @@ class FlightBeside:
     wind : History
         The wind angle [rad].
     survived, predicted : bool or None
-        Whether the flight survives the wind, and whether the linear theory says so; None in a wind
-        `beyond` linear aerodynamics, which both rest on.
+        Whether the flight survives the wind, and whether it does in linear theory; None in a wind
+        `beyond` linear aerodynamics, which both assume.
     let_go : tuple of float
-        When the limit of the report's control, which would be held for ever, is let go [s], flown
-        and linear: as the attitude is back at zero, if there it survives. Infinite if it is not
-        while it is watched. The rows are NaN from then on.
+        Times [s], flown and linear, at which the limit of the report's control, held for ever
+        otherwise, is released: at zero attitude, if the flight survives. Infinite if that is later
+        than the last time. The rows are NaN afterwards.
     """
 
     times: FloatArray
@@ -83,9 +83,9 @@ class FlightBeside:
     let_go: tuple[float, float]
 
     def peaks(self, name: str) -> tuple[float, float]:
-        """Return the largest size of an output over the wind, flown and linear.
+        """Return the peak magnitude of an output during the wind, flown and linear [rad, rad/s].
 
-        It is taken over the times at which there are both.
+        Only times at which both flights exist count.
 
         Raises
         ------
@@ -93,27 +93,27 @@ class FlightBeside:
             For an unknown output, and where no time lies in the wind.
         """
         row = OUTPUTS.index(one_of("name", name, OUTPUTS))
-        here = self.times <= float(self.wind.end)
-        here &= np.isfinite(self.flown[row] + self.linear[row])
-        if not np.any(here):
+        during_wind = self.times <= float(self.wind.end)
+        during_wind &= np.isfinite(self.flown[row] + self.linear[row])
+        if not np.any(during_wind):
             raise InputError("timepts must have some time before the wind ends")
-        flown, linear = (np.abs(each[row, here]).max() for each in (self.flown, self.linear))
+        flown, linear = (np.abs(y[row, during_wind]).max() for y in (self.flown, self.linear))
         return float(flown), float(linear)
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Reason of `beyond_linear` why survival is not known in this wind; else empty."""
         return beyond_linear(float(self.wind.peak))
 
     @property
-    def fates(self) -> tuple[str, str]:
-        """What becomes of both, in words."""
+    def outcomes(self) -> tuple[str, str]:
+        """Outcomes of the flight and of the linear flight, in words."""
         words = {True: "survives", False: "is lost", None: "is not known to survive"}
         return words[self.survived], words[self.predicted]
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """What is largest in both [rad, rad/s], by its name."""
+        """Peaks of both flights [rad, rad/s], by their names."""
         return {
             f"largest {name.replace('_', ' ')} over the wind [deg]": self.peaks(name)
             for name in PEAKS
@@ -122,46 +122,50 @@ class FlightBeside:
     def table(
         self, caption: str, names: Sequence[str], boundaries: tuple[float | None, float] | None
     ) -> Table:
-        """Return what becomes of both, what is largest, and what differs.
+        """Return the table of outcomes, boundaries and peaks of both flights.
 
         Parameters
         ----------
         caption : str
-            Stands above the table.
+            Caption of the table.
         names : sequence of str
-            What both are called, or the first alone.
+            Names of both flights, or of the first alone.
         boundaries : tuple of float or None
-            The least limits [rad] that both survive with, where they are known.
+            Smallest limits [rad] with which both survive, if known.
         """
         angles = dict(self.largest)
         if boundaries is not None and boundaries[0] is not None:
             angles = {"least limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
-        rows: list[tuple[Line, ...]] = [(("with this limit it",), *((one,) for one in self.fates))]
+        outcomes = ((outcome,) for outcome in self.outcomes)
+        rows: list[tuple[Line, ...]] = [(("with this limit it",), *outcomes)]
         for k, (label, both) in enumerate(angles.items()):
-            cells = [least(degrees(f"flown.{k}.{i}", one)) for i, one in enumerate(both)]
+            cells = [least(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(both)]
             rows.append(((label,), *cells))
         width = len(names) + 1
         return Table(caption, ("quantity", *names), tuple(row[:width] for row in rows))
 
 
 def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:
-    """Return the least deflection limit [rad] with which a control survives in linear theory.
+    """Return the smallest deflection limit [rad] with which a control survives in linear theory.
 
-    `InputError` as `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no
-    limit up to four times the largest trim deflection.
+    `InputError` in the same cases as `boundary_limit` and `closed_loop_boundary`, and for a law
+    that survives with no limit up to four times the largest trim deflection.
     """
     if isinstance(control, ReportControl):
-        found = boundary_limit(plant, wind, control.dead_band, switch="literal")
-        return abs(float(found.deflection))
-    limits = closed_loop_boundary(plant, control, wind, sample_rate=SAMPLE_RATE, highest=_HIGHEST)
+        boundary = boundary_limit(plant, wind, control.dead_band, switch="literal")
+        return abs(float(boundary.deflection))
+    limits = closed_loop_boundary(
+        plant, control, wind, sample_rate=SAMPLE_RATE, highest=_MAX_LIMIT_OVER_TRIM
+    )
     if not np.isfinite(limits.limit):
         raise InputError(
-            f"control must survive with {_HIGHEST:g} times the largest trim deflection as its limit"
+            f"control must survive with {_MAX_LIMIT_OVER_TRIM:g} times the largest trim deflection"
+            " as its limit"
         )
     return abs(limits.deflection)
 
 
-def fly_beside(
+def compare_flight(
     vehicle: Vehicle,
     control: ReportControl | Law,
     wind: History,
@@ -172,15 +176,15 @@ def fly_beside(
     plane: str = "pitch",
     condition: FlightCondition | None = None,
     boundary: float | None = None,
-) -> FlightBeside:
-    """Return a flight, whether it survives, and what the linear theory says of both.
+) -> FlightComparison:
+    """Return a flight of an engine and its verdict, compared with those of linear theory.
 
     Parameters
     ----------
     vehicle : Vehicle
         One vehicle, aerodynamically unstable.
     control : ReportControl or Law
-        What turns the nozzle.
+        Command of the nozzle.
     wind : History
         One wind that ends.
     timepts : array_like
@@ -188,18 +192,18 @@ def fly_beside(
     deflection_limit : float
         Largest deflection [rad].
     engine : {"planar", "sixdof"}
-        What flies.
+        Engine of the flight.
     plane : {"pitch", "yaw"}
         The plane of wind, nozzle and outputs.
     condition : FlightCondition, optional
-        With one, parameters vary along the trajectory; the linear theory's are always frozen.
+        With it, parameters vary along the trajectory; in linear theory they are always frozen.
     boundary : float, optional
-        The `linear_boundary` [rad], where it is known.
+        The `linear_boundary` [rad], if it is known.
 
     Raises
     ------
     InputError
-        As `fly_planar`, `fly_sixdof` and `linear_boundary`.
+        In the same cases as `fly_planar`, `fly_sixdof` and `linear_boundary`.
 
     Examples
     --------
@@ -208,8 +212,8 @@ def fly_beside(
     >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
     >>> times = np.linspace(0, 10, 101)
     >>> report = tv.flights.ReportControl()
-    >>> one = tv.flights.fly_beside(vehicle, report, wind, times, deflection_limit=0.00126)
-    >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
+    >>> c = tv.flights.compare_flight(vehicle, report, wind, times, deflection_limit=0.00126)
+    >>> c.survived, c.predicted, np.degrees(c.peaks("attitude")).round(2).tolist()
     (True, True, [0.43, 0.43])
     """
     plant = Plant.from_vehicle(vehicle, DEFAULT_MODEL, plane)
@@ -222,31 +226,31 @@ def fly_beside(
         "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
     )
     last, end = float(np.max(times_row("timepts", timepts))), float(wind.end)
-    if last < end - _AT_LIMIT * abs(end):
+    if last < end - _LIMIT_TOLERANCE * abs(end):
         raise InputError(f"timepts must reach the end of the wind, {end:.6g} s; got {last:.6g} s")
     if boundary is None:
-        least = linear_boundary(plant, control, wind)
+        minimum = linear_boundary(plant, control, wind)
     else:
-        least = number("boundary", boundary, positive, "rad")
+        minimum = number("boundary", boundary, positive, "rad")
     options: dict[str, Any] = {"plane": plane, "condition": condition}
-    flying = ENGINES[one_of("engine", engine, ENGINES)]
-    survives = flying.verdict(vehicle, wind, control, frozen=condition is None, **options)
-    survived, predicted = survives(limit), limit >= least
+    simulator = ENGINES[one_of("engine", engine, ENGINES)]
+    survives = simulator.verdict(vehicle, wind, control, frozen=condition is None, **options)
+    survived, predicted = survives(limit), limit >= minimum
     holds = isinstance(control, ReportControl)
     with warnings.catch_warnings():
-        if survived and holds:  # over to the other side, where the limit has long been let go
+        if survived and holds:  # the fall in the other direction is after the release of the limit
             warnings.filterwarnings("ignore", message="the flight ends")
-        times, rows = flying.outputs(
+        times, rows = simulator.outputs(
             vehicle, control, wind, timepts, deflection_limit=limit, **options
         )
     linear = _linear(plant, control, wind, times, limit)
     linear[:, np.logical_or.accumulate(np.abs(linear[0]) > MAX_SHOWN_ATTITUDE)] = np.nan
     ends = tuple(
-        _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
-        for each, survivor in ((rows, survived), (linear, predicted))
+        _release_time(plant, wind, times, outputs, limit) if holds and survivor else np.inf
+        for outputs, survivor in ((rows, survived), (linear, predicted))
     )
     known = not beyond_linear(float(wind.peak))
-    return FlightBeside(
+    return FlightComparison(
         times=times,
         flown=rows,
         linear=linear,
@@ -257,12 +261,12 @@ def fly_beside(
     )
 
 
-def _let_go(
+def _release_time(
     plant: Plant, wind: History, times: FloatArray, rows: FloatArray, limit: float
 ) -> float:
-    """When the limit is let go; the rows become NaN from there on."""
-    flown = np.flatnonzero(np.isfinite(rows[0]))
-    if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _AT_LIMIT):
+    """Return the time [s] at which the limit is released; sets the rows after it to NaN."""
+    finite = np.flatnonzero(np.isfinite(rows[0]))
+    if not finite.size or abs(rows[-1, finite[-1]]) < limit * (1.0 - _LIMIT_TOLERANCE):
         return np.inf
     when = release_time(plant, wind, times, rows[0])
     rows[:, times > when] = np.nan
@@ -272,19 +276,19 @@ def _let_go(
 def _linear(
     plant: Plant, control: ReportControl | Law, wind: History, times: FloatArray, limit: float
 ) -> FloatArray:
-    """The `OUTPUTS` of the linear flight, ``(5, n)``."""
+    """Return the `OUTPUTS` of the linear flight [rad, rad/s], ``(5, n)``."""
     if isinstance(control, ReportControl):
-        against = -float(np.sign(plant.coefficients.B * wind.peak))
-        held = trim_then_hold(plant, wind, against * limit, control.dead_band, "literal")
-        found = attitude_responses(plant, held, wind, times)
-        return np.stack([*(found[name] for name in OUTPUTS[:-1]), held(times)])
+        sign = -float(np.sign(plant.coefficients.B * wind.peak))
+        deflection = trim_then_hold(plant, wind, sign * limit, control.dead_band, "literal")
+        outputs = attitude_responses(plant, deflection, wind, times)
+        return np.stack([*(outputs[name] for name in OUTPUTS[:-1]), deflection(times)])
     flown = fly(plant, control, wind, times, deflection_limit=limit, sample_rate=SAMPLE_RATE)
     return np.stack([flown.outputs[name] for name in OUTPUTS])
 
 
 NOT_KNOWN = "not known"
 """Status of a flight in a wind beyond linear aerodynamics."""
-FATES = {
+OUTCOME_WORDS = {
     "survived": "survives",
     "lost": "is lost",
     "rings": "is brought back, and its nozzle keeps oscillating",
@@ -292,45 +296,45 @@ FATES = {
     "no flight": "cannot be flown",
     NOT_KNOWN: "is not known to survive",
 }
-"""What became of a flight, as of `FlownCases`, in words."""
+"""Outcomes of a flight in words, by the status of `FlownCases`."""
 
 
 @dataclass(frozen=True, eq=False)
-class SampledFlight(FlightBeside):
-    """A flight of a law in steps with the limits of the nozzle; `linear` is the rigid vehicle.
+class SampledFlight(FlightComparison):
+    """Sampled flight of a law with the limits of the nozzle; `linear` is the rigid vehicle.
 
-    Of a rigid plant the two are the same. `status`: what became of both, flown and rigid, as of
-    `FlownCases`. `peak_rates`: the largest rate of the nozzle [rad/s] of both, a mean over a
-    sample.
+    For a rigid plant both are equal. `status`: status of both in `FlownCases`, flown and rigid.
+    `peak_rates`: largest nozzle rate [rad/s] of both, a mean over a sample.
     """
 
     status: tuple[str, str]
     peak_rates: tuple[float, float]
 
     @property
-    def fates(self) -> tuple[str, str]:
-        """What becomes of both, in words."""
-        return FATES[self.status[0]], FATES[self.status[1]]
+    def outcomes(self) -> tuple[str, str]:
+        """Outcomes of the flight and of the rigid vehicle's flight, in words."""
+        return OUTCOME_WORDS[self.status[0]], OUTCOME_WORDS[self.status[1]]
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """What is largest in both [rad, rad/s], by its name."""
+        """Peaks of both flights [rad, rad/s], by their names."""
         return super().largest | {"largest rate of the nozzle [deg/s]": self.peak_rates}
 
 
 def fly_sampled(
     plant: AnyPlant, law: Law, wind: History, timepts: ArrayLike, **nozzle: Any
 ) -> SampledFlight:
-    """Return a flight by samples, what became of it, and the same of the rigid vehicle.
+    """Return a sampled flight and its outcome, and those of the rigid vehicle.
 
-    Arguments and errors as of `fly`; `nozzle`: deflection_limit, rate_limit, actuator, sample_rate
-    and delay.
+    Parameters and exceptions are those of `fly`; `nozzle`: deflection_limit, rate_limit, actuator,
+    sample_rate and delay.
     """
-    many: list[FlownCases] = [fly_many(one, law, wind, **nozzle) for one in (plant, plant.rigid)]
+    plants = (plant, plant.rigid)
+    cases: list[FlownCases] = [fly_many(p, law, wind, **nozzle) for p in plants]
     beyond = beyond_linear(float(wind.peak))
-    status = [NOT_KNOWN if beyond else str(one.status) for one in many]
+    status = [NOT_KNOWN if beyond else str(case.status) for case in cases]
     times = np.asarray(timepts, dtype=float)
-    rows = [_rows(one, law, wind, times, nozzle) for one in (plant, plant.rigid)]
+    rows = [_rows(p, law, wind, times, nozzle) for p in plants]
     return SampledFlight(
         times=times,
         flown=rows[0],
@@ -340,17 +344,17 @@ def fly_sampled(
         predicted=None if beyond else status[1] == SURVIVED,
         let_go=(np.inf, np.inf),
         status=(status[0], status[1]),
-        peak_rates=(float(many[0].peak_deflection_rate), float(many[1].peak_deflection_rate)),
+        peak_rates=(float(cases[0].peak_deflection_rate), float(cases[1].peak_deflection_rate)),
     )
 
 
 def _rows(
     plant: AnyPlant, law: Law, wind: History, times: FloatArray, nozzle: dict[str, Any]
 ) -> FloatArray:
-    """The `OUTPUTS`, ``(5, n)``; NaN from where the model holds no longer."""
-    flown, nothing = fly(plant, law, wind, times, **nozzle), np.zeros(times.size)
-    there = (*plant.outputs, "deflection")  # a fixed path has no angle
-    rows = np.stack([flown.outputs[name] if name in there else nothing for name in OUTPUTS])
-    beyond = np.flatnonzero(np.abs(rows[0]) > FARTHEST)
+    """Return the `OUTPUTS` [rad, rad/s], ``(5, n)``; NaN from the end of the model's range on."""
+    flown, zeros = fly(plant, law, wind, times, **nozzle), np.zeros(times.size)
+    available = (*plant.outputs, "deflection")  # a fixed path has no angle
+    rows = np.stack([flown.outputs[name] if name in available else zeros for name in OUTPUTS])
+    beyond = np.flatnonzero(np.abs(rows[0]) > MAX_ATTITUDE)
     rows[:, beyond[0] if beyond.size else times.size :] = np.nan
     return rows

@@ -13,8 +13,8 @@ from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
-FARTHEST = radians(25.0)
-"""Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""
+MAX_ATTITUDE = radians(25.0)
+"""Largest attitude from the nominal [rad] at which forces linear in alpha are a valid model."""
 OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", "deflection")
 
 
@@ -27,35 +27,36 @@ def warn_of_the_end(time: float) -> None:
     )
 
 
-_WATCHED = 12.0
-"""A flight is watched for so long after the wind, over its pole: what is off has grown by e^12."""
-_STILL = 0.1
-"""A late rate below this part of the pole times the wind's peak is no fall."""
+_VERDICT_TIME_TIMES_POLE = 12.0
+"""Time after the wind at which a flight is judged, times the pole: errors have grown by e^12."""
+_MIN_FALL_RATE = 0.1
+"""Smallest late attitude rate of a fall, over the pole times the wind's peak."""
 
 
-def watched_until(wind: History | PlaneWind, pole: float) -> float:
-    """Return the time [s] at which a flight is judged, if it has not left its model before."""
-    return float(wind.end) + _WATCHED / pole
+def verdict_time(wind: History | PlaneWind, pole: float) -> float:
+    """Return the time [s] of the verdict on a flight that stays within the range of its model."""
+    return float(wind.end) + _VERDICT_TIME_TIMES_POLE / pole
 
 
 def has_fallen(rate: float, peak: float, pole: float) -> bool:
-    """Return whether a late attitude rate [rad/s] is a fall, after a wind of a peak [rad]."""
-    return rate > _STILL * pole * abs(peak)
+    """Return whether a late attitude rate [rad/s] means a fall, after a wind of a peak [rad]."""
+    return rate > _MIN_FALL_RATE * pole * abs(peak)
 
 
-def judged(
+def verdict_of(
     late_rate: Callable[[float], float], control: object, wind: History, pole: float
 ) -> Callable[[float], bool]:
-    """Return what says of a limit [rad] that the late rate [rad/s] with it is no fall.
+    """Return the function from a deflection limit [rad] to whether its flight survives.
 
-    A law lets go of the limit when the work is done, and falls to neither side; what holds the
-    limit for ever, only to the side to which the wind turns a vehicle.
+    `late_rate`: attitude rate [rad/s] at the time of the verdict, of a limit. A law returns to
+    equilibrium, and must not fall in either direction; a control that holds the limit for ever is
+    lost only in the direction in which the wind turns a vehicle.
     """
-    peak, lets_go = float(wind.peak), isinstance(control, Law)
+    peak, is_law = float(wind.peak), isinstance(control, Law)
 
     def survives(limit: float) -> bool:
         rate = late_rate(limit)
-        with_the_wind = -rate if peak > 0.0 else rate
-        return not has_fallen(abs(rate) if lets_go else with_the_wind, peak, pole)
+        rate_with_wind = -rate if peak > 0.0 else rate
+        return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)
 
     return survives

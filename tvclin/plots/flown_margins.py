@@ -56,7 +56,7 @@ def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
         margins = [getattr(one, name) for one in every]
         unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
-        kinds = [("value", "", 2.0), ("near_rest", _NEAR_REST, 1.0)]
+        kinds = [("value", "", 2.0), ("linear", _NEAR_REST, 1.0)]
         for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
             values = np.array([getattr(one, field) for one in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)

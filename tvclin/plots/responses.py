@@ -22,7 +22,7 @@ from tvclin.base.errors import (
 )
 from tvclin.boundary.limit import boundary_limit
 from tvclin.flights.flown_boundary import ENGINES
-from tvclin.flights.theory_comparison import FlightBeside
+from tvclin.flights.theory_comparison import FlightComparison
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import Responses, attitude_responses
@@ -170,13 +170,13 @@ def response_chart(
 
 
 def flight_curves(
-    flight: FlightBeside, limit: float, name: str, parameters: str, beside: str = "linear"
+    flight: FlightComparison, limit: float, name: str, parameters: str, beside: str = "linear"
 ) -> Curves:
     """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
 
     Parameters
     ----------
-    flight : FlightBeside
+    flight : FlightComparison
         The flight.
     limit : float
         Its deflection limit [rad].
@@ -185,7 +185,7 @@ def flight_curves(
     beside : {"linear", "rigid"}
         What the linear flight is called.
     """
-    instance("flight", flight, FlightBeside, "see fly_beside")
+    instance("flight", flight, FlightComparison, "see compare_flight")
     limit, beside = _limit(limit), one_of("beside", beside, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)

@@ -14,7 +14,7 @@ import numpy as np
 from tvclin.answers.least_gains.question import Question
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.flights.closed_loop.fly_many import LARGEST_LIMIT, SURVIVED, fly_many
+from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, fly_many
 from tvclin.winds.histories import History
 
 HIGHEST, LOWEST = 2.0, 0.02
@@ -94,7 +94,9 @@ def _survive(
         question.plant,
         law,
         winds,
-        deflection_limit=np.minimum(limits[..., np.newaxis] * question.trims.max(), LARGEST_LIMIT),
+        deflection_limit=np.minimum(
+            limits[..., np.newaxis] * question.trims.max(), MAX_DEFLECTION_LIMIT
+        ),
         actuator=question.actuator,
         sample_rate=question.flown_rate,
         delay=question.delay,

@@ -21,7 +21,7 @@ from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import design_notes
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
-from tvclin.flights.theory_comparison import FATES, NOT_KNOWN
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.winds.wind_angles import beyond_linear
 
@@ -59,7 +59,7 @@ class FlownCard(Shown):
             cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
             said = (*said, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
         if flight.status != SURVIVED and not why:
-            lost = [f"{name} {FATES[flight.status]}"]
+            lost = [f"{name} {OUTCOME_WORDS[flight.status]}"]
         travel = cards[0].travel if cards else np.nan
         unknown = [f"the flight of {name}: {why}"] if why else []
         needed = needed_of(case.nozzle, cards, travel) if cards or lost else {}
@@ -74,7 +74,7 @@ class FlownCard(Shown):
     @property
     def words(self) -> str:
         """What becomes of the flight, in words."""
-        return f"{self.law} {FATES[self.status]} with this limit and rate"
+        return f"{self.law} {OUTCOME_WORDS[self.status]} with this limit and rate"
 
     def tables(self) -> tuple[Table, ...]:
         """Return the card and what is left of the nozzle; nothing of a flight that is lost."""

@@ -61,7 +61,7 @@ class Motion:
         """
         if f.rate is None or f.acceleration is None:
             rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
-            return cls.of_samples(*(row[:: f.looks] for row in rows))
+            return cls.of_samples(*(row[:: f.times_per_sample] for row in rows))
         weights = np.zeros(f.times.size - 1)
         weights[1::2] = f.times[2::2] - f.times[:-2:2]
         return cls(

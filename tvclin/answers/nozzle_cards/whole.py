@@ -46,7 +46,7 @@ from tvclin.boundary.stops import stop_of
 from tvclin.control.laws.law import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.flights.theory_comparison import FATES
+from tvclin.flights.theory_comparison import OUTCOME_WORDS
 from tvclin.kernels.choice import repeated
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
@@ -340,7 +340,7 @@ def _verdict(
     needed["limit"] = flying.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
     needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
     lost = [
-        f"{flying.law} {FATES[one.status]} at {one.time:.6g} s in {one.wind}"
+        f"{flying.law} {OUTCOME_WORDS[one.status]} at {one.time:.6g} s in {one.wind}"
         for one in points
         if one.lost
     ]

@@ -28,7 +28,7 @@ from tvclin.control.autopilot.wiring import (
     law_blocks,
 )
 from tvclin.control.laws.law import Chains, Law
-from tvclin.flights.closed_loop.outcomes import Judging, judging
+from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import (
@@ -437,7 +437,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     terms = pieces.shape[2]
     steps = _steps(batch, own, terms)
-    judges, place = judging(batch.plant), places_in(batch.plant.batch, own)
+    judges, place = outcome_criteria(batch.plant), places_in(batch.plant.batch, own)
     cases, noise = _cases(batch, judges, place)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
@@ -494,7 +494,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     )
 
 
-def _cases(batch: Batch, judges: Judging, place: IntArray) -> tuple[Cases, FloatArray]:
+def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Cases, FloatArray]:
     """What each flight has, and the rows of noise; judges stand at a place for each vehicle."""
     shape, (vehicle, met) = batch.shape, batch.places
     h = _spread(batch.hardware.length, batch.vehicles)[vehicle]

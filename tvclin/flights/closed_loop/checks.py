@@ -1,4 +1,4 @@
-"""What a flight is refused for."""
+"""Checks of the arguments of flights with limits."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
 LOST = 1e100
-"""A state beyond this is not flown on."""
-_RATES = (0.01, 1e6)
-"""Sample rates of a law [Hz]."""
-MOST = 1_000_000
-"""Samples of one flight; more are a rate or a time that was given in the wrong unit."""
-FASTEST = 100.0
-"""Most e-foldings of a plant in a sample of the law."""
-_LONGEST = 1e5
+"""Magnitude of a state beyond which a flight ends as lost."""
+_SAMPLE_RATES = (0.01, 1e6)
+"""Smallest and largest sample rate of a law [Hz]."""
+MAX_SAMPLES = 1_000_000
+"""Largest number of samples of a flight; more are a rate or a time in the wrong unit."""
+MAX_POLE_TIMES_SAMPLE = 100.0
+"""Largest pole of a plant times the sample period."""
+_MAX_DURATION = 1e5
 """Longest flight [s]."""
-LATE = 10_000
-"""Samples by which a command may be late."""
-_MOST_SUBSTEPS = 1000.0
-"""Of the hardware in a sample of the law."""
+MAX_DELAY_SAMPLES = 10_000
+"""Largest delay of a command, in samples."""
+_MAX_SUBSTEPS = 1000.0
+"""Largest number of substeps of the nozzle in a sample of the law."""
 
 
 def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
-    """Raise `InputError` unless these are one plant, a law, and one wind that ends."""
+    """Raise `InputError` unless the arguments are one plant, a law, and one wind that ends."""
     check_plant(plant)
     instance("law", law, Law, "such as TrimLaw")
     instance("wind", wind, History, "such as TriangularWind")
@@ -56,68 +56,72 @@ def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
 
 
 def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
-    """Return the rate [Hz] of a law; `InputError` if its samples hold too many substeps."""
+    """Return the sample rate [Hz] of a law; `InputError` if it is too low for the actuator."""
     number("sample_rate", sample_rate, positive, "Hz")
     check_actuator(actuator)
     return float(check_sample_rates(sample_rate, actuator))
 
 
 def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
-    """Return the rates [Hz], one or many; `InputError` if one is far too slow for its actuator."""
-    rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_RATES, "Hz")
+    """Return sample rates [Hz]; `InputError` if one is too low for its actuator."""
+    rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_SAMPLE_RATES, "Hz")
     if actuator is not None:
         instance("actuator", actuator, Actuator, "see Actuator")
-        least = SUBSTEPS / _MOST_SUBSTEPS * frequency(actuator)
-        together(sample_rate=rates, actuator=least)
-        if np.any(rates < least):
+        minimum = SUBSTEPS / _MAX_SUBSTEPS * frequency(actuator)
+        together(sample_rate=rates, actuator=minimum)
+        if np.any(rates < minimum):
             raise InputError(
-                f"sample_rate must be at least {least.max():.6g} Hz for an actuator of"
+                f"sample_rate must be at least {minimum.max():.6g} Hz for an actuator of"
                 f" {frequency(actuator).max():.6g} rad/s; got {shown(plain(rates))} Hz"
             )
     return rates
 
 
 def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
-    """Return the delays [s]; `InputError` if one is below zero or of too many samples [s]."""
+    """Return the delays [s]; `InputError` if one is negative or longer than 10000 samples.
+
+    `length`: sample periods [s].
+    """
     delays = nonnegative("delay", delay, "s")
     together(delay=delays, sample_rate=length)
-    if np.any(delays > LATE * length):
+    if np.any(delays > MAX_DELAY_SAMPLES * length):
         raise InputError(
-            f"delay must be at most {LATE} samples; got {shown(plain(delays))} s at"
+            f"delay must be at most {MAX_DELAY_SAMPLES} samples; got {shown(plain(delays))} s at"
             f" {1.0 / float(length.min()):.6g} Hz"
         )
     return delays
 
 
 def check_samples(span: float, length: float) -> None:
-    """Raise `InputError` when a time [s] takes too many samples of a length [s]."""
-    if not span / length <= MOST:
+    """Raise `InputError` if a time `span` [s] has too many samples of a period `length` [s]."""
+    if not span / length <= MAX_SAMPLES:
         raise InputError(
-            f"a flight may have at most {MOST} samples; {span:.6g} s at {1.0 / length:.6g} Hz are"
-            " more: take a lower sample_rate, or an earlier end"
+            f"a flight may have at most {MAX_SAMPLES} samples; {span:.6g} s at"
+            f" {1.0 / length:.6g} Hz are more: take a lower sample_rate, or an earlier end"
         )
 
 
-def check_pace(plant: AnyPlant, length: float) -> None:
-    """Raise `InputError` when a plant moves by far more than a law can follow in a sample [s]."""
-    pace = float(paces(plant))
-    if not pace * length <= FASTEST:
+def check_fastest_pole(plant: AnyPlant, length: float) -> None:
+    """Raise `InputError` if the fastest pole is too large for a sample period `length` [s]."""
+    pole = float(fastest_poles(plant))
+    if not pole * length <= MAX_POLE_TIMES_SAMPLE:
         raise InputError(
-            f"sample_rate must be at least {pace / FASTEST:.6g} Hz for a plant that moves with"
-            f" {pace:.6g} 1/s; got {1.0 / length:.6g} Hz"
+            f"sample_rate must be at least {pole / MAX_POLE_TIMES_SAMPLE:.6g} Hz for a plant that"
+            f" moves with {pole:.6g} 1/s; got {1.0 / length:.6g} Hz"
         )
 
 
-def paces(plant: AnyPlant) -> FloatArray:
-    """Return the size of the fastest pole [1/s] of each plant."""
+def fastest_poles(plant: AnyPlant) -> FloatArray:
+    """Return the magnitude of the fastest pole [1/s] of each plant, ``(...)``."""
     return np.asarray(np.abs(plant.poles).max(axis=-1))
 
 
 def check_span(start: float, stop: float) -> None:
-    """Raise `InputError` when a flight from one time to another [s] is longer than any."""
-    if not stop - start <= _LONGEST:
+    """Raise `InputError` if a flight from `start` to `stop` [s] is too long."""
+    if not stop - start <= _MAX_DURATION:
         raise InputError(
-            f"a flight may last at most {_LONGEST:g} s; got one from {start:.6g} to {stop:.6g} s"
+            f"a flight may last at most {_MAX_DURATION:g} s; got one from {start:.6g} to"
+            f" {stop:.6g} s"
         )
 
 
@@ -127,7 +131,7 @@ def check_rate_limit(rate_limit: float) -> float:
 
 
 def check_not_lost(time: float, states: FloatArray) -> None:
-    """Raise `InputError` when states at a time [s] have grown beyond all meaning."""
+    """Raise `InputError` if a state at a time [s] exceeds `LOST`."""
     if not np.abs(states).max() <= LOST:
         raise InputError(
             f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"
@@ -135,7 +139,7 @@ def check_not_lost(time: float, states: FloatArray) -> None:
 
 
 def check_actuator(actuator: Actuator | None) -> None:
-    """Raise `InputError` unless there is no actuator, or one."""
+    """Raise `InputError` unless `actuator` is None or a single actuator."""
     if actuator is None:
         return
     instance("actuator", actuator, Actuator, "of one natural frequency")

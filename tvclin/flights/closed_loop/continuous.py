@@ -27,7 +27,7 @@ from tvclin.winds.histories import History
 
 
 class Equations(Protocol):
-    """States, of which the first are attitude, rate and perhaps flight path, and their rates."""
+    """Equations of motion; the first states are attitude, its rate and, with drift, the path."""
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -35,7 +35,7 @@ class Equations(Protocol):
 
     @property
     def scales(self) -> FloatArray:
-        """Size of each state where an angle has the size 1."""
+        """Magnitude of each state that corresponds to an angle of one."""
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return the derivatives of the states."""
@@ -45,7 +45,11 @@ class Equations(Protocol):
 
 
 class Regime(NamedTuple):
-    """On which side (+1, -1; 0 for none) law, rate and nozzle are held: all is smooth meanwhile."""
+    """Sign of each active limit, 0 for none; the equations are smooth within a regime.
+
+    `mode`: sign of the full limit that the law commands. `rate`: sign of the limited nozzle rate.
+    `stop`: sign of the limited deflection.
+    """
 
     mode: float = 0.0
     rate: float = 0.0
@@ -54,10 +58,11 @@ class Regime(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """The equations of one flight in a regime.
+    """Equations of vehicle, law and nozzle of one flight.
 
-    `limit`, `rate_limit`: of the deflection [rad] and its rate [rad/s]. `actuator`: what lies
-    between command and deflection. `gain`: factor on what the law asks for.
+    `limit`, `rate_limit`: limits of the deflection [rad] and its rate [rad/s]. `actuator`: actuator
+    between command and deflection. `gain`: factor on the demand of the law. The states are those
+    of the vehicle, of the nozzle and of the law, in this order.
     """
 
     equations: Equations
@@ -69,27 +74,27 @@ class Loop:
 
     @cached_property
     def order(self) -> int:
-        """States of the vehicle."""
+        """Number of states of the vehicle."""
         return len(self.equations.states)
 
     @cached_property
     def servo(self) -> int:
-        """States of the nozzle."""
+        """Number of states of the nozzle."""
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
 
     @cached_property
     def memory(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the law's own states."""
+        """F and G of the law's states."""
         return self.law.states
 
     @property
     def size(self) -> int:
-        """States of all."""
+        """Number of all states."""
         return self.order + self.servo + len(self.memory[0])
 
     @cached_property
     def fastest(self) -> float:
-        """The largest size of a pole of the nozzle or of the law [1/s]; zero without any."""
+        """Largest magnitude of a pole of nozzle and law [1/s]; zero without poles."""
         servo = np.zeros(0) if self.actuator is None else np.roots(self.actuator.denominator)
         poles = np.concatenate([servo, np.linalg.eigvals(self.memory[0])])
         return float(np.abs(poles).max(initial=0.0))
@@ -97,37 +102,37 @@ class Loop:
     def measured(
         self, t: Any, states: FloatArray, wind: Any, regime: Regime | None = None
     ) -> Measurement:
-        """Return what a law is shown; the deflection is NaN where there is no nozzle."""
+        """Return the measurements of the law; the deflection is NaN without an actuator."""
         path = states[2] if self.order > 2 else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self.order], wind)
-        shown = np.nan if self.actuator is None else self.nozzle(states, regime)
-        return Measurement(states[0], states[1], path, alpha, shown)
+        deflection = np.nan if self.actuator is None else self.nozzle(states, regime)
+        return Measurement(states[0], states[1], path, alpha, deflection)
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
-        """Return the deflection [rad], in a regime smooth even a step of the solver too far."""
+        """Return the deflection [rad]; with a regime it is smooth beyond the regime's end."""
         position = states[self.order]
         if regime is None:
             return np.clip(position, -self.limit, self.limit)
         return regime.stop * self.limit + 0.0 * position if regime.stop else position
 
     def demand(self, states: FloatArray, measured: Measurement) -> Any:
-        """Return what the law asks for, times the gain [rad]."""
+        """Return the demand of the law, times the gain [rad]."""
         memory = states[self.order + self.servo :]
         return self.gain * self.law.demand(measured, memory, self.limit)
 
     def command(self, states: FloatArray, measured: Measurement, regime: Regime) -> Any:
-        """Return what is commanded [rad]: the demand, or the limit that the law is switched to."""
+        """Return the command [rad]: the demand, or the full limit of the regime's mode."""
         return regime.mode * self.limit if regime.mode else self.demand(states, measured)
 
     def deflection(self, states: FloatArray, measured: Measurement, mode: float) -> Any:
-        """Return the deflection [rad] that acts."""
+        """Return the deflection [rad] of a law in a mode."""
         if self.actuator is not None:
             return self.nozzle(states)
         demand = mode * self.limit if mode else self.demand(states, measured)
         return np.clip(demand, -self.limit, self.limit)
 
     def pull(self, states: FloatArray, command: Any) -> Any:
-        """Return what no limit holds: s' of a nozzle of first order, s'' of one of second."""
+        """Return the unlimited s' of a first-order nozzle, or s'' of a second-order nozzle."""
         assert self.actuator is not None
         w, order = float(np.asarray(self.actuator.natural_frequency)), self.order
         if self.actuator.damping is None:
@@ -165,21 +170,23 @@ class Loop:
         return rates
 
 
-_LOOKS = 8
-"""Looks between two steps of the solver for a regime that ends and returns there: an excursion
-that is shorter than an eighth of a step, and steps are bounded by `_LONGEST`, is not seen."""
-_NEAR = 0.05
-"""A look so near the end of a regime, over the size of what ends it, may stand beside a touch:
-what is measured there goes on to a minimum that is searched. Further off none is searched."""
-_LATE = 1e-12
-"""A law lets go so little late, over the limit: as it engages it must not be at its end, or the two
-would switch to and fro at the same time without end."""
-_GRAZE = 1e-9
-"""A nozzle is at its stop so little beyond it, over the limit, for it may come to rest there."""
+_TIMES_PER_STEP = 8
+"""Number of times in a solver step at which the end of a regime is evaluated: an excursion that is
+shorter than an eighth of a step is not seen; steps are bounded by `_MAX_STEP_TIMES_POLE`."""
+_MAX_DISTANCE_OVER_SIZE = 0.05
+"""Largest distance from the end of a regime at a local minimum that is refined, over its size."""
+_RELEASE_MARGIN = 1e-12
+"""Demand below the release level at which a law releases the limit, over the limit: at the instant
+of engagement it must not be at its release, or the two would switch without end."""
+_STOP_MARGIN = 1e-9
+"""Deflection beyond the limit at which a nozzle stops, over the limit: it may settle there."""
 
 
 class End(NamedTuple):
-    """How far a regime is past an end of it, ``f(t, states)``, its size, and what follows."""
+    """End of a regime: the event function `past`, its scale `size`, and the regime `then`.
+
+    `past` is a function of time and states, positive after the end.
+    """
 
     past: Callable[[Any, FloatArray], Any]
     size: float
@@ -187,14 +194,16 @@ class End(NamedTuple):
 
 
 def mode_at(loop: Loop, t: float, states: FloatArray, mode: float, gust: Any) -> float:
-    """Return the mode of the law at a time: +1 or -1 while it commands the whole limit, else 0."""
+    """Return the mode of the law at a time: +1 or -1 if it commands the full limit, else 0."""
     demand = loop.demand(states, loop.measured(t, states, gust(t)))
     law, limit = loop.law, loop.limit
     return switched(law.engage * limit, law.release * limit, float(demand), mode)
 
 
-def taken_up(loop: Loop, t: float, states: FloatArray, regime: Regime, gust: Any) -> Regime:
-    """Return the regime after the command may have jumped: the rate is held at its limit, or not.
+def regime_after_jump(
+    loop: Loop, t: float, states: FloatArray, regime: Regime, gust: Any
+) -> Regime:
+    """Return the regime after a possible jump of the command, with the rate limited or not.
 
     It is where what the nozzle is drawn to points on, and the rate is at its limit that way.
     """
@@ -202,47 +211,47 @@ def taken_up(loop: Loop, t: float, states: FloatArray, regime: Regime, gust: Any
         return regime
     measured = loop.measured(t, states, gust(t), regime)
     pull = float(loop.pull(states, loop.command(states, measured, regime)))
-    side, rate = np.sign(pull), pull if loop.servo == 1 else float(states[loop.order + 1])
-    held = side * rate >= loop.rate_limit * (1.0 - _LATE)
-    return regime._replace(rate=float(side) if held else 0.0)
+    sign, rate = np.sign(pull), pull if loop.servo == 1 else float(states[loop.order + 1])
+    limited = sign * rate >= loop.rate_limit * (1.0 - _RELEASE_MARGIN)
+    return regime._replace(rate=float(sign) if limited else 0.0)
 
 
 def ends_of(loop: Loop, regime: Regime, gust: Any) -> list[End]:
     """Return the ends of a regime."""
-    ends = [_mode_end(loop, regime, gust, side) for side in _sides(regime.mode)]
+    ends = [_mode_end(loop, regime, gust, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:
-        ends += [_rate_end(loop, regime, gust, side) for side in _sides(regime.rate)]
+        ends += [_rate_end(loop, regime, gust, sign) for sign in _signs(regime.rate)]
     if loop.servo > 1:  # of first order the nozzle never overshoots its command
-        ends += [_stop_end(loop, regime, side) for side in _sides(regime.stop)]
+        ends += [_stop_end(loop, regime, sign) for sign in _signs(regime.stop)]
     return ends
 
 
-def _mode_end(loop: Loop, regime: Regime, gust: Any, side: float) -> End:
-    """Past its end a demand is below `release` while the law is switched, else above `engage`."""
+def _mode_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
+    """Return the end of a mode: demand below `release` if engaged, else above `engage`."""
 
     def past(t: Any, states: FloatArray) -> Any:
-        demand = side * loop.demand(states, loop.measured(t, states, gust(t), regime))
+        demand = sign * loop.demand(states, loop.measured(t, states, gust(t), regime))
         if regime.mode:
-            return (loop.law.release - _LATE) * loop.limit - demand
+            return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
         return demand - loop.law.engage * loop.limit
 
-    return End(past, loop.limit, regime._replace(mode=0.0 if regime.mode else side))
+    return End(past, loop.limit, regime._replace(mode=0.0 if regime.mode else sign))
 
 
-def _rate_end(loop: Loop, regime: Regime, gust: Any, side: float) -> End:
-    """A rate is held when it comes to its limit r, and let go when the pull no longer asks for it.
+def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
+    """Return the end of a rate regime: it is entered at the limit r, and left by the pull.
 
     First order, s' = pull: held where |pull| > r, let go where |pull| < r. Second order, s'' =
     pull: held where |s'| > r, let go where the pull changes its sign.
     """
     most, order, first = loop.rate_limit, loop.order, loop.servo == 1
-    then = regime._replace(rate=0.0 if regime.rate else side)
+    then = regime._replace(rate=0.0 if regime.rate else sign)
     if not regime.rate and not first:
-        return End(lambda t, x: side * x[order + 1] - most, most, then)
+        return End(lambda t, x: sign * x[order + 1] - most, most, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
         measured = loop.measured(t, states, gust(t), regime)
-        return side * loop.pull(states, loop.command(states, measured, regime))
+        return sign * loop.pull(states, loop.command(states, measured, regime))
 
     if not regime.rate:
         return End(lambda t, x: pull(t, x) - most, most, then)
@@ -252,62 +261,63 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, side: float) -> End:
     return End(lambda t, x: -pull(t, x), size, then)
 
 
-def _stop_end(loop: Loop, regime: Regime, side: float) -> End:
+def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
     limit, order = loop.limit, loop.order
     if regime.stop:
-        return End(lambda t, x: limit - side * x[order], limit, regime._replace(stop=0.0))
-    beyond = limit * (1.0 + _GRAZE)
-    return End(lambda t, x: side * x[order] - beyond, limit, regime._replace(stop=side))
+        return End(lambda t, x: limit - sign * x[order], limit, regime._replace(stop=0.0))
+    beyond = limit * (1.0 + _STOP_MARGIN)
+    return End(lambda t, x: sign * x[order] - beyond, limit, regime._replace(stop=sign))
 
 
-def _sides(held: float) -> tuple[float, ...]:
-    """The sides on which what is held, or not, can end."""
-    return (held,) if held else (1.0, -1.0)
+def _signs(active: float) -> tuple[float, ...]:
+    """Return the signs with which a limit can end (if active), or begin."""
+    return (active,) if active else (1.0, -1.0)
 
 
-def touched(result: Any, ends: list[End]) -> tuple[float, Regime] | None:
-    """Return when a regime first ends between two steps that do not show it, and what follows."""
+def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | None:
+    """Return time [s] and next regime of the first end within a solver step; None without one."""
     from scipy.optimize import brentq, minimize_scalar
 
-    parts = np.diff(result.t)[:, np.newaxis] * np.arange(_LOOKS) / _LOOKS
-    times = np.append((result.t[:-1, np.newaxis] + parts).ravel(), result.t[-1])
+    offsets = np.diff(result.t)[:, np.newaxis] * np.arange(_TIMES_PER_STEP) / _TIMES_PER_STEP
+    times = np.append((result.t[:-1, np.newaxis] + offsets).ravel(), result.t[-1])
     states = result.sol(times)
-    found: list[tuple[float, Regime]] = []
+    missed: list[tuple[float, Regime]] = []
     for end in ends:
 
-        def short(t: Any, end: End = end) -> Any:
+        def distance(t: Any, end: End = end) -> Any:
             return -end.past(t, result.sol(t))
 
-        left = -end.past(times, states)
-        least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
-        for k in 1 + np.flatnonzero(least & (left[1:-1] < _NEAR * end.size)):
-            around = (times[k - 1], times[k + 1])
-            best = minimize_scalar(short, bounds=around, options={"xatol": 1e-9})
-            before = np.flatnonzero(left[:k] > 0.0)
-            if best.fun < 0.0 and before.size:
-                when = float(brentq(short, times[before[-1]], best.x, xtol=1e-13))
-                found.append((when, end.then))
+        values = -end.past(times, states)
+        minimum = (values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])
+        close = values[1:-1] < _MAX_DISTANCE_OVER_SIZE * end.size
+        for k in 1 + np.flatnonzero(minimum & close):
+            bracket = (times[k - 1], times[k + 1])
+            lowest = minimize_scalar(distance, bounds=bracket, options={"xatol": 1e-9})
+            before = np.flatnonzero(values[:k] > 0.0)
+            if lowest.fun < 0.0 and before.size:
+                time = float(brentq(distance, times[before[-1]], lowest.x, xtol=1e-13))
+                missed.append((time, end.then))
                 break
-    return min(found, key=lambda one: one[0], default=None)
+    return min(missed, key=lambda event: event[0], default=None)
 
 
 _RTOL, _ATOL = 1e-9, 1e-12
-"""Of the solver, for each step; the second over the peak of the wind."""
-_NOZZLE = 0.01
-"""Both are so many times as small with an actuator: between its corners steps are long."""
-_LONGEST = 5.0
-"""Of a step, over the time of the fastest pole: DOP853 is stable there, and between the ends of a
-step off by at most 12 times the error that it controls; at 16 that is 400 times."""
-_MOST_SWITCHES = 5000
-"""Switches of the law and its nozzle in one flight."""
-_MOST_EVALUATIONS = 500_000
-"""Of the equations in one flight: hours with an actuator of 4 Hz. Long after t = 0 the rounding of
-the time alone asks for so many, for steps become as short as it."""
+"""Relative tolerance of a solver step, and its absolute tolerance over the peak of the wind."""
+_ACTUATOR_FACTOR = 0.01
+"""Factor on both tolerances with an actuator: between its switches steps are long."""
+_MAX_STEP_TIMES_POLE = 5.0
+"""Longest solver step, times the fastest pole: DOP853 is stable there, and its dense output has at
+most 12 times the controlled error; at 16 it has 400 times."""
+_MAX_SWITCHES = 5000
+"""Largest number of switches of the law and its nozzle in one flight."""
+_MAX_EVALUATIONS = 500_000
+"""Largest number of evaluations of the equations in one flight: hours with an actuator of 4 Hz.
+Long after t = 0 the rounding of the time alone shortens the steps so much."""
 
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """A part of a flight without a switch: when it begins, its solution, and its mode."""
+    """Interval of a flight without a switch: its start [s], its solution, and the law's mode."""
 
     start: float
     solution: Callable[[FloatArray], FloatArray]
@@ -316,44 +326,44 @@ class Arc:
 
 @dataclass(frozen=True, eq=False)
 class ContinuousFlight:
-    """One loop in one wind; it ends where its attitude is `farthest` from the nominal [rad]."""
+    """Flight of one loop in one wind, up to the attitude `max_attitude` from the nominal [rad]."""
 
     loop: Loop
     wind: History
-    farthest: float = LOST
+    max_attitude: float = LOST
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
-        """Return the flight from rest at `start` to just beyond `stop` [s], arc by arc."""
+        """Return the arcs of the flight from equilibrium at `start` to just beyond `stop` [s]."""
         stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         loop, rates = self.loop, _counted(self.loop.rates)
         state, regime = np.zeros(loop.size), Regime()
         self._check_law(start, state)
-        found: list[Arc] = []
-        for first, last in pairwise(edges):
+        arcs: list[Arc] = []
+        for first, end in pairwise(edges):
             gust = smooth_piece(self.wind, float(first))
             now = float(first)
             regime = regime._replace(mode=mode_at(loop, now, state, regime.mode, gust))
-            regime = taken_up(loop, now, state, regime, gust)
-            while now < last:
-                if len(found) > _MOST_SWITCHES:
+            regime = regime_after_jump(loop, now, state, regime, gust)
+            while now < end:
+                if len(arcs) > _MAX_SWITCHES:
                     raise InputError(
-                        f"the law or its nozzle switches more than {_MOST_SWITCHES} times; give a"
+                        f"the law or its nozzle switches more than {_MAX_SWITCHES} times; give a"
                         " sample_rate to fly it"
                     )
                 ends = ends_of(loop, regime, gust)
-                result = self._solved(rates, (now, float(last)), state, regime, gust, ends)
-                found.append(Arc(now, result.sol, regime.mode))
+                result = self._solved(rates, (now, float(end)), state, regime, gust, ends)
+                arcs.append(Arc(now, result.sol, regime.mode))
                 before = regime
-                between = touched(result, ends)
+                between = first_missed_end(result, ends)
                 if between is not None:
                     now, regime = between
                     state = result.sol(now)
                 else:
                     now, state = float(result.t[-1]), result.y[:, -1]
-                    if abs(state[0]) >= self.farthest:
-                        return found
+                    if abs(state[0]) >= self.max_attitude:
+                        return arcs
                     if result.status == 1:
                         regime = next(
                             end.then
@@ -361,11 +371,11 @@ class ContinuousFlight:
                             if times.size
                         )
                 if regime.mode != before.mode:
-                    regime = taken_up(loop, now, state, regime, gust)
+                    regime = regime_after_jump(loop, now, state, regime, gust)
                 if regime.rate and loop.servo > 1:
                     state = state.copy()
                     state[loop.order + 1] = regime.rate * loop.rate_limit
-        return found
+        return arcs
 
     def _solved(
         self,
@@ -376,20 +386,20 @@ class ContinuousFlight:
         gust: Any,
         ends: list[End],
     ) -> Any:
-        """What the solver finds from a state on, until the regime seems to end or the span does."""
+        """Return the solver's result from a state to the end of the regime or of the span."""
         from scipy.integrate import solve_ivp
 
-        sharp = 1.0 if self.loop.actuator is None else _NOZZLE
+        factor = 1.0 if self.loop.actuator is None else _ACTUATOR_FACTOR
         result = solve_ivp(
             rates,
             span,
             state,
             method="DOP853",
-            rtol=sharp * _RTOL,
-            atol=sharp * self._smallest,
-            max_step=self._longest,
+            rtol=factor * _RTOL,
+            atol=factor * self._absolute_tolerance,
+            max_step=self._max_step,
             dense_output=True,
-            events=[*(_event(end) for end in ends), _beyond(self.farthest)],
+            events=[*(_event(end) for end in ends), _flight_end(self.max_attitude)],
             args=(regime, gust),
         )
         time = float(result.t[-1])
@@ -398,34 +408,34 @@ class ContinuousFlight:
         check_not_lost(time, result.y[:, -1])
         return result
 
-    def shown(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
-        """Return plant states and deflection at the times ``(m,)``, shape ``(n + 1, m)``."""
+    def rows(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
+        """Return plant states and deflection at times [s] ``(m,)``, shape ``(n + 1, m)``."""
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
         loop, order = self.loop, self.loop.order
         rows = np.zeros((order + 1, times.size))
         for k in np.unique(index[index >= 0]):
-            here = index == k
-            states = arcs[k].solution(times[here])
-            measured = loop.measured(times[here], states, self.wind(times[here]))
-            rows[:order, here] = states[:order]
-            rows[-1, here] = loop.deflection(states, measured, arcs[k].mode)
+            inside = index == k
+            states = arcs[k].solution(times[inside])
+            measured = loop.measured(times[inside], states, self.wind(times[inside]))
+            rows[:order, inside] = states[:order]
+            rows[-1, inside] = loop.deflection(states, measured, arcs[k].mode)
         return rows
 
     @cached_property
-    def _smallest(self) -> FloatArray:
-        """Of each state what the solver may take for zero."""
-        smallest = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
-        smallest[: self.loop.order] *= self.loop.equations.scales
-        return smallest
+    def _absolute_tolerance(self) -> FloatArray:
+        """Absolute tolerance of each state."""
+        tolerance = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
+        tolerance[: self.loop.order] *= self.loop.equations.scales
+        return tolerance
 
     @property
-    def _longest(self) -> float:
-        """The longest step of the solver [s], for the poles of the actuator and of the law."""
-        return _LONGEST / self.loop.fastest if self.loop.fastest else np.inf
+    def _max_step(self) -> float:
+        """Longest step of the solver [s], for the poles of actuator and law."""
+        return _MAX_STEP_TIMES_POLE / self.loop.fastest if self.loop.fastest else np.inf
 
     def _check_law(self, start: float, rest: FloatArray) -> None:
-        """Without an actuator the deflection follows from the demand, and not the other way."""
+        """Raise `InputError` for a law that depends on the deflection without an actuator."""
         if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest, 0.0))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
@@ -433,13 +443,13 @@ class ContinuousFlight:
 
 
 def _counted(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return the equations of one flight, refused when they are asked for too often."""
-    asked = count(1)
+    """Return the equations of one flight; they raise `InputError` after too many evaluations."""
+    evaluations = count(1)
 
     def counted(t: float, *state: Any) -> FloatArray:
-        if next(asked) > _MOST_EVALUATIONS:
+        if next(evaluations) > _MAX_EVALUATIONS:
             raise InputError(
-                f"the flight takes more than {_MOST_EVALUATIONS} evaluations of its equations, at"
+                f"the flight takes more than {_MAX_EVALUATIONS} evaluations of its equations, at"
                 f" t = {t:.6g} s; let it begin near t = 0, or give a sample_rate to fly it"
             )
         return rates(t, *state)
@@ -448,7 +458,7 @@ def _counted(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
 
 
 def _event(end: End) -> Any:
-    """What rises through zero where the regime ends, as the solver asks for it."""
+    """Return the solver's event function of the end of a regime, which rises through zero."""
 
     def past(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
         return float(end.past(t, states))
@@ -458,21 +468,21 @@ def _event(end: End) -> Any:
     return past
 
 
-def _beyond(farthest: float) -> Any:
-    """What falls through zero where a flight ends: lost, or its attitude a millionth beyond."""
+def _flight_end(max_attitude: float) -> Any:
+    """Return the event function of a flight's end, a millionth beyond `LOST` or the attitude."""
 
-    def left(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
-        lost = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
-        return min(lost, farthest * (1.0 + 1e-6) - abs(float(states[0])))
+    def remaining(t: float, states: FloatArray, regime: Regime, gust: Any) -> float:
+        to_loss = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
+        return min(to_loss, max_attitude * (1.0 + 1e-6) - abs(float(states[0])))
 
-    left.terminal = True  # type: ignore[attr-defined]
-    return left
+    remaining.terminal = True  # type: ignore[attr-defined]
+    return remaining
 
 
 def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
-    """Return a history from a breakpoint on as its own smooth function.
+    """Return the piece of a history after a breakpoint as a function, smooth beyond its end.
 
-    So the solver sees no jump at the next one, and it takes half the time of ``history(t)``.
+    It hides the next jump from the solver, and takes half the time of ``history(t)``.
     """
     pieces = history.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1

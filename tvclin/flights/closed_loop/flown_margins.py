@@ -24,23 +24,23 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.margins.margins import margin
 from tvclin.flights.closed_loop.batch import Batch, Hardware, one_flight
-from tvclin.flights.closed_loop.checks import LATE, check_flight
+from tvclin.flights.closed_loop.checks import MAX_DELAY_SAMPLES, check_flight
 from tvclin.flights.closed_loop.fly_many import RINGS, SURVIVED, UNDECIDED, fly_many
 from tvclin.flights.closed_loop.sampled_stability import (
-    SLOW,
-    delay_at_growth,
-    factors_at_growth,
-    worst_near_rest,
+    MIN_FREQUENCY_OVER_POLE,
+    dominant_pole,
+    linear_delay_margin,
+    linear_gain_margins,
 )
 from tvclin.flights.closed_loop.survival_limit import (
     ALWAYS,
     OK,
     STEPS,
-    Edge,
+    SurvivalLimit,
     closed_loop_boundary,
-    edge_above_losses,
-    in_all,
-    stopped_winds,
+    limit_above_losses,
+    status_in_all_winds,
+    winds_with_stops,
 )
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
@@ -57,8 +57,8 @@ CHANGES = tuple(_CHANGES)
 _CAUSES = {"lost": "is lost", "rings": "rings near rest", UNDECIDED: "neither lost nor settled"}
 
 
-class NearRest(NamedTuple):
-    """Changes with which the loop grows near rest: factors of the gain, and a delay [s]."""
+class LinearMargins(NamedTuple):
+    """Margins of the loop in its linear range: gain factors above one, and a delay [s]."""
 
     fall: float
     rise: float
@@ -67,63 +67,62 @@ class NearRest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FlownMargin(Shown):
-    """How far one quantity may change.
+    """Margin of one quantity: the smallest change with which a flight fails.
 
     Attributes
     ----------
     value : float
-        A factor above one, or a further delay [s]; infinite if nothing fails.
+        Factor above one, or further delay [s]; infinite without a failure.
     cause : str
-        What comes first: "lost" (or "undecided", where a flight is neither lost nor settled),
-        "rings" (the loop grows near rest; on the side of the aerodynamic moment it need not
-        oscillate), or "nothing".
-    again : bool
-        Whether some larger change, of those that were tried, survives and does not ring.
-    lost : float
-        The change from which a flight is lost; infinite if none is that was tried.
-    near_rest : float
-        The change from which the loop grows near rest, from its eigenvalues.
+        First failure: "lost" (or "undecided", if a flight is neither lost nor settled), "rings"
+        (the loop is unstable in its linear range; towards a smaller gain it need not oscillate), or
+        "nothing".
+    survives_beyond : bool
+        Whether a larger change of the scan survives and does not ring.
+    loss : float
+        Smallest change with which a flight is lost; infinite if no change of the scan is.
+    linear : float
+        Smallest change with which the loop is unstable in its linear range, from its eigenvalues.
     scan : ndarray
-        The changes that were flown, rising.
+        Changes of the flights, rising.
     survives : ndarray of bool
-        Which of them survive, whatever the loop does near rest.
+        Whether each of them survives, stable in its linear range or not.
     """
 
     value: float
     cause: str
-    again: bool
-    lost: float
-    near_rest: float
+    survives_beyond: bool
+    loss: float
+    linear: float
     scan: FloatArray
     survives: BoolArray
 
-    as_dict = keyed("value cause again lost near_rest")
+    as_dict = keyed("value cause again=survives_beyond lost=loss near_rest=linear")
 
     @property
     def dB(self) -> float:
-        """The factor in dB; without meaning for a delay."""
+        """Factor in dB; without meaning for a delay."""
         return float(decibels(self.value))
 
 
 @dataclass(frozen=True, eq=False)
 class FlownMargins(Shown):
-    """What may change before the flight of a law with a limit is lost.
+    """Margins of the flight of a law with a limit.
 
     Attributes
     ----------
     gain_fall, gain_rise : FlownMargin
-        What the law asks for divided, or multiplied, ahead of switch and limit.
+        Factor on the demand of the law, before switch and limit.
     effectiveness_fall, effectiveness_rise : FlownMargin
-        What the nozzle does divided, or multiplied, behind its stop, of which the law knows
-        nothing.
+        Factor on the control moment of the nozzle, which the law does not know.
     delay : FlownMargin
         Further delay between command and nozzle.
     limit : float
-        The limit, over ``|B alpha_w,max|``.
+        Deflection limit, over ``|B alpha_w,max|``.
     boundary : float
-        The least limit, of `closed_loop_boundary`, over the same.
+        Smallest limit, of `closed_loop_boundary`, over ``|B alpha_w,max|``.
     status : str
-        "ok", or in words what is wrong with the limit or its boundary.
+        "ok", or a warning on the limit or its boundary.
     """
 
     gain_fall: FlownMargin
@@ -142,49 +141,51 @@ class FlownMargins(Shown):
 
     @property
     def spare(self) -> float:
-        """The limit over the boundary."""
+        """Limit over boundary."""
         return self.limit / self.boundary
 
     @property
-    def near_rest(self) -> NearRest:
-        """What gain and delay may be before the loop grows near rest."""
-        return NearRest(*(getattr(self, n).near_rest for n in ("gain_fall", "gain_rise", "delay")))
+    def linear(self) -> LinearMargins:
+        """Margins of gain and delay in the linear range of the loop."""
+        return LinearMargins(
+            *(getattr(self, n).linear for n in ("gain_fall", "gain_rise", "delay"))
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be known about these margins."""
-        found = [] if self.status == OK else [self.status]
+        """Notes on the margins."""
+        notes = [] if self.status == OK else [self.status]
         for name in CHANGES:
-            one = getattr(self, name)
-            words = name.replace("_", " ")
-            if one.cause == NOTHING:
-                found.append(f"{words} inf: none up to {one.scan[-1]:.4g} is lost or rings")
-            elif one.cause == UNDECIDED:
-                found.append(f"{words} {one.value:.4g}: beyond it flights stay undecided")
-            if one.again:
-                found.append(f"{words} {one.value:.4g}: some larger changes survive again")
-        return tuple(found)
+            m: FlownMargin = getattr(self, name)
+            label = name.replace("_", " ")
+            if m.cause == NOTHING:
+                notes.append(f"{label} inf: none up to {m.scan[-1]:.4g} is lost or rings")
+            elif m.cause == UNDECIDED:
+                notes.append(f"{label} {m.value:.4g}: beyond it flights stay undecided")
+            if m.survives_beyond:
+                notes.append(f"{label} {m.value:.4g}: some larger changes survive again")
+        return tuple(notes)
 
     def _repr_html_(self) -> str:
         spare = lines.number("spare", self.spare, 2)
         return table(flown_table(self), [("limit over boundary: ", *spare), (self.status,)])
 
 
-def flown_table(found: FlownMargins, caption: str = "Flown margins") -> Table:
-    """Return how far each quantity may change, what fails then, and what near rest allows."""
+def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
+    """Return the table of flown margins, their first failures, and the linear margins."""
     rows: list[tuple[Line, ...]] = []
     for name in CHANGES:
-        one: FlownMargin = getattr(found, name)
-        flown, near_rest = (
+        m: FlownMargin = getattr(margins, name)
+        flown, linear = (
             _change_cell(f"flown.{name}.{key}", value, name == "delay")
-            for key, value in (("value", one.value), ("near_rest", one.near_rest))
+            for key, value in (("value", m.value), ("near_rest", m.linear))
         )
-        rows.append(((_CHANGES[name],), flown, (_CAUSES.get(one.cause, one.cause),), near_rest))
+        rows.append(((_CHANGES[name],), flown, (_CAUSES.get(m.cause, m.cause),), linear))
     return Table(caption, ("change", "margin", "failure", "near rest"), tuple(rows))
 
 
 def _change_cell(name: str, value: float, is_delay: bool) -> Line:
-    """A further delay in ms, or a factor in dB and as it is."""
+    """Return a further delay in ms, or a factor in dB with the factor in parentheses."""
     if is_delay:
         return margin(name, 1000.0 * value, "ms")
     shown = margin(name, decibels(value), "dB")
@@ -194,21 +195,23 @@ def _change_cell(name: str, value: float, is_delay: bool) -> Line:
     )
 
 
-_BEYOND = 1.15
-"""Changes are flown up to so many times the one with which the loop grows near rest."""
-_MOST_FACTOR = 1e4
-"""And factors up to this."""
-_SLOWEST = 2.0
-"""Delay over 1/s of the fastest unstable pole, which no linear loop bears."""
-_HIGHEST, _MOST_LIMIT = 2.0, 1e6
-"""Limits among which the boundary is sought, over the largest trim deflection."""
+_MAX_OVER_LINEAR = 1.15
+"""Largest change of a scan, over the linear margin."""
+_MAX_FACTOR = 1e4
+"""Largest factor of a scan."""
+_MAX_DELAY_TIMES_POLE = 2.0
+"""Largest delay of a scan, times the fastest unstable pole: no linear loop is stable with it."""
+_DEFAULT_HIGHEST = 2.0
+"""Highest limit of the search for the boundary, over the largest trim deflection."""
+_MAX_LIMIT = 1e6
+"""Largest limit that this search includes, over the largest trim deflection."""
 FIXED = "fixed-path"
 _REMEDY = (
     " (it holds the nose to the path, which creeps away; design it on the fixed path, with"
     ' Plant.from_vehicle(vehicle, "fixed-path"), and it holds the attitude)'
 )
-_NEUTRAL = 1e-9
-"""A mode that grows more slowly, over the fastest pole of the plant, does not grow."""
+_MIN_GROWTH_OVER_POLE = 1e-9
+"""Smallest growth rate of an unstable mode, over the fastest pole; below it may be rounding."""
 
 
 def flown_margins(
@@ -223,44 +226,44 @@ def flown_margins(
     delay: float = 0.0,
     cuts: int = 0,
 ) -> FlownMargins:
-    """Return how much may change before a flight with this limit, in this wind, is lost.
+    """Return the flown margins of a law with a deflection limit in a wind.
 
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        The plant that flies, with one or two real unstable poles.
+        One plant with one or two real unstable poles.
     law : Law
-        The law, without noise: it does not change with what changes.
+        The law, without noise; it does not adapt to the changes.
     wind : History
         One wind that ends.
     limit : float
-        Deflection limit [rad], positive, with which the unchanged flight survives.
+        Deflection limit [rad], positive, with which the nominal flight survives.
     rate_limit, actuator, sample_rate, delay, cuts
-        As of `closed_loop_boundary`.
+        Same as in `closed_loop_boundary`.
 
     Returns
     -------
     FlownMargins
-        Each change was flown in 61 steps up to 1.15 times the one with which the loop grows near
-        rest, of even ratio for factors, and the steps before a loss again in finer ones, as
-        `closed_loop_boundary` does. It is known to 1/4096 of a step.
+        Margins from scans of 61 steps up to 1.15 times the linear margin, of equal ratio for
+        factors, with the refinements of `closed_loop_boundary`: accurate to 1/4096 of a step.
 
     Raises
     ------
     InputError
-        As `closed_loop_boundary`; for a law with noise, a limit with which the unchanged flight
-        is lost, and an unchanged loop that grows near rest.
+        In the same cases as `closed_loop_boundary`; for a law with noise, a limit with which the
+        nominal flight is lost, and a nominal loop that is unstable in its linear range.
 
     Notes
     -----
-    An effectiveness e with the stop L is a gain e with the stop e L: the command c = sat(u, L)
-    becomes the moment of e c = sat(e u, e L), and a nozzle is linear but for stop and rate, which
-    scale alike. So a flight of a law that does not know the limit survives where e L is above the
-    boundary of the gain e. It is flown as a plant whose deflection does e times as much, which
-    also serves laws that know the limit, for they believe in L.
+    An effectiveness e with the limit L is a gain e with the limit e L: the command c = sat(u, L)
+    becomes the moment of e c = sat(e u, e L), and a nozzle is linear except for deflection and rate
+    limits, which scale alike. So a flight of a law that does not know the limit survives if e L is
+    above the boundary of the gain e. It is flown as a plant with e times the control moment, which
+    is also right for laws that use the limit, because they use L.
 
-    As the limit grows, or the wind vanishes, margins tend to those near rest. As it comes to the
-    boundary the effectiveness that may be lost tends to one; the other margins need not.
+    As the limit grows, or the wind vanishes, the margins tend to the linear margins. As the limit
+    approaches the boundary, the margin of a falling effectiveness tends to one; the others need
+    not.
 
     Examples
     --------
@@ -272,7 +275,7 @@ def flown_margins(
     >>> m = tv.flights.flown_margins(plant, law, wind, limit=limit, actuator=tv.Actuator())
     >>> round(m.spare, 2), round(m.effectiveness_fall.value, 2), m.effectiveness_fall.cause
     (1.23, 1.19, 'lost')
-    >>> round(m.gain_fall.dB, 1), round(m.gain_fall.near_rest, 2)
+    >>> round(m.gain_fall.dB, 1), round(m.gain_fall.linear, 2)
     (7.3, 10.86)
     """
     check_flight(plant, law, wind)
@@ -285,40 +288,49 @@ def flown_margins(
     nozzle: dict[str, Any] = {"rate_limit": rate_limit, "actuator": actuator}
     options = nozzle | {"sample_rate": sample_rate, "delay": delay}
     scale = abs(float(plant.coefficients.B) * float(wind.peak))
-    part = level / scale if scale > 0.0 else np.inf
-    highest = min(max(_HIGHEST, part), _MOST_LIMIT)
-    found = closed_loop_boundary(plant, law, wind, cuts=cuts, highest=highest, **options)
+    ratio = level / scale if scale > 0.0 else np.inf
+    highest = min(max(_DEFAULT_HIGHEST, ratio), _MAX_LIMIT)
+    boundary = closed_loop_boundary(plant, law, wind, cuts=cuts, highest=highest, **options)
     length = 1.0 / float(sample_rate)
     hardware = Hardware(length, float(delay), actuator, float(rate_limit))
-    one = one_flight(plant, law, wind, level, hardware)
-    pace = float(unstable_coordinates(plant.rigid).poles[0])
-    worst = worst_near_rest(one)
-    if worst.real > _NEUTRAL * pace:
-        designed = getattr(law, "plant", None)
-        creeps = worst.imag < SLOW * pace and getattr(designed, "model", FIXED) != FIXED
+    flight = one_flight(plant, law, wind, level, hardware)
+    pole = float(unstable_coordinates(plant.rigid).poles[0])
+    worst = dominant_pole(flight)
+    if worst.real > _MIN_GROWTH_OVER_POLE * pole:
+        design_plant = getattr(law, "plant", None)
+        is_slow = (
+            worst.imag < MIN_FREQUENCY_OVER_POLE * pole
+            and getattr(design_plant, "model", FIXED) != FIXED
+        )
         raise InputError(
             "law must hold the vehicle near rest before anything changes; there a mode of this"
-            f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if creeps else ''}"
+            f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if is_slow else ''}"
         )
-    winds = stopped_winds(wind, cuts, length)
+    winds = winds_with_stops(wind, cuts, length)
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
     if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
-        needs = f"{found.limit:.4g}" if found.limit < np.inf else f"more than {highest:.4g}"
-        raise InputError(
-            f"limit must be one with which the unchanged flight survives: it needs {needs} of trim,"
-            f" has {part:.4g}"
+        required = (
+            f"{boundary.limit:.4g}" if boundary.limit < np.inf else f"more than {highest:.4g}"
         )
-    edges = _near_rest(one, pace)
-    margins = {name: _margin(flights, name, edges[name], pace) for name in CHANGES}
-    words = [] if found.status in (OK, ALWAYS) else [f"boundary: {found.status}"]
-    if part < found.limit:
-        words.append(f"limit {part:.4g} survives, but some up to {found.limit:.4g} of trim do not")
-    return FlownMargins(**margins, limit=part, boundary=found.limit, status="; ".join(words) or OK)
+        raise InputError(
+            "limit must be one with which the unchanged flight survives: it needs"
+            f" {required} of trim, has {ratio:.4g}"
+        )
+    linear = _linear_margins(flight, pole)
+    margins = {name: _margin(flights, name, linear[name], pole) for name in CHANGES}
+    warnings = [] if boundary.status in (OK, ALWAYS) else [f"boundary: {boundary.status}"]
+    if ratio < boundary.limit:
+        warnings.append(
+            f"limit {ratio:.4g} survives, but some up to {boundary.limit:.4g} of trim do not"
+        )
+    return FlownMargins(
+        **margins, limit=ratio, boundary=boundary.limit, status="; ".join(warnings) or OK
+    )
 
 
 @dataclass(frozen=True)
 class _Flights:
-    """Flights of one law in some winds, with one thing changed."""
+    """Flights of one law in several winds, with one quantity changed."""
 
     plant: AnyPlant
     law: Law
@@ -326,11 +338,11 @@ class _Flights:
     options: dict[str, Any]
 
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
-        """The status over all winds with each value of a change."""
+        """Return the status over all winds for each value of a change, ``(n,)``."""
 
-        def status(wind: History, some: BoolArray) -> NDArray[np.str_]:
+        def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             plant, options = self.plant, self.options
-            by = 1.0 / values[some] if name.endswith("fall") else values[some]
+            by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]
             if name == "delay":
                 options = options | {"delay": options["delay"] + by}
             elif name.startswith("gain"):
@@ -338,46 +350,46 @@ class _Flights:
             else:
                 plant = plant.with_effectiveness(by)
             status = fly_many(plant, self.law, wind, **options).status
-            if self.plant.structure is None:  # a rigid one rings near rest, which is known exactly
+            if self.plant.structure is None:  # rings only in the linear range, known exactly
                 status = np.where(status == RINGS, SURVIVED, status)
             return status
 
-        return in_all(self.winds, status, values.size)
+        return status_in_all_winds(self.winds, status, values.size)
 
 
-def _near_rest(one: Batch, pace: float) -> dict[str, float]:
-    """With what change the loop of a flight grows near rest."""
+def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
+    """Return the linear margin of each of `CHANGES`."""
     names = ("gain", "effectiveness")
-    factors = [edge for name in names for edge in factors_at_growth(one, name, pace)]
-    return dict(zip(CHANGES, (*factors, delay_at_growth(one, pace)), strict=True))
+    factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
+    return dict(zip(CHANGES, (*factors, linear_delay_margin(flight, pole)), strict=True))
 
 
-def _margin(flights: _Flights, name: str, near_rest: float, pace: float) -> FlownMargin:
-    """The smallest change that fails: the edge of a scan that runs from the largest to none."""
+def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:
+    """Return the smallest change that fails, by a scan from the largest change to none."""
     if name == "delay":
-        room = LATE / flights.options["sample_rate"] - flights.options["delay"]
-        end = min(_BEYOND * min(near_rest, _SLOWEST / pace), room)
+        room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
+        end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), room)
     else:
-        end = min(_BEYOND * near_rest, _MOST_FACTOR)
+        end = min(_MAX_OVER_LINEAR * linear, _MAX_FACTOR)
     change = partial(_change, name == "delay", end)
-    edge: Edge = edge_above_losses(
+    limit: SurvivalLimit = limit_above_losses(
         lambda back: flights.survive(name, change(back)), np.linspace(0.0, 1.0, STEPS + 1)
     )
-    lost = np.inf if edge.lost == -np.inf else float(change(edge.limit))
-    value = min(lost, near_rest)
-    scan, survives = change(edge.scan)[::-1], (edge.found == SURVIVED)[::-1]
-    cause = RINGS if near_rest <= lost else str(edge.found[edge.scan == edge.lost][0])
+    loss = np.inf if limit.lost == -np.inf else float(change(limit.limit))
+    value = min(loss, linear)
+    scan, survives = change(limit.scan)[::-1], (limit.outcomes == SURVIVED)[::-1]
+    cause = RINGS if linear <= loss else str(limit.outcomes[limit.scan == limit.lost][0])
     return FlownMargin(
         value=value,
         cause=NOTHING if value == np.inf else cause,
-        again=bool(np.any(survives & (scan > change(edge.lost)) & (scan < near_rest))),
-        lost=lost,
-        near_rest=near_rest,
+        survives_beyond=bool(np.any(survives & (scan > change(limit.lost)) & (scan < linear))),
+        loss=loss,
+        linear=linear,
         scan=scan,
         survives=survives,
     )
 
 
 def _change(delays: bool, end: float, back: Any) -> Any:
-    """A change by how far the scan has come back from its end: zero there, one for none."""
+    """Return the change at a fraction `back` of the scan: 0 is its end, 1 is no change."""
     return end * (1.0 - back) if delays else end ** (1.0 - back)

@@ -22,13 +22,13 @@ from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import (
     check_actuator,
     check_delays,
+    check_fastest_pole,
     check_flight,
-    check_pace,
     check_rate_limit,
     check_sample_rate,
     check_samples,
     check_span,
-    paces,
+    fastest_poles,
 )
 from tvclin.flights.closed_loop.continuous import ContinuousFlight, Loop
 from tvclin.flights.closed_loop.fly_many import LOST, NO_FLIGHT, fly_many
@@ -57,13 +57,13 @@ def fly(
 ) -> TimeResponseData:
     """Return the flight of a law with limits, as `control.TimeResponseData`.
 
-    It is at rest until the onset of the wind.
+    It is in equilibrium until the onset of the wind.
 
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        One plant of any model. A flexible one needs a sample rate, and a law sees what its
-        sensors say.
+        One plant of any model. A flexible one needs a sample rate, and the law measures the outputs
+        of its sensors.
     law : Law
         The law, designed on this plant or on another.
     wind : History
@@ -76,38 +76,36 @@ def fly(
         Largest deflection rate [rad/s]; it needs an actuator or a sample rate. With a sample rate
         alone a step of the command is spread over the whole sample, see `fly_many`.
     actuator : Actuator, optional
-        Without one the deflection follows its command at once.
+        Without it the deflection equals its command.
     sample_rate : float, optional
-        Samples of the law in a second [Hz], the first at the onset of the wind; the command is
-        held between them. Without one the law is computed without pause.
+        Samples of the law per second [Hz], the first at the onset of the wind, with a zero-order
+        hold of the command. Without it the law is continuous.
     delay : float
-        Computing delay [s], from a sample to when its command takes effect; it needs a sample
-        rate, of which it need not be a whole number of samples.
+        Computing delay [s] from a sample to the effect of its command, a whole number of samples or
+        not; it needs a sample rate.
     gain : float
-        Factor on what the law asks for, positive, ahead of its switch and of the limit, as of
-        `fly_many`.
+        Factor on the law's demand, positive, before its switch and the limit, see `fly_many`.
 
     Returns
     -------
     control.TimeResponseData
-        Outputs those of the plant, and the deflection [rad, rad/s]; input wind [rad].
+        Outputs of the plant, and the deflection [rad, rad/s]; input wind [rad].
 
     Raises
     ------
     InputError
         For batches, limits or a gain that are not positive, a wind that never ends, times long
         after the flight is lost, samples that are far too long for the actuator, noise, a delay
-        or a rate limit that need a sample rate, and a law that looks at the deflection where it has
-        neither an actuator nor a sample before it.
+        or a rate limit without a sample rate, and a law that depends on the deflection without
+        actuator and sample rate.
 
     Notes
     -----
-    Without pause, the breakpoints of the wind, the limit, the switches of the law, and the rate
-    limit and the stop of an actuator are hit by the solver, which runs anew from each to the next,
-    however short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to
-    1e-8 with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a
-    sample is exact in which the nozzle meets no limit; `fly_many` says how others are walked, and
-    how exactly. Either way a late gust is never missed.
+    Without a sample rate, the solver restarts at the breakpoints of the wind, the switches of the
+    law, and where deflection or rate reach or leave their limit, however briefly. The attitude is
+    exact to about 1e-9 of its largest value, to 1e-8 with a law that leans; a flight that is nearly
+    lost multiplies both. With a sample rate, samples in which the nozzle reaches no limit are
+    exact; `fly_many` describes the others and their accuracy. A late gust is never missed.
 
     Examples
     --------
@@ -124,7 +122,7 @@ def fly(
     limit = number(
         "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
     )
-    most, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
+    max_rate, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
     check_engine(plant, actuator)
     check_span(float(wind.onset), float(times.max()))
     if sample_rate is None:
@@ -132,11 +130,11 @@ def fly(
             raise InputError("a delay belongs to samples; give a sample_rate")
         if plant.structure is not None:
             raise InputError("a flexible plant is flown by samples; give a sample_rate")
-        rows = _continuous(plant, law, wind, times, (limit, most), actuator, factor)
+        rows = _continuous(plant, law, wind, times, (limit, max_rate), actuator, factor)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
-        hardware = Hardware(length, late, actuator, most)
+        hardware = Hardware(length, late, actuator, max_rate)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
     outputs = np.vstack([outputs_of(plant, rows, wind(times)), rows[-1:]])
     labels, name = (*plant.outputs, "deflection"), f"{plant.model} with limits"
@@ -153,6 +151,7 @@ def _continuous(
     actuator: Actuator | None,
     gain: float,
 ) -> FloatArray:
+    """Return states and deflection ``(n + 1, m)`` of a flight without sampling."""
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
     if any(law.chains):
@@ -160,15 +159,15 @@ def _continuous(
     if limits[1] < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
-    # any time is like another, and near zero it is known more sharply
+    # the equations do not depend on time, and near zero its rounding is smallest
     start, loop = float(wind.onset), Loop(LinearEquations(plant), law, *limits, actuator, gain)
     flight, times = ContinuousFlight(loop, wind.shift(-start)), times - start
-    return flight.shown(flight.arcs(0.0, float(times.max())), times)
+    return flight.rows(flight.arcs(0.0, float(times.max())), times)
 
 
 @dataclass(frozen=True, eq=False)
 class LinearEquations:
-    """The `Equations` of a plant, all of whose states are angles, or angles in a second."""
+    """`Equations` of a linear plant, whose states are angles [rad] and angular rates [rad/s]."""
 
     plant: Plant
 
@@ -179,7 +178,7 @@ class LinearEquations:
 
     @property
     def scales(self) -> FloatArray:
-        """All are alike."""
+        """Scales of the states: one for each."""
         return np.ones(len(self.states))
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
@@ -207,33 +206,35 @@ def _sampled(
     hardware: Hardware,
     gain: float,
 ) -> FloatArray:
+    """Return states and deflection ``(n + 1, m)`` of a sampled flight."""
     length = float(hardware.length)
     start, last = float(wind.onset), float(times.max())
     check_samples(max(last - start, 0.0), length)
-    check_pace(plant, length)
+    check_fastest_pole(plant, length)
     until = max(last, start) + length
     return tracked(one_flight(plant, law, wind, limit, hardware, gain, until), times).rows
 
 
-_AFTER = 15.0
-"""Length of a flight after its wind, in times of the fast mode: what moves then is rounding."""
-_LOOKS_PER_RADIAN = 15.0
-"""Times of a flight in 1/omega of the fastest pole of actuator and vehicle, at the least. A peak of
-an oscillation is then missed by at most 1 - cos(1/30) of it, 0.06 percent; a product of two such
-oscillations, as power is, is integrated by midpoints to (2 * 2/15)^2/24 of it, 0.3 percent."""
-_MIN_LOOKS = 4
-"""Times in a sample, at the least."""
-_MAX_LOOKS = 1_000_000
-"""Times in a wind, at the most, beyond which a flight is refused; and after it, where it ends."""
+_TIME_AFTER_WIND_TIMES_POLE = 15.0
+"""Length of a flight after its wind, times the fast pole: later motion is rounding."""
+_TIMES_PER_RADIAN = 15.0
+"""Smallest number of times in 1/omega of the fastest pole of actuator and vehicle. The peak of an
+oscillation is then missed by at most 1 - cos(1/30), 0.06 percent; a product of two such
+oscillations, such as power, is integrated by midpoints to (2 * 2/15)^2/24, 0.3 percent."""
+_MIN_TIMES = 4
+"""Smallest number of times in a sample."""
+_MAX_TIMES = 1_000_000
+"""Largest number of times during a wind, and after it."""
 
 
 @dataclass(frozen=True, eq=False)
 class NozzleFlight:
     """Outcome of a flight, and the motion of its nozzle; angles in rad.
 
-    `times`: even times [s] from the first command on, `looks` in a sample, at the first of which
-    the command changes, ``(n,)``; none of a flight that is lost or cannot be flown. `looks` is
-    even. `rate`, `acceleration`: of the actuator right after the times; None without an actuator.
+    `times`: equidistant times [s] from the first command on, ``(n,)``, an even number
+    `times_per_sample` of them in a sample, at the first of which the command changes; empty for a
+    flight that is lost or not possible. `rate`, `acceleration`: nozzle rate [rad/s] and
+    acceleration [rad/s^2] right after the times; None without an actuator.
     """
 
     status: str
@@ -243,7 +244,7 @@ class NozzleFlight:
     attitude: FloatArray
     rate: FloatArray | None
     acceleration: FloatArray | None
-    looks: int = _MIN_LOOKS
+    times_per_sample: int = _MIN_TIMES
 
 
 def fly_nozzle(
@@ -257,48 +258,50 @@ def fly_nozzle(
     sample_rate: float,
     delay: float,
 ) -> NozzleFlight:
-    """Return the motion of a nozzle in the flight of a law; arguments as of `fly_many`.
+    """Return the motion of a nozzle in the flight of a law.
 
-    `InputError` for a wind of more samples or times than can be held.
+    Parameters are those of `fly_many`. `InputError` for a wind of too many samples or times.
     """
     onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
-    looks = looks_per_sample(plant, actuator, h)
-    longest = _longest(onset, end, h, looks)
+    per_sample = times_per_sample(plant, actuator, h)
+    longest = _max_duration(onset, end, h, per_sample)
     options: dict[str, Any] = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
     options |= {"actuator": actuator, "sample_rate": sample_rate, "delay": delay}
     status = str(fly_many(plant, law, wind, **options).status)
     none = np.empty(0)
     if status in (LOST, NO_FLIGHT):
         return NozzleFlight(status, none, none, none, none, None, None)
-    late = onset + delay % h
-    after = min(_AFTER / float(plant.coefficients.pole), longest)
-    count = int(np.ceil((end - late + after) / h))
-    times = np.asarray(late + h / looks * np.arange(count * looks + 1), dtype=np.float64)
+    first = onset + delay % h
+    after = min(_TIME_AFTER_WIND_TIMES_POLE / float(plant.coefficients.pole), longest)
+    count = int(np.ceil((end - first + after) / h))
+    times = np.asarray(first + h / per_sample * np.arange(count * per_sample + 1), dtype=np.float64)
     hardware = Hardware(h, delay, actuator, rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
     rows, rate, acceleration = tracked(flight, times)
-    seen = outputs_of(plant, rows, wind(times))
-    alpha, attitude = (seen[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude"))
-    return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration, looks)
+    outputs = outputs_of(plant, rows, wind(times))
+    alpha, attitude = (
+        outputs[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude")
+    )
+    return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration, per_sample)
 
 
-def looks_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
-    """Return the even number of times in a sample [s] at which a flight is evaluated."""
+def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
+    """Return the even number of times in a sample period `length` [s] that resolve a flight."""
     poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
-    fastest = max(float(np.abs(poles).max()), float(paces(plant)))
-    return max(2 * int(np.ceil(_LOOKS_PER_RADIAN * fastest * length / 2.0)), _MIN_LOOKS)
+    fastest = max(float(np.abs(poles).max()), float(fastest_poles(plant)))
+    return max(2 * int(np.ceil(_TIMES_PER_RADIAN * fastest * length / 2.0)), _MIN_TIMES)
 
 
-def _longest(start: float, stop: float, length: float, looks: int) -> float:
-    """Return the longest motion [s] that is evaluated; `InputError` for a wind that is longer."""
+def _max_duration(start: float, stop: float, length: float, per_sample: int) -> float:
+    """Return the longest motion [s] of a flight; `InputError` for a longer wind."""
     check_span(start, stop)
     check_samples(stop - start, length)
-    longest = _MAX_LOOKS / looks * length
+    longest = _MAX_TIMES / per_sample * length
     if stop - start > longest:
-        lower = ", or a lower sample rate" if looks == _MIN_LOOKS else ""
+        lower = ", or a lower sample rate" if per_sample == _MIN_TIMES else ""
         raise InputError(
-            f"the wind of a nozzle's motion may last at most {longest:.4g} s, with {looks} times in"
-            f" a sample at {1.0 / length:.4g} Hz; got {stop - start:.6g} s: take a wind that ends"
-            f" earlier{lower}"
+            f"the wind of a nozzle's motion may last at most {longest:.4g} s, with {per_sample}"
+            f" times in a sample at {1.0 / length:.4g} Hz; got {stop - start:.6g} s: take a wind"
+            f" that ends earlier{lower}"
         )
     return longest

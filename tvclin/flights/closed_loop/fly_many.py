@@ -30,68 +30,70 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.flights.closed_loop.batch import Batch, Hardware, LawBatch, law_batch, shape_of
 from tvclin.flights.closed_loop.checks import (
-    FASTEST,
-    MOST,
+    MAX_POLE_TIMES_SAMPLE,
+    MAX_SAMPLES,
     check_delays,
     check_sample_rates,
     check_samples,
     check_span,
-    paces,
+    fastest_poles,
 )
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
 from tvclin.flights.closed_loop.sampled import finish, flown
-from tvclin.flights.closed_loop.sampled_stability import swing_near_rest
+from tvclin.flights.closed_loop.sampled_stability import oscillation_growth
 from tvclin.kernels.flight_arrays import NEVER, Cases, Flights, Now
 from tvclin.kernels.flight_arrays import SURVIVED as SURVIVED_CODE
 from tvclin.kernels.flight_arrays import UNDECIDED as UNDECIDED_CODE
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
-_STRETCH = 0.5
-"""A stretch is this part of the time in which a flight settles."""
-_QUIET = 2
-"""After so many stretches without a limit a nozzle is at rest."""
-_FULL_RATE = 0.999
-"""A rate above this part of its limit is bounded by it."""
+_INTERVAL_OVER_SETTLING = 0.5
+"""Length of an interval of still air, over the settling time of a flight."""
+_QUIET_INTERVALS = 2
+"""Number of successive intervals without a limit after which a nozzle is in equilibrium."""
+_RATE_AT_LIMIT = 0.999
+"""Smallest rate that counts as limited, over the rate limit."""
 
 
-def swings_on(f: Flights, laws: LawBatch) -> BoolArray:
-    """Return which of the flights that were brought back still meet limits long afterwards.
+def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
+    """Return whether each surviving flight still reaches limits long afterwards, ``(m,)``.
 
-    `f`: at their ends. `laws`: of the flights; those of a law with noise are not flown on.
+    `f`: the flights at their ends. `laws`: their laws; flights of laws with noise are not
+    continued.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
-    left = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
-    quiet, g = np.zeros(left.size, dtype=int), f
-    where = left
-    for _ in range(int(WAITING / (SETTLING * _STRETCH))):
-        if not left.size:
+    active = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
+    quiet, g = np.zeros(active.size, dtype=int), f
+    where = active
+    for _ in range(int(WAITING / (SETTLING * _INTERVAL_OVER_SETTLING))):
+        if not active.size:
             break
-        g = _flown_on(g, where, laws)
-        limited = (g.now.peaks[:, 5] > 0.0) | (g.now.peaks[:, 3] >= _FULL_RATE * g.cases.rate_limit)
+        g = _continued(g, where, laws)
+        at_rate_limit = g.now.peaks[:, 3] >= _RATE_AT_LIMIT * g.cases.rate_limit
+        limited = (g.now.peaks[:, 5] > 0.0) | at_rate_limit
         quiet = np.where(limited, 0, quiet + 1)
-        where = np.flatnonzero(quiet < _QUIET)
-        left, quiet = left[where], quiet[where]
-    found = np.zeros(f.cases.limit.size, dtype=bool)
-    found[left] = True
-    return found
+        where = np.flatnonzero(quiet < _QUIET_INTERVALS)
+        active, quiet = active[where], quiet[where]
+    cycles = np.zeros(f.cases.limit.size, dtype=bool)
+    cycles[active] = True
+    return cycles
 
 
-def _flown_on(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
-    """Some flights from where they ended through a stretch of still air."""
+def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
+    """Return the flights at indices `where`, continued from their ends through still air."""
     rows = {name: getattr(f.laws, name) for name in ("memory", "seen", "told")}
-    rows = {name: one[where] if len(one) > 1 else one for name, one in rows.items()}
+    rows = {name: array[where] if len(array) > 1 else array for name, array in rows.items()}
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
         laws=f.laws._replace(**rows),
-        cases=Cases._make(one[where] for one in f.cases),
-        now=Now._make(one[where] for one in f.now),
+        cases=Cases._make(array[where] for array in f.cases),
+        now=Now._make(array[where] for array in f.now),
     )
     ring = g.now.commands.shape[1]
-    turned = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
-    g.now.commands[:] = np.take_along_axis(g.now.commands, turned, axis=1)
+    shifted = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
+    g.now.commands[:] = np.take_along_axis(g.now.commands, shifted, axis=1)
     g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
-    g.cases.finish[:] = np.maximum(np.ceil(_STRETCH * g.cases.settling), 1)
+    g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
     g.cases.ends[:] = NEVER
     g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED_CODE, -1, 0.0
     finish(g, laws)
@@ -100,18 +102,17 @@ def _flown_on(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
-LARGEST_LIMIT = float(np.nextafter(np.pi / 2, 0.0))
+MAX_DEFLECTION_LIMIT = float(np.nextafter(np.pi / 2, 0.0))
 """Largest deflection limit [rad] of a flight: no nozzle turns by 90 degrees."""
-_RINGING = 1e-5
-"""1/s; an oscillation that grows more slowly is held within rounding."""
+_MIN_GROWTH = 1e-5
+"""Smallest growth rate [1/s] of an unstable oscillation; below it may be rounding."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownCases(Shown):
-    """The outcomes of many flights, each field in the shape of the batch.
+    """Outcomes of many flights, each field in the shape of the batch.
 
-    The largest values are those at samples, and rates of the nozzle are means over a step. All
-    are sizes, and NaN where there was no flight.
+    Peaks are magnitudes at samples, and nozzle rates means over a step; NaN without a flight.
 
     Attributes
     ----------
@@ -124,12 +125,12 @@ class FlownCases(Shown):
     final_attitude : ndarray
         Attitude at the end [rad], with its sign.
     end_time : ndarray
-        When the flight ended [s].
+        Time of the end of the flight [s].
     saturated_time_fraction : ndarray
-        Part of the flight in which the whole limit was asked for.
+        Fraction of the flight in which the demand was at or above the limit.
     status : ndarray of str
-        "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
-        a vehicle is brought back and its nozzle keeps oscillating, see `fly_many`.
+        "survived", "lost", "undecided", or "no flight" for a case that is not possible; "rings" for
+        a vehicle that returns while its nozzle keeps oscillating, see `fly_many`.
     """
 
     peak_attitude: FloatArray
@@ -144,7 +145,7 @@ class FlownCases(Shown):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many flights have each status that occurs, the most frequent first."""
+        """Number of flights of each status, the most frequent first."""
         return dict(Counter(self.status.ravel().tolist()).most_common())
 
     _keys = "counts peak_attitude_deg peak_deflection_deg peak_angle_of_attack_deg"
@@ -163,7 +164,7 @@ def fly_many(
     gain: ArrayLike = 1.0,
     until: float | None = None,
 ) -> FlownCases:
-    """Return the outcomes of many flights of laws with limits, each from rest.
+    """Return the outcomes of many flights of laws with limits, each from equilibrium.
 
     Plants, laws, winds, limits and actuators broadcast: one law, designed on the nominal plant,
     for a thousand dispersed plants and winds, or a thousand limits for one plant.
@@ -171,37 +172,37 @@ def fly_many(
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        One plant or a batch. Of a flexible one a law sees what its sensors say.
+        One plant or a batch. For a flexible plant the law measures the outputs of its sensors.
     law : Law, array of Law, or Autopilot
-        An `Autopilot` with a batch of gains stands for a `SaturatedLaw` of each.
+        An `Autopilot` with a batch of gains means a `SaturatedLaw` for each.
     wind : History
         One wind or a batch; each must end.
     deflection_limit, rate_limit : array_like
         Largest deflection [rad], within 90 degrees, and deflection rate [rad/s], positive.
     actuator : Actuator, optional
-        One or a batch. Without one the deflection follows its command at once.
+        One actuator or a batch. Without it the deflection equals its command.
     sample_rate : array_like
-        Samples of the laws in a second [Hz], the first at the onset of the wind, as of `fly`.
+        Samples of the laws per second [Hz], the first at the onset of the wind.
     delay : array_like
-        Computing delay [s], from a sample to when its command takes effect; any, not only whole
-        samples.
+        Computing delay [s] from a sample to the effect of its command, a whole number of samples or
+        not.
     gain : array_like
-        Factor on what a law asks for, positive, ahead of its switch and of the limit.
+        Factor on the demand of a law, positive, before its switch and the limit.
     until : float, optional
-        When the flights end [s], not before the wind does. Without it each ends when it is lost or
-        saved, which needs one or two real unstable poles.
+        End of the flights [s], not before the end of the wind. Without it each flight ends when it
+        is lost or settled, which requires one or two real unstable poles.
 
     Returns
     -------
     FlownCases
-        Largest values and outcomes. A flight is lost when after its wind it leaves the recoverable
-        set of its unstable modes, and survives when it has settled well inside. One that does
-        so rings where an oscillation of its loop grows near rest, of bending or slosh most often,
-        for then the nozzle will swing from stop to stop; and a flexible vehicle also where its
-        nozzle, flown on in still air, does not come to rest between its limits. A case whose limit
-        is not positive or not within 90 degrees, or whose wind is nothing, never ends or lasts for
-        more than a million samples, is "no flight", and so is one that could never be decided; the
-        others go on.
+        Peaks and outcomes. A flight is lost when after its wind it leaves the recoverable set of
+        its unstable modes, and survives when it has settled well inside. A surviving flight "rings"
+        if an oscillation of its loop is unstable in the linear range, of bending or slosh most
+        often, because the nozzle then has a limit cycle; a flexible vehicle also if its nozzle,
+        continued in still air, does not settle between its limits. A case whose limit is not
+        positive or not within 90 degrees, whose wind is zero, never ends or lasts more than a
+        million samples, or whose outcome could never be decided, is "no flight"; the other cases
+        are flown.
 
     Raises
     ------
@@ -212,17 +213,17 @@ def fly_many(
 
     Notes
     -----
-    A sample is exact, the wind with all its breakpoints included, in which the nozzle meets no
-    limit. One in which it does is walked in substeps of 1/8 of the time 1/omega of the actuator, if
-    it is longer than half of that. In a substep in which its rate or its stop bounds it the
-    deflection goes evenly from where it begins to where it ends, which is exact while it stays
-    bounded; where it does not, the attitude is good for 3e-4 of its largest value, and for less
-    where a flight is nearly lost or the nozzle chatters between its rate limits (1.4e-3 in the
-    worst of 40 flights). A rate limit without an actuator spreads each step of the command over
-    the whole sample, so that it acts up to half a sample late: the attitude is then good for no
-    more than 6e-2 of its largest value at 10 Hz and 2e-2 at 25 Hz. Laws of the package are compiled
-    (extra `fast`); without numba a second of flight at 100 Hz takes some milliseconds. A law
-    written in Python is asked at every sample for all its flights at once.
+    Samples in which the nozzle reaches no limit are exact, with all breakpoints of the wind. Other
+    samples, if longer than half of the time 1/omega of the actuator, are divided into substeps of
+    1/8 of that time. In a substep in which the rate or the deflection is limited, the deflection is
+    a straight line from its start to its end, which is exact while it stays limited; otherwise the
+    attitude is accurate to 3e-4 of its largest value, and less if a flight is nearly lost or the
+    nozzle chatters between its rate limits (1.4e-3 in the worst of 40 flights). A rate limit
+    without an actuator spreads each step of the command over the whole sample, so that it acts up
+    to half a sample late: the attitude is then accurate to 6e-2 of its largest value at 10 Hz and
+    2e-2 at 25 Hz. Laws of the package are compiled (extra `fast`); without numba a second of flight
+    at 100 Hz takes some milliseconds. A law written in Python is called at every sample for all its
+    flights at once.
 
     Examples
     --------
@@ -238,87 +239,89 @@ def fly_many(
     check_plant(plant)
     instance("wind", wind, History, "such as TriangularWind")
     limits = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
-    limit, most = (_limit(name, value) for name, value in limits.items())
+    limit, max_rate = (_limit(name, value) for name, value in limits.items())
     rate = check_sample_rates(sample_rate, actuator)
     check_engine(plant, actuator)
-    late = check_delays(delay, 1.0 / rate)
+    delays = check_delays(delay, 1.0 / rate)
     factor = positive("gain", gain)
     shape = broadcast(
         plant=plant.batch,
         law=shape_of(law),
         wind=wind.batch,
         deflection_limit=limit.shape,
-        rate_limit=most.shape,
+        rate_limit=max_rate.shape,
         actuator=() if actuator is None else actuator.batch,
         sample_rate=rate.shape,
-        delay=late.shape,
+        delay=delays.shape,
         gain=factor.shape,
     )
     laws = law_batch(law, shape)
     stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
     if until is not None:
-        last = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
-        if stop < last:
+        end = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
+        if stop < end:
             raise InputError(
-                f"until must not lie before the end of the wind, {last:.6g} s: what blows later is"
+                f"until must not lie before the end of the wind, {end:.6g} s: what blows later is"
                 f" not flown; got {stop:.6g} s"
             )
         span = stop - float(np.min(wind.onset, initial=stop))
         check_span(0.0, span)
         check_samples(span, 1.0 / float(rate.max(initial=0.01)))
-    factor, limit, most = (np.broadcast_to(a, shape) for a in (factor, limit, most))
-    good = (limit > 0.0) & (limit <= LARGEST_LIMIT) & (most > 0.0) & np.isfinite(wind.end)
-    good &= paces(plant) <= FASTEST * rate
-    good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
-    good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
-    hardware = Hardware(1.0 / rate, late, actuator, most)
+    factor, limit, max_rate = (np.broadcast_to(a, shape) for a in (factor, limit, max_rate))
+    possible = (
+        (limit > 0.0) & (limit <= MAX_DEFLECTION_LIMIT) & (max_rate > 0.0) & np.isfinite(wind.end)
+    )
+    possible &= fastest_poles(plant) <= MAX_POLE_TIMES_SAMPLE * rate
+    possible &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MAX_SAMPLES)
+    possible &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
+    hardware = Hardware(1.0 / rate, delays, actuator, max_rate)
     batch = Batch(plant, hardware, wind, laws, limit, shape, factor, stop)
-    if not np.any(good):
-        return _flown_cases(None, good, good)
-    some = batch if np.all(good) else batch.only(good)
-    f = flown(some)
-    return _flown_cases(f, good, _rings(some, f))
+    if not np.any(possible):
+        return _flown_cases(None, possible, possible)
+    flyable = batch if np.all(possible) else batch.only(possible)
+    f = flown(flyable)
+    return _flown_cases(f, possible, _rings(flyable, f))
 
 
 def _rings(batch: Batch, f: Flights) -> BoolArray:
-    """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
-    grows = swing_near_rest(batch, f) > _RINGING
+    """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``."""
+    unstable = oscillation_growth(batch, f) > _MIN_GROWTH
     if batch.plant.structure is None:
-        return grows
-    return grows | swings_on(f, batch.laws)
+        return unstable
+    return unstable | has_limit_cycle(f, batch.laws)
 
 
-def _flown_cases(f: Flights | None, good: BoolArray, rings: BoolArray) -> FlownCases:
-    """What came of the flights; None where there were none."""
-    outcome = np.full(good.shape, len(STATUS) - 1)
+def _flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> FlownCases:
+    """Return the record of the flights `f` of the possible cases; `f` is None without any."""
+    outcome = np.full(possible.shape, len(STATUS) - 1)
     if f is None:
-        nothing = np.full(good.shape, np.nan)
+        nothing = np.full(possible.shape, np.nan)
         sizes = dict.fromkeys(FlownCases.__dataclass_fields__, nothing)
         return FlownCases(**{**sizes, "status": np.array(STATUS)[outcome]})
 
-    def whole(values: FloatArray) -> FloatArray:
-        found = np.full(good.shape, np.nan)
-        found[good] = values
-        return found
+    def in_batch_shape(values: FloatArray) -> FloatArray:
+        array = np.full(possible.shape, np.nan)
+        array[possible] = values
+        return array
 
     h = f.steps.lengths[f.cases.vehicle, 0]
-    brought_back = f.now.outcome == STATUS.index(SURVIVED)
-    outcome[good] = np.where(brought_back & rings, STATUS.index(RINGS), f.now.outcome)
+    survived = f.now.outcome == STATUS.index(SURVIVED)
+    outcome[possible] = np.where(survived & rings, STATUS.index(RINGS), f.now.outcome)
     return FlownCases(
-        peak_attitude=whole(f.now.peaks[:, 0]),
-        peak_attitude_rate=whole(f.now.peaks[:, 1]),
-        peak_deflection=whole(f.now.peaks[:, 2]),
-        peak_deflection_rate=whole(f.now.peaks[:, 3]),
-        peak_angle_of_attack=whole(f.now.peaks[:, 4]),
-        final_attitude=whole(f.now.y[:, 0]),
-        end_time=whole(f.cases.start + f.now.ended * h),
-        saturated_time_fraction=whole(f.now.peaks[:, 5] / np.maximum(f.now.ended, 1)),
+        peak_attitude=in_batch_shape(f.now.peaks[:, 0]),
+        peak_attitude_rate=in_batch_shape(f.now.peaks[:, 1]),
+        peak_deflection=in_batch_shape(f.now.peaks[:, 2]),
+        peak_deflection_rate=in_batch_shape(f.now.peaks[:, 3]),
+        peak_angle_of_attack=in_batch_shape(f.now.peaks[:, 4]),
+        final_attitude=in_batch_shape(f.now.y[:, 0]),
+        end_time=in_batch_shape(f.cases.start + f.now.ended * h),
+        saturated_time_fraction=in_batch_shape(f.now.peaks[:, 5] / np.maximum(f.now.ended, 1)),
         status=np.array(STATUS)[outcome],
     )
 
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
-    """A single limit must be in its range; among many a bad one is the matter of its case."""
+    """Return limits [rad, rad/s]; `InputError` for a single one out of range, not for an array."""
     array = numbers(name, value)
     if array.ndim or (name == "rate_limit" and array == np.inf):
         return array

@@ -24,7 +24,7 @@ from tvclin.flights.closed_loop.batch import Batch, Hardware, flights, law_batch
 from tvclin.flights.closed_loop.checks import (
     check_actuator,
     check_delays,
-    check_pace,
+    check_fastest_pole,
     check_rate_limit,
     check_sample_rate,
     check_samples,
@@ -32,43 +32,46 @@ from tvclin.flights.closed_loop.checks import (
 from tvclin.flights.closed_loop.fly_many import LOST, STATUS, SURVIVED, UNDECIDED
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Stepper
-from tvclin.flights.closed_loop.survival_limit import STEPS, edge_above_losses
+from tvclin.flights.closed_loop.survival_limit import STEPS, limit_above_losses
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.flights import LOOK
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
-_LONGEST = 20_000
-"""Samples after its wind in which a flight may be decided; then it stays undecided."""
-_INSIDE = 0.999
-"""Of what can be returned from: a flight that is saved is inside with both planes together."""
+_MAX_SAMPLES_AFTER_WIND = 20_000
+"""Largest number of samples after the wind until a flight is undecided."""
+_MAX_OVER_RECOVERABLE = 0.999
+"""Largest vector of unstable coordinates of a surviving flight, over the recoverable set."""
 
 
-def ready(
+def plane_flights(
     plant: Plant,
     law: Law,
     wind: PlaneWind,
-    part: History,
+    component: History,
     limit: FloatArray,
     hardware: Hardware,
 ) -> Flights:
-    """The flights of one plane at rest, which begin with the whole wind and end with it."""
+    """Return the flights of one plane at their start, with the onset and end of the vector wind.
+
+    `component`: the wind in the plane.
+    """
     laws, length = law_batch(law, limit.shape), float(hardware.length)
-    batch = Batch(plant, hardware, part, laws, limit, limit.shape)
+    batch = Batch(plant, hardware, component, laws, limit, limit.shape)
     with np.errstate(invalid="ignore"):  # a plane without wind
         f = flights(batch)
     onset = float(wind.onset)
     ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
     f.cases.start[:], f.cases.ends[:] = onset, ends
-    f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _LONGEST)
+    f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
     f.now.piece[:] = (f.winds.knots[f.cases.wind] <= onset).sum(axis=1) - 1
     return f
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
-    """What was kept of flights on their way."""
+class PlaneOutcomes:
+    """Peaks, ends and outcomes of flights in both planes; `shown` are samples of a single one."""
 
     attitude: FloatArray
     deflection: FloatArray
@@ -78,87 +81,89 @@ class Course:
     shown: list[tuple[complex, complex]]
 
 
-def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> Course:
-    """Fly both planes in step until all is decided."""
-    m, own, stop = limit.size, len(law.law.states[0]), law.shape
-    course = Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
+def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> PlaneOutcomes:
+    """Return the outcomes of flights whose planes are stepped together until all are decided."""
+    m, order, stop = limit.size, len(law.law.states[0]), law.shape
+    outcomes = PlaneOutcomes(
+        np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), []
+    )
     steppers, plain = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.cases.finish[:] = last
     for k in range(last + 1):
-        going = np.flatnonzero(course.ended < 0)
+        active = np.flatnonzero(outcomes.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-        x = _both(pair, lambda f: f.now.y[:, 0])[going]
-        s = _both(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[going]
-        course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
-        course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
+        x = _both(pair, lambda f: f.now.y[:, 0])[active]
+        s = _both(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
+        outcomes.attitude[active] = np.maximum(outcomes.attitude[active], np.abs(x))
+        outcomes.deflection[active] = np.maximum(outcomes.deflection[active], stop.gauge(s))
         if m == 1:
-            course.shown.append((complex(x[0]), complex(s[0])))
+            outcomes.shown.append((complex(x[0]), complex(s[0])))
         if k % LOOK == 0 or k == last:
-            _decide(pair, stop, limit, course, k, k == last)
-            going = np.flatnonzero(course.ended < 0)
-            if not going.size:
+            _decide(pair, stop, limit, outcomes, k, k == last)
+            active = np.flatnonzero(outcomes.ended < 0)
+            if not active.size:
                 break
-        measured = _both(pair, lambda f: f.now.measured)[going]
-        states = _both(pair, lambda f: f.now.states)[going, :own]
-        demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
-        command[going], at_stop = law.limited(demand, limit[going])
-        course.saturated[going] += at_stop
-        for stepper, part in zip(steppers, (command.real, command.imag), strict=True):
-            stepper.advance(k, np.ascontiguousarray(part), plain, plain)
-    return course
+        measured = _both(pair, lambda f: f.now.measured)[active]
+        states = _both(pair, lambda f: f.now.states)[active, :order]
+        demand, command = law.demand(measured, states, limit[active]), np.zeros(m, complex)
+        command[active], at_stop = law.limited(demand, limit[active])
+        outcomes.saturated[active] += at_stop
+        for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
+            stepper.advance(k, np.ascontiguousarray(component), plain, plain)
+    return outcomes
 
 
-def _both(pair: list[Flights], part: Callable[[Flights], FloatArray]) -> Vectors:
-    """The vectors of both planes."""
-    pitch, yaw = (part(f) for f in pair)
+def _both(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
+    """Return the vectors pitch + j yaw of an array of both planes' flights."""
+    pitch, yaw = (array(f) for f in pair)
     return np.asarray(pitch + 1j * yaw)
 
 
 def _decide(
-    pair: list[Flights], stop: Stop, limit: FloatArray, course: Course, k: int, last: bool
+    pair: list[Flights], stop: Stop, limit: FloatArray, outcomes: PlaneOutcomes, k: int, last: bool
 ) -> None:
-    """End flights of which one plane is lost, or both are saved."""
+    """End the flights of which one plane is lost, or both have settled, in place."""
     pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
-    saved = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
-    if np.any(saved):
+    survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
+    if np.any(survived):
         z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
         with np.errstate(all="ignore"):
-            near = stop.gauge(np.where(saved, z[0] + 1j * z[1], 0.0))
-        saved &= near < _INSIDE * limit
-    done = (lost | saved | last) & (course.ended < 0)
-    course.outcome[done] = np.where(
-        lost[done],
+            ratio = stop.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
+        survived &= ratio < _MAX_OVER_RECOVERABLE * limit
+    decided = (lost | survived | last) & (outcomes.ended < 0)
+    outcomes.outcome[decided] = np.where(
+        lost[decided],
         STATUS.index(LOST),
-        np.where(saved[done], STATUS.index(SURVIVED), STATUS.index(UNDECIDED)),
+        np.where(survived[decided], STATUS.index(SURVIVED), STATUS.index(UNDECIDED)),
     )
-    course.ended[done] = k
+    outcomes.ended[decided] = k
     for f in pair:
-        f.now.ended[done] = k
+        f.now.ended[decided] = k
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownPlanes(Shown):
-    """The outcomes of flights of both planes, each field in the shape of the limits.
+    """Outcomes of flights in both planes, each field in the shape of the limits.
 
     Attributes
     ----------
     peak_attitude : ndarray
-        Size [rad] of the largest attitude vector at samples.
+        Magnitude [rad] of the largest attitude vector at samples.
     peak_deflection : ndarray
-        Largest deflection [rad] at samples, in the measure of the stop.
+        Largest deflection [rad] at samples, in the measure of the limit shape.
     saturated_time_fraction : ndarray
-        Part of the flight in which the stop was asked for.
+        Fraction of the flight in which the demand was at or beyond the limit.
     end_time : ndarray
-        When the flight ended [s].
+        Time of the end of the flight [s].
     status : ndarray of str
-        "survived", "lost" or "undecided", as of `FlownCases`.
+        "survived", "lost" or "undecided", see `FlownCases`.
     time, attitude, deflection : ndarray
-        Of one flight alone, samples [s], and the vectors [rad] there, ``(n,)``; else of no length.
+        Samples [s] of a single flight, and its vectors [rad], ``(n,)``; empty for several flights.
     """
 
     peak_attitude: FloatArray
@@ -175,20 +180,21 @@ class FlownPlanes(Shown):
 
 @dataclass(frozen=True, eq=False)
 class FlownPlaneLimit(Shown):
-    """The least limit with which a law survives a wind in both planes.
+    """Smallest limit above which a law survives a wind in both planes.
 
     Attributes
     ----------
     limit : float
-        Over ``|B|`` times the largest wind vector; infinite if the largest that was tried is lost.
+        Limit over ``|B|`` times the largest wind vector; infinite if the largest of the scan is
+        lost.
     deflection : float
-        The same [rad], positive, in the measure of the stop.
+        Limit [rad], positive, in the measure of the limit shape.
     scan : ndarray
-        The limits that were tried, rising, over the same.
+        Limits of the flights, rising, over ``|B|`` times the largest wind vector.
     survives : ndarray of bool
-        Which of them survive.
+        Whether each of them survives.
     status : str
-        "ok", or in words why the limit is an end of the range.
+        "ok", or the reason why the limit is an end of the range.
     """
 
     limit: float
@@ -214,33 +220,33 @@ def fly_planes(
     delay: float = 0.0,
     yaw_plant: Plant | None = None,
 ) -> FlownPlanes:
-    """Return the outcomes of flights of a law in pitch and yaw, whose nozzle has one stop.
+    """Return the outcomes of flights of a law in pitch and yaw with one limit shape.
 
     Parameters
     ----------
     plant : Plant
         One plant with one or two real unstable poles.
     law : Law
-        For both planes: along the felt wind and across it.
+        Law of both planes: it acts along the measured wind and across it.
     wind : PlaneWind
         One wind that ends.
     deflection_limit : array_like
         Limits [rad], positive, each a flight.
     stop : Stop or str
-        What the nozzle can do, times the limit; or a word, as of `size`.
+        Limit shape of the nozzle, of unit limit; or its name, as in `size`.
     saturate : {"radial", "each plane"}
-        Whether the vector that is asked for keeps its direction when it is limited, or each plane
-        is limited by itself to the square inside the stop.
+        Whether the limited demand keeps its direction, or each component is limited by the largest
+        rectangle within the limit shape.
     rate_limit : float
-        Largest deflection rate [rad/s], of each plane.
+        Largest deflection rate [rad/s] of each plane.
     actuator : Actuator, optional
-        Of first order, in both planes. Without one the deflection follows its command at once.
+        First-order actuator of both planes. Without it the deflection equals its command.
     sample_rate : float
-        Samples of the law in a second [Hz], the first at the onset of the wind.
+        Samples of the law per second [Hz], the first at the onset of the wind.
     delay : float
-        Computing delay [s], as of `fly_many`.
+        Computing delay [s], see `fly_many`.
     yaw_plant : Plant, optional
-        Of the yaw plane; by default the same as in pitch.
+        Plant of the yaw plane; by default that of the pitch plane.
 
     Returns
     -------
@@ -265,22 +271,24 @@ def fly_planes(
     ['lost', 'survived']
     """
     planes = _plants(plant, yaw_plant)
-    whole = LawInPlanes(law, stop, saturate)
+    both = LawInPlanes(law, stop, saturate)
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
     length = np.asarray(1.0 / rate)
-    late = check_delays(number("delay", delay), length)
-    hardware = Hardware(length, late, actuator, check_rate_limit(rate_limit))
-    for one in planes:
-        check_pace(one, 1.0 / rate)
+    delays = check_delays(number("delay", delay), length)
+    hardware = Hardware(length, delays, actuator, check_rate_limit(rate_limit))
+    for plane_plant in planes:
+        check_fastest_pole(plane_plant, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
     flat = np.atleast_1d(limit).ravel()
     pair = [
-        ready(one, law, wind, part, flat * side, hardware)
-        for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.plane_limits, strict=True)
+        plane_flights(one, law, wind, part, flat * side, hardware)
+        for one, part, side in zip(planes, (wind.pitch, wind.yaw), both.plane_limits, strict=True)
     ]
-    return _answer(flown_in_step(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
+    return _flown_planes(
+        flown_in_step(pair, both, flat), float(wind.onset), 1.0 / rate, limit.shape
+    )
 
 
 def flown_plane_limit(
@@ -295,26 +303,26 @@ def flown_plane_limit(
     highest: float = 2.0,
     **flight: Any,
 ) -> FlownPlaneLimit:
-    """Return the least limit with which a law survives a wind in both planes.
+    """Return the smallest deflection limit above which a law survives a wind in both planes.
 
     Parameters
     ----------
     plant, law, wind, stop, saturate, sample_rate
-        As of `fly_planes`.
+        Same as in `fly_planes`.
     lowest, highest : float
-        Range of the limits that are tried, over ``|B|`` times the largest wind vector.
+        Range of the limits, over ``|B|`` times the largest wind vector.
     **flight
-        As of `fly_planes`: rate_limit, actuator, delay, yaw_plant.
+        Options of `fly_planes`: rate_limit, actuator, delay, yaw_plant.
 
     Returns
     -------
     FlownPlaneLimit
-        Scanned and refined as by `closed_loop_boundary`.
+        Result of the scan and refinements of `closed_loop_boundary`.
 
     Raises
     ------
     InputError
-        As `fly_planes`, and for a range that is none.
+        In the same cases as `fly_planes`, and for an empty range.
 
     Examples
     --------
@@ -338,9 +346,9 @@ def flown_plane_limit(
         options = {"stop": stop, "saturate": saturate, "sample_rate": sample_rate, **flight}
         return fly_planes(plant, law, wind, deflection_limit=limits * scale, **options).status
 
-    edge = edge_above_losses(status, np.linspace(low, high, STEPS + 1))
-    survives = edge.found == SURVIVED
-    return FlownPlaneLimit(edge.limit, edge.limit * scale, edge.scan, survives, edge.status)
+    limit = limit_above_losses(status, np.linspace(low, high, STEPS + 1))
+    survives = limit.outcomes == SURVIVED
+    return FlownPlaneLimit(limit.limit, limit.limit * scale, limit.scan, survives, limit.status)
 
 
 def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
@@ -366,15 +374,17 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
         )
 
 
-def _answer(course: Course, start: float, length: float, shape: tuple[int, ...]) -> FlownPlanes:
-    shown = np.array(course.shown).reshape(-1, 2)
-    end: FloatArray = np.asarray(start + course.ended * length)
+def _flown_planes(
+    outcomes: PlaneOutcomes, start: float, length: float, shape: tuple[int, ...]
+) -> FlownPlanes:
+    shown = np.array(outcomes.shown).reshape(-1, 2)
+    end: FloatArray = np.asarray(start + outcomes.ended * length)
     return FlownPlanes(
-        peak_attitude=course.attitude.reshape(shape),
-        peak_deflection=course.deflection.reshape(shape),
-        saturated_time_fraction=(course.saturated / np.maximum(course.ended, 1)).reshape(shape),
+        peak_attitude=outcomes.attitude.reshape(shape),
+        peak_deflection=outcomes.deflection.reshape(shape),
+        saturated_time_fraction=(outcomes.saturated / np.maximum(outcomes.ended, 1)).reshape(shape),
         end_time=end.reshape(shape),
-        status=np.array(STATUS)[course.outcome].reshape(shape),
+        status=np.array(STATUS)[outcomes.outcome].reshape(shape),
         time=np.asarray(start + length * np.arange(len(shown))),
         attitude=shown[:, 0],
         deflection=shown[:, 1],

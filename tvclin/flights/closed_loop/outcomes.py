@@ -1,4 +1,4 @@
-"""When a flight is lost or settled, for a batch of plants: the recoverable set of each."""
+"""Outcome of a flight: lost outside the recoverable set of its unstable modes, settled inside."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from tvclin.linear.modes import left_eigenvector, select_unstable
 from tvclin.linear.plant import INPUTS
 
 SETTLING = 5.0
-"""Saved: settled for so long, over the fastest pole."""
+"""Time that a flight must be settled to survive, times the fastest pole."""
 WAITING = 60.0
-"""A flight that is neither lost nor settled by so long after the wind, over the slowest pole."""
+"""Time after the wind after which a flight is undecided, times the slowest unstable pole."""
 
 
-class Judging(NamedTuple):
-    """What judges the flights of plants ``(p,)`` with states ``(n,)``.
+class OutcomeCriteria(NamedTuple):
+    """Criteria of loss and survival for p plants with n states.
 
-    `rows`: of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states,
-    of the deflection and its rate; zeros for no second. `reach`: of the coordinates, over the
-    deflection limit, ``(p,)``. NaN where a plant has not one or two real unstable poles, so that
-    nothing can be said of its flights. `ratio`: the slow pole over the fast one; zero where there
-    is one, ``(p,)``. `settling`, `waiting`: how long a flight must be settled to be saved, and may
-    be open [s], ``(p,)``.
+    `rows`: coefficients of the fast and the slow unstable coordinate [rad] on states, deflection
+    and deflection rate, ``(p, 2, n + 2)``; zeros without a slow one. `reach`: largest recoverable
+    coordinate over the deflection limit, ``(p,)``; NaN for a plant without one or two real unstable
+    poles, whose flights have no outcome. `ratio`: slow over fast pole, ``(p,)``; zero for one pole.
+    `settling`, `waiting`: times [s] of settling and until a flight is undecided, ``(p,)``.
     """
 
     rows: FloatArray
@@ -36,14 +35,14 @@ class Judging(NamedTuple):
     waiting: FloatArray
 
 
-def judging(plant: AnyPlant) -> Judging:
-    """Return what judges the flights of a batch of plants, flattened."""
-    fast, slow, reach = _growing(plant)
+def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
+    """Return the outcome criteria of a batch of plants, flattened."""
+    fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
     slow = np.where(two, slow, fast)
     first = _coordinate(plant, fast, B)
     second = _coordinate(plant, slow, B) if np.any(two) else first
-    return Judging(
+    return OutcomeCriteria(
         rows=np.stack([first, np.where(two[:, np.newaxis], second, 0.0)], axis=1),
         reach=reach,
         ratio=np.where(two, slow / fast, 0.0),
@@ -53,42 +52,46 @@ def judging(plant: AnyPlant) -> Judging:
 
 
 def decidable(plant: AnyPlant) -> BoolArray:
-    """Return which plants of a batch have one or two real unstable poles and a moment."""
-    reach = _growing(plant)[-1]
+    """Return whether each plant has one or two real unstable poles and a control moment."""
+    reach = _unstable_poles(plant)[-1]
     return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
 
 
-def _growing(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The fast and the slow real unstable pole, NaN where there is none, and `reach`."""
+def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the fast and the slow real unstable pole [1/s], NaN without it, and the reach 1/|B|.
+
+    All are ``(p,)``; a plant with other unstable poles has a reach of NaN.
+    """
     poles = select_unstable(plant.poles)
     size = int(np.prod(plant.batch))
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
     columns = np.ascontiguousarray(poles.T)
     real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
     count = np.sum(~np.isnan(columns), axis=0)
-    known = real & (count > 0) & (count <= MOST_MODES)
+    valid = real & (count > 0) & (count <= MOST_MODES)
     s = np.full((MOST_MODES, len(poles)), np.nan)
     width = min(MOST_MODES, poles.shape[-1])
     s[:width] = np.real(columns[:width])
-    fast, slow = np.where(known, s[0], 1.0), np.where(known, s[1], np.nan)
+    fast, slow = np.where(valid, s[0], 1.0), np.where(valid, s[1], np.nan)
     B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
-    return fast, slow, 1.0 / np.abs(np.where(known, B, np.nan))
+    return fast, slow, 1.0 / np.abs(np.where(valid, B, np.nan))
 
 
 def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """The rows z of `recoverable.unstable_coordinates`, of states, delta and delta'.
+    """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
 
-    With l A = p l and z = l x, z' = p z + l b delta + l b3 delta'', b3 being what an engine with
-    inertia does. What the deflection moves alone is
+    The coordinate is that of `recoverable.unstable_coordinates`. With the left eigenvector l, l A =
+    p l, and z = l x: z' = p z + l b delta + l b3 delta'', where b3 is the input of an engine with
+    inertia. The coordinate that follows the deflection alone is
 
-        z - l b3 (delta' + p delta),    by l b + p^2 l b3.
+        z - l b3 (delta' + p delta),    with the input l b + p^2 l b3.
     """
     A, inputs, _, _ = plant.matrices()
     n, count = A.shape[-1], inputs.shape[-1]
     A, inputs = A.reshape(-1, n, n), inputs.reshape(-1, n, count)
     row = np.real(left_eigenvector(A, pole)[1])
-    moved = np.einsum("mi,mij->mj", row, inputs)
-    swing = moved[:, len(INPUTS) :].sum(axis=1)
-    rows = np.column_stack([row, -pole * swing, -swing])
+    gains = np.einsum("mi,mij->mj", row, inputs)
+    inertia = gains[:, len(INPUTS) :].sum(axis=1)
+    rows = np.column_stack([row, -pole * inertia, -inertia])
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
-        return rows * (-pole / B / (moved[:, 0] + pole**2 * swing))[:, np.newaxis]
+        return rows * (-pole / B / (gains[:, 0] + pole**2 * inertia))[:, np.newaxis]

@@ -33,26 +33,26 @@ _TYPES = {float: np.float64, bool: np.bool_}
 
 
 def flown(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the flights of a batch at their ends; of one alone with its track if asked for."""
+    """Return the flights of a batch at their ends; with `track` one flight with its samples."""
     f = flights(batch, track=track)
     finish(f, batch.laws)
     return f
 
 
 def finish(f: Flights, laws: LawBatch) -> None:
-    """Fly flights of such laws to their ends."""
-    if any(one is None for one in laws.numbers):
+    """Step flights to their ends, in place."""
+    if any(numbers is None for numbers in laws.numbers):
         _in_python(f, laws)
         return
     cases = f.cases.limit.size
     samples, first = float(_last(f).sum()), 0
     seconds = samples * kernel.PLAIN
-    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+    with np.errstate(all="ignore"):  # a lost flight may overflow
         fly = choice.swiftest(kernel.fly, seconds)
         while first < cases and fly is kernel.fly:
-            begun = perf_counter()  # one that stays open takes longer than was thought
+            start = perf_counter()  # an undecided flight takes longer than the estimate
             fly(f, first, first + 1)
-            fly, first = choice.chosen(kernel.fly, perf_counter() - begun), first + 1
+            fly, first = choice.chosen(kernel.fly, perf_counter() - start), first + 1
     if first < cases:
         compact = _compact(f)
         work = samples * kernel.COMPILED
@@ -60,81 +60,80 @@ def finish(f: Flights, laws: LawBatch) -> None:
 
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
-    """Fly laws that Python must be asked for, all flights of a law at once."""
+    """Step flights of laws without numbers, which Python evaluates for all flights at once."""
     stepper, k = Stepper(f), 0
     engage, release = (
         np.array([getattr(law, name) for law in laws.laws], float)[f.cases.law]
         for name in ("engage", "release")
     )
-    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+    with np.errstate(all="ignore"):  # a lost flight may overflow
         while stepper.look(k):
-            going, demand = f.now.ended < 0, np.zeros(f.cases.limit.size)
-            for place, law in enumerate(laws.laws):
-                mine = np.flatnonzero(going & (f.cases.law == place))
-                if mine.size:
-                    demand[mine] = _asked(law, f, mine)
+            active, demand = f.now.ended < 0, np.zeros(f.cases.limit.size)
+            for index, law in enumerate(laws.laws):
+                flights = np.flatnonzero(active & (f.cases.law == index))
+                if flights.size:
+                    demand[flights] = _demand(law, f, flights)
             stepper.advance(k, demand, engage, release)
             k += 1
 
 
 class Stepper:
-    """Flights that are moved by what stands beside them, a sample at a time."""
+    """Kernel of flights whose demand is computed outside, one sample at a time."""
 
     def __init__(self, f: Flights) -> None:
         seconds = float(_last(f).sum()) * kernel.PLAIN / 2.0
-        looks, moves = (choice.swiftest(one, seconds) for one in (kernel.look, kernel.advance))
-        self._look, self._advance = looks, moves
-        self._flights = f if looks is kernel.look else _compact(f)
+        self._look = choice.swiftest(kernel.look, seconds)
+        self._advance = choice.swiftest(kernel.advance, seconds)
+        self._flights = f if self._look is kernel.look else _compact(f)
 
     def look(self, k: int) -> int:
-        """Look at all flights at a sample; return how many go on."""
+        """Evaluate measurements and outcomes at sample k; return the number of active flights."""
         return self._look(self._flights, k)
 
     def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
-        """Move all that go on by a sample, with what is asked of them [rad], each ``(m,)``."""
+        """Step the active flights by a sample, with demands [rad] and switch levels, ``(m,)``."""
         self._advance(self._flights, k, demand, engage, release)
 
 
 def _last(f: Flights) -> IntArray:
-    """The samples that flights take at the least."""
+    """Return the smallest number of samples of each flight, ``(m,)``."""
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
 
-def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
-    """What a law asks for; one flight is told in plain numbers, which take half the time."""
-    own = len(law.states[0])
-    states, limit = f.now.states[mine, :own], f.cases.limit[mine]
-    if mine.size > 1:
-        asked = law.demand(Measurement(*f.now.measured[mine].T), states.T, limit)
+def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
+    """Return the demand [rad] of a law in its flights; plain floats for one, in half the time."""
+    order = len(law.states[0])
+    states, limit = f.now.states[flights, :order], f.cases.limit[flights]
+    if flights.size > 1:
+        demand = law.demand(Measurement(*f.now.measured[flights].T), states.T, limit)
     else:
-        measured = Measurement(*f.now.measured[mine[0]].tolist())
-        asked = law.demand(measured, states[0], float(limit[0]))
-    return np.asarray(asked, dtype=float)
+        measured = Measurement(*f.now.measured[flights[0]].tolist())
+        demand = law.demand(measured, states[0], float(limit[0]))
+    return np.asarray(demand, dtype=float)
 
 
 def _compact(f: Flights) -> Flights:
-    """Flights whose laws are an array with their fields, for machine code."""
+    """Return the flights with the laws as a structured array, for machine code."""
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
-    numbers = np.array([tuple(one) for one in f.laws.numbers], dtype=kinds)
+    numbers = np.array([tuple(law) for law in f.laws.numbers], dtype=kinds)
     return f._replace(laws=f.laws._replace(numbers=numbers))
 
 
-_DIGITS = 12
-"""Of a time in a substep [s]: times on a grid fall on few of them."""
-_FEW = 64
-"""So many of them are taken one after the other."""
+_TIME_DECIMALS = 12
+"""Decimals of a time within a substep [s]; times on a grid then have few different values."""
+_MAX_LOOPED_TIMES = 64
+"""Largest number of different times within a substep that are evaluated in a loop."""
 _MAX_NUMBERS = 4_000_000
-"""Numbers of the matrices that are gathered at once, 32 or 64 MB."""
+"""Largest number of matrix entries that are gathered at once, 32 or 64 MB."""
 
 
 class Tracked(NamedTuple):
-    """One flight by samples at some times ``(m,)``, zero before its start.
+    """One sampled flight at m times, zero before its start.
 
-    `rows`: states of the plant and the deflection, ``(n + 1, m)``. `rate`, `acceleration`: of the
-    actuator right after the times [rad/s, rad/s2]; None without one. They are those of its
-    equation. In a substep in which its rate or its stop bounds the nozzle it goes evenly; that it
-    is stopped short there counts as no acceleration, nor does a jump of the rate of an actuator of
-    first order.
+    `rows`: states of the plant and the deflection, ``(n + 1, m)``. `rate`, `acceleration`: rate and
+    acceleration of the actuator right after the times [rad/s, rad/s^2], from its equation; None
+    without an actuator. In a substep in which rate or deflection are limited the rate is constant;
+    impulses of acceleration at the limits, and those of a first-order actuator, are not included.
     """
 
     rows: FloatArray
@@ -143,31 +142,31 @@ class Tracked(NamedTuple):
 
 
 def tracked(flight: Batch, times: FloatArray) -> Tracked:
-    """Fly one flight by samples, and return it at times [s] up to its end.
+    """Return one sampled flight at times [s] up to its end.
 
-    `InputError` when its states have grown beyond all meaning.
+    `InputError` if its states exceed `LOST`.
     """
     plant, actuator, f = flight.plant, flight.hardware.actuator, flown(flight, track=True)
-    n, whole = len(plant.states), plant_with_actuator(plant, actuator)
+    n, system = len(plant.states), plant_with_actuator(plant, actuator)
     _check(f, n)
-    at = _substeps(f, whole, n, times)
+    at = _substeps(f, system, n, times)
     rows = _rows(at, plant, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, None, None)
-    moves = whole.A @ at.free + whole.B[:, :1] * at.command
-    still = times < at.onset
-    rate = np.where(still, 0.0, np.where(at.bounded, at.slope, moves[n]))
-    return Tracked(rows, rate, np.where(still | at.bounded, 0.0, whole.A[n] @ moves))
+    derivatives = system.A @ at.free + system.B[:, :1] * at.command
+    before = times < at.onset
+    rate = np.where(before, 0.0, np.where(at.bounded, at.slope, derivatives[n]))
+    return Tracked(rows, rate, np.where(before | at.bounded, 0.0, system.A[n] @ derivatives))
 
 
 def outputs_of(plant: AnyPlant, rows: FloatArray, gusts: FloatArray) -> FloatArray:
-    """Return the outputs of a plant, of its states with the deflection, and of the wind [rad]."""
+    """Return the outputs ``(outputs, m)`` of a plant, from states, deflection and wind [rad]."""
     _, _, C, D = plant.matrices()
     return np.asarray(C @ rows[:-1] + D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts]))
 
 
 def _check(f: Flights, order: int) -> None:
-    """Raise `InputError` when states of a flight have grown beyond all meaning."""
+    """Raise `InputError` if states of a flight exceed `LOST`."""
     track = _written(f)
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
@@ -179,28 +178,32 @@ def _check(f: Flights, order: int) -> None:
 def _rows(
     at: _Substeps, plant: AnyPlant, actuator: Actuator | None, wind: History, times: FloatArray
 ) -> FloatArray:
+    """Return states of the plant and deflection at the times, ``(n + 1, m)``."""
     bare, y, first, slope = plant.system, at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]
-    if "deflection_acceleration" in bare.inputs:  # an impulse where the even rate begins
+    if "deflection_acceleration" in bare.inputs:  # an impulse at the start of the constant rate
         before = np.where(np.abs(y[:, n]) <= at.limit, y[:, n + 1], 0.0)
         vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
     rows = np.zeros((n + 1, times.size))
     rows[:n] = at.free[:n]
     if np.any(at.bounded):
-        even = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.once).A
-        straight = at.moved(even, np.column_stack([vehicle, first, slope]))[:n]
-        rows[:n] = np.where(at.bounded, straight, rows[:n])
-    rows[:n] += _blown(bare.A, bare.B[:, 1], wind, at)
+        ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.once).A
+        limited = at.stepped(ramp, np.column_stack([vehicle, first, slope]))[:n]
+        rows[:n] = np.where(at.bounded, limited, rows[:n])
+    rows[:n] += _wind_response(bare.A, bare.B[:, 1], wind, at)
     position = at.command if actuator is None else np.clip(at.free[n], -at.limit, at.limit)
     rows[n] = np.where(at.bounded, first + slope * at.u, position)
     return np.where(times < at.onset, 0.0, rows)
 
 
 class _Substeps(NamedTuple):
-    """For each of m times the substep in which it lies, and how long after its begin.
+    """Substep of each of m times, and the time `u` [s] since its start.
 
-    `once` are these lengths of time, each once, and `which` says which of them each is.
+    `begins`: starts of the substeps [s]. `once`, `which`: different values of `u`, and their index
+    for each time. `y`: state at the start. `command`: command [rad] of the substep. `bounded`:
+    whether rate or deflection are limited. `first`, `slope`: deflection [rad] at the start and its
+    constant rate [rad/s] if limited. `free`: state at the time without limits and wind.
     """
 
     onset: float
@@ -216,30 +219,30 @@ class _Substeps(NamedTuple):
     slope: FloatArray
     free: FloatArray
 
-    def moved(self, steps: AnyArray, states: AnyArray) -> AnyArray:
-        """Return what matrices of `once` make of states ``(m, n)``, as columns."""
-        found = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
-        if self.once.size > _FEW:
+    def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
+        """Return steps times states as columns ``(n, m)``; `steps` has a matrix for each `once`."""
+        columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
+        if self.once.size > _MAX_LOOPED_TIMES:
             width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)
             for k in range(0, len(states), width):
-                part = slice(k, k + width)
-                found[:, part] = np.einsum("mij,mj->im", steps[self.which[part]], states[part])
-            return found
-        for k, one in enumerate(steps):
-            mine = self.which == k
-            found[:, mine] = one @ states[mine].T
-        return found
+                block = slice(k, k + width)
+                columns[:, block] = np.einsum("mij,mj->im", steps[self.which[block]], states[block])
+            return columns
+        for k, step in enumerate(steps):
+            same = self.which == k
+            columns[:, same] = step @ states[same].T
+        return columns
 
 
-def _substeps(f: Flights, whole: LinearSystem, n: int, times: FloatArray) -> _Substeps:
-    """Of a system with n states of the plant, then those of its actuator."""
-    N, order = f.now.y.shape[1], len(whole.states)
+def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _Substeps:
+    """Return the substeps of times [s]; the first n states of the system are the plant's."""
+    N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _written(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
-    once, which = np.unique(np.round(u, _DIGITS), return_inverse=True)
-    y, (command, last, met) = track[row, :N], track[row, N:-1].T
+    once, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
+    y, (command, last, bounded) = track[row, :N], track[row, N:-1].T
     lengths = np.diff(begins, append=f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
     at = _Substeps(
@@ -251,40 +254,40 @@ def _substeps(f: Flights, whole: LinearSystem, n: int, times: FloatArray) -> _Su
         which=which,
         y=y,
         command=command,
-        bounded=met > 0.0,
+        bounded=bounded > 0.0,
         first=first,
         slope=(last - first) / lengths,
         free=y,
     )
-    moved = whole.select(INPUTS[:1], ()).to_steps(at.once)
-    free = at.moved(
-        np.concatenate([moved.A, moved.B], axis=2), np.column_stack([y[:, :order], command])
+    steps = system.select(INPUTS[:1], ()).to_steps(at.once)
+    free = at.stepped(
+        np.concatenate([steps.A, steps.B], axis=2), np.column_stack([y[:, :order], command])
     )
     return at._replace(free=free)
 
 
 def _written(f: Flights) -> FloatArray:
-    """The rows of the track that were written."""
+    """Return the rows of the track that were written."""
     return f.track[~np.isnan(f.track[:, -1])]
 
 
-def _blown(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
-    """What the wind adds to the states since the begin of a substep, ``(n, m)``."""
+def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
+    """Return the response of the states to the wind since the start of the substep, ``(n, m)``."""
     n, pieces = len(A), wind.pieces
     matrix, begins = piece_matrix(A, gust, pieces), at.begins
     steps = matrix_exponentials(matrix, at.once)[:, :n, n:]
-    added = np.real(at.moved(steps, input_states(pieces, begins)))
+    added = np.real(at.stepped(steps, input_states(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
     ends = begins + at.u
     for k in np.flatnonzero(np.any((begins < knots) & (knots < ends), axis=0)):
         inside = pieces.knots[(begins[k] < pieces.knots) & (pieces.knots < ends[k])]
         edges = np.concatenate([begins[k : k + 1], inside, ends[k : k + 1]])
         state = np.zeros(n, dtype=complex)
-        for part, begun in zip(
+        for step, inputs in zip(
             matrix_exponentials(matrix, np.diff(edges)),
             input_states(pieces, edges[:-1]),
             strict=True,
         ):
-            state = part[:n, :n] @ state + part[:n, n:] @ begun
+            state = step[:n, :n] @ state + step[:n, n:] @ inputs
         added[:, k] = np.real(state)
     return np.asarray(added)

@@ -32,133 +32,139 @@ if TYPE_CHECKING:
     from tvclin.flights.closed_loop.batch import Batch
 
 
-_SMALL = 1e-7
-"""A state so small, over the reach, is far below every limit and dead band."""
-SLOW = 0.1
-"""What turns more slowly, over the fastest growing pole, does not swing but creeps."""
-_TOGETHER = 20_000
-"""Rows of steps that are worked on together."""
-_BEYOND = 1e100
-"""An eigenvalue in place of one that is no number."""
+_DIFFERENCE_OVER_REACH = 1e-7
+"""State of a finite difference, over the recoverable set: far below every limit and dead band."""
+MIN_FREQUENCY_OVER_POLE = 0.1
+"""Smallest frequency of an oscillation, over the fastest unstable pole; slower modes count as
+real."""
+_MAX_ROWS = 20_000
+"""Largest number of matrix rows whose eigenvalues are computed at once."""
+_OVERFLOW_EIGENVALUE = 1e100
+"""Eigenvalue of a step whose entries are not finite."""
 
 
-def worst_near_rest(batch: Batch) -> complex:
-    """Return the pole [1/s] of the worst mode of one loop, log(z)/h, upper where there are two.
+def dominant_pole(batch: Batch) -> complex:
+    """Return the dominant pole log(z)/h [1/s] of one loop, with imaginary part >= 0.
 
-    The spectral radius of its step near rest says how fast it grows (positive) or decays. Its
-    frequency is what the samples show, at most half their rate.
+    z is the eigenvalue of largest modulus of its step at equilibrium. The imaginary part is the
+    frequency of the samples, at most half their rate.
     """
-    values = np.linalg.eigvals(step_near_rest(batch)).astype(complex)
+    values = np.linalg.eigvals(equilibrium_step(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]
     growth = np.log(max(abs(worst), np.finfo(float).tiny))
     return complex(growth, abs(np.angle(worst))) / float(batch.hardware.length)
 
 
-def swing_near_rest(batch: Batch, f: Flights) -> FloatArray:
-    """Return the growth rate [1/s] of the worst oscillation of each of many loops, ``(m,)``.
+def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
+    """Return the largest growth rate [1/s] of an oscillation of each of m loops, ``(m,)``.
 
-    What creeps does not count: a real positive eigenvalue of the step, and one that turns by less
-    than a tenth of the fastest growing pole, as the path does. `f` are the flights of the batch, at
-    any sample.
+    Slow modes do not count: real positive eigenvalues of the step, and frequencies below a tenth of
+    the fastest unstable pole, such as that of the path. `f`: flights of the batch, at any sample.
     """
-    # Flights that differ in their limit alone are of one loop, unless their law looks at it.
-    looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.cases.law]
-    alike = np.where(looks, f.cases.limit, 0.0)
-    keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, alike])
+    # Flights that differ in their limit alone have the same loop, unless their law depends on it.
+    depends = np.array([law is None or law.leans for law in batch.laws.numbers])[f.cases.law]
+    limit = np.where(depends, f.cases.limit, 0.0)
+    keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, limit])
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     size = f.now.y.shape[1] + f.now.states.shape[1] + f.now.commands.shape[1]
-    parts = np.array_split(first, -(-first.size * size // _TOGETHER))
-    found = np.concatenate([np.linalg.eigvals(_steps(batch, f, part)) for part in parts])
-    values = found.astype(complex)[which.ravel()]
+    blocks = np.array_split(first, -(-first.size * size // _MAX_ROWS))
+    eigenvalues = np.concatenate([np.linalg.eigvals(_steps(batch, f, block)) for block in blocks])
+    values = eigenvalues.astype(complex)[which.ravel()]
     h = f.steps.lengths[f.cases.vehicle, 0]
-    turns = np.abs(np.angle(values)) / h[:, np.newaxis]
-    slowest = SLOW * SETTLING / np.maximum(f.cases.settling * h, h)
-    swings = (turns > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
-    radius = np.where(swings, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
+    frequencies = np.abs(np.angle(values)) / h[:, np.newaxis]
+    slowest = MIN_FREQUENCY_OVER_POLE * SETTLING / np.maximum(f.cases.settling * h, h)
+    oscillates = (frequencies > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
+    radius = np.where(oscillates, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
     return np.asarray(np.log(radius) / h)
 
 
-def step_near_rest(batch: Batch) -> FloatArray:
-    """Return the step of one loop near rest, where it is a matrix.
+def equilibrium_step(batch: Batch) -> FloatArray:
+    """Return the step matrix M of one loop at equilibrium, ``(n, n)``.
 
-    Its columns are what a step makes of the states of the vehicle, of the nozzle and of the law,
-    and of the commands that are still to come, the latest first.
+    It acts on the states of vehicle, nozzle and law, and the pending commands, latest first.
     """
     return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
 
 
 def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the steps of some flights near rest, ``(k, n, n)``."""
+    """Return the step matrices of flights `cases` at equilibrium, ``(k, n, n)``."""
     with np.errstate(over="ignore", invalid="ignore"):
         steps = _composed(batch, f, cases)
-    # A gain whose step is beyond all numbers throws the nozzle from side to side.
-    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_BEYOND * np.eye(steps.shape[-1])
+    # A gain whose step overflows is unstable.
+    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(
+        steps.shape[-1]
+    )
     return steps
 
 
 def _composed(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """The steps of some flights, ``(k, size, size)``; each signal is rows of factors on states."""
-    k, every = cases.size, (f.now.y, f.now.states, f.now.commands)
-    order, own, ring = (one.shape[1] for one in every)
-    places, n = f.cases.vehicle[cases], f.vehicles.A.shape[1]
-    x, held, sent = np.split(np.eye(order + own + ring - 1), [order, order + own])
+    """Return the steps of flights, ``(k, n, n)``; each signal is rows of coefficients on states."""
+    k, arrays = cases.size, (f.now.y, f.now.states, f.now.commands)
+    order, law_order, ring = (array.shape[1] for array in arrays)
+    vehicles, n = f.cases.vehicle[cases], f.vehicles.A.shape[1]
+    size = order + law_order + ring - 1
+    x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
-    def of_each(rows: FloatArray) -> FloatArray:
+    def per_case(rows: FloatArray) -> FloatArray:
         return rows[cases] if len(rows) > 1 else rows
 
     def spread(rows: FloatArray) -> FloatArray:
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))
 
-    sensed = np.concatenate([f.vehicles.shown[places, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1)
-    known = np.concatenate([spread(held), sensed, spread(0.0 * x[:1])], axis=1)
-    seen = of_each(f.laws.seen) @ known if len(f.laws.seen) else sensed
+    sensed = np.concatenate(
+        [f.vehicles.shown[vehicles, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1
+    )
+    signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
+    measured = per_case(f.laws.seen) @ signals if len(f.laws.seen) else sensed
     slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
-    asks = slopes[:, np.newaxis] @ np.concatenate([seen, spread(held)], axis=1)
-    known[:, -1:] = asks
-    told = of_each(f.laws.told)[:, np.newaxis] @ known if len(f.laws.told) else asks
-    commands = np.concatenate([told, spread(sent)], axis=1)
-    moved = spread(x)
-    for part in range(f.steps.joint.shape[1] - 1, -1, -1):
-        age = (f.steps.late[places] + part)[:, np.newaxis, np.newaxis]
+    demand = slopes[:, np.newaxis] @ np.concatenate([measured, spread(law_states)], axis=1)
+    signals[:, -1:] = demand
+    command = per_case(f.laws.told)[:, np.newaxis] @ signals if len(f.laws.told) else demand
+    commands = np.concatenate([command, spread(pending)], axis=1)
+    stepped = spread(x)
+    for index in range(f.steps.joint.shape[1] - 1, -1, -1):
+        age = (f.steps.late[vehicles] + index)[:, np.newaxis, np.newaxis]
         now = np.take_along_axis(commands, age, axis=1)
-        J = f.steps.joint[places, part]
-        moved = J[..., :order] @ moved + J[..., order : order + 1] @ now
-    states = of_each(f.laws.memory) @ known
-    return np.concatenate([moved, states, commands[:, : ring - 1]], axis=1)
+        J = f.steps.joint[vehicles, index]
+        stepped = J[..., :order] @ stepped + J[..., order : order + 1] @ now
+    states = per_case(f.laws.memory) @ signals
+    return np.concatenate([stepped, states, commands[:, : ring - 1]], axis=1)
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """What laws ask for, per number that they see and per state of their own, ``(k, 5 + s)``."""
+    """Return the derivatives of demands by measurements and law states, ``(k, 5 + s)``."""
     reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
-    small, limit = _SMALL / reach * f.cases.limit[cases], f.cases.limit[cases]
-    found = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
-    for place, numbers in enumerate(batch.laws.numbers):
-        mine = np.flatnonzero(f.cases.law[cases] == place)
-        if not mine.size:
+    small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
+    slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
+    for index, numbers in enumerate(batch.laws.numbers):
+        flights = np.flatnonzero(f.cases.law[cases] == index)
+        if not flights.size:
             continue
         if numbers is None:
-            found[mine] = _of_law(batch.laws.laws[place], small[mine], limit[mine], found.shape[1])
+            slopes[flights] = _of_law(
+                batch.laws.laws[index], small[flights], limit[flights], slopes.shape[1]
+            )
             continue
-        alone = mine if numbers.leans else mine[:1]
-        rows = [_of_numbers(numbers, small[i], limit[i], found.shape[1]) for i in alone]
-        found[mine] = np.array(rows)
-    return found
+        different = flights if numbers.leans else flights[:1]
+        rows = [_of_numbers(numbers, small[i], limit[i], slopes.shape[1]) for i in different]
+        slopes[flights] = np.array(rows)
+    return slopes
 
 
 def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
-    """The slopes of a law of the package."""
+    """Return the derivatives of a law with numbers, by finite differences."""
     rows = (small * np.eye(width + 1, width)).tolist()
-    values = [asked(numbers, one[:MEASURED], one[MEASURED:], limit) for one in rows]
+    values = [asked(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
     return [(value - values[-1]) / small for value in values[:-1]]
 
 
 def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
-    """The slopes of a law in Python, of some flights at once."""
-    own = len(law.states[0])
+    """Return the derivatives of a law in Python, by finite differences, for flights at once."""
+    order = len(law.states[0])
     rows = small * np.eye(width + 1, width)[..., np.newaxis]
     values = [
         np.broadcast_to(
-            law.demand(Measurement(*one[:MEASURED]), one[MEASURED : MEASURED + own], limit),
+            law.demand(Measurement(*one[:MEASURED]), one[MEASURED : MEASURED + order], limit),
             small.shape,
         )
         for one in rows
@@ -168,102 +174,110 @@ def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> Float
 
 Response = Callable[[Any], ComplexArray]
 
-_FREQUENCIES, _PER_TURN = 1500, 8
-"""Angles that are laid by ratio, and in each turn of the delay."""
-_LOWEST = 1e-4
-"""Of the frequencies, over the fastest pole of the plant."""
-_ZERO = 1e-12
-"""An angle for zero, where an integrator is not yet infinite."""
-_REAL = 1e-3
-"""What is imaginary in a number that is real, over that; beside an integrator it is 1e12."""
-_EXACT = 4.0 * np.finfo(float).eps
+_LOGARITHMIC_ANGLES = 1500
+"""Number of logarithmically spaced angles on the unit circle."""
+_ANGLES_PER_TURN = 8
+"""Number of angles in each turn of the delay's phase."""
+_MIN_FREQUENCY_OVER_POLE = 1e-4
+"""Lowest frequency of the angles, over the fastest pole of the plant."""
+_ZERO_ANGLE = 1e-12
+"""Angle that replaces zero, where an integrator is infinite."""
+_MAX_IMAGINARY_OVER_REAL = 1e-3
+"""Largest imaginary part of a real crossing, over its real part; near an integrator it is 1e12."""
+_ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
+"""Relative tolerance of roots."""
 
 
-def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, float]:
-    """Return by how much to divide, and to multiply, until the loop grows; infinite for never.
+def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, float]:
+    """Return the gain reduction and increase, factors above one, until the loop is unstable.
 
-    `batch`: one flight, whose loop does not grow. `name`: what is multiplied. `pace`: the fastest
-    unstable pole of the plant [1/s].
+    Infinite if it never is. `batch`: one flight with a stable loop. `name`: "gain" or
+    "effectiveness". `pole`: fastest unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
     samples, rest = split_delay(hardware.delay, hardware.length)
     loop = _response(batch.delayed(rest), name, float(samples))
-    angles = _angles(batch, pace, float(samples))
-    real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]
-    found = loop(np.array(real))
-    found = found[np.abs(found.imag) < _REAL * np.abs(found.real)]  # beside an integrator it is not
-    factors = 1.0 / found.real
+    angles = _angles(batch, pole, float(samples))
+    real = [_ZERO_ANGLE, *_roots(lambda a: loop(a).imag, angles), np.pi]
+    values = loop(np.array(real))
+    is_real = np.abs(values.imag) < _MAX_IMAGINARY_OVER_REAL * np.abs(values.real)
+    factors = 1.0 / values[is_real].real
     fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
     rise = factors[factors > 1.0].min(initial=np.inf)
-    return float(1.0 / fall) if fall > _ZERO else np.inf, float(rise)
+    return float(1.0 / fall) if fall > _ZERO_ANGLE else np.inf, float(rise)
 
 
-def delay_at_growth(batch: Batch, pace: float) -> float:
-    """Return the least delay [s], beyond that of the loop, with which it grows.
+def linear_delay_margin(batch: Batch, pole: float) -> float:
+    """Return the smallest further delay [s] with which the loop is unstable.
 
-    `batch`: one flight, whose loop does not grow. `pace`: the fastest unstable pole of the plant
-    [1/s].
+    `batch`: one flight with a stable loop. `pole`: fastest unstable pole of the plant [1/s].
 
-    With a fraction f of a sample in l, as many whole samples n bring a mode to the circle as arg l
-    = n theta where ``|l| = 1``; f is the one with which n is whole.
+    The delay is f + n samples. With the fraction f included in l, n = arg(l)/theta samples bring a
+    mode to the unit circle where ``|l| = 1``; f is the root for which n is a whole number.
     """
     from scipy.optimize import brentq
 
     h = float(batch.hardware.length)
-    late = float(batch.hardware.delay) / h
-    angles = _angles(batch, pace, 0.0)
+    present = float(batch.hardware.delay) / h
+    angles = _angles(batch, pole, 0.0)
 
-    def samples(part: float) -> float:
-        """Samples on top of a fraction; they need not be whole yet."""
-        loop = _response(batch.delayed(part * h), "gain", 0.0)
-        at = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
-        least = late - part
-        turns = np.mod(np.angle(loop(at)) - least * at, 2.0 * np.pi)
-        return float(np.min(least + turns / at, initial=np.inf))
+    def samples(fraction: float) -> float:
+        """Return the samples n, as a real number, on top of a fraction of a sample."""
+        loop = _response(batch.delayed(fraction * h), "gain", 0.0)
+        theta = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
+        minimum = present - fraction
+        phase = np.mod(np.angle(loop(theta)) - minimum * theta, 2.0 * np.pi)
+        return float(np.min(minimum + phase / theta, initial=np.inf))
 
     first = samples(0.0)
     if first == np.inf:
         return first
-    whole = np.floor(first)
-    part = brentq(lambda f: samples(f) - whole, 0.0, 1.0, xtol=_EXACT) if first > whole else 0.0
-    return float((whole + part - late) * h)
+    n, f = np.floor(first), 0.0
+    if first > n:
+        f = brentq(lambda fraction: samples(fraction) - n, 0.0, 1.0, xtol=_ROOT_TOLERANCE)
+    return float((n + f - present) * h)
 
 
 def _response(batch: Batch, name: str, samples: float) -> Response:
-    """L at angles of z on the unit circle, with so many whole samples of delay more."""
+    """Return l at angles of z on the unit circle, with `samples` whole samples of further delay."""
 
     def step(gain: float, effectiveness: float) -> FloatArray:
         plant = batch.plant.with_effectiveness(effectiveness)
-        return step_near_rest(replace(batch, gain=np.asarray(gain), plant=plant))
+        return equilibrium_step(replace(batch, gain=np.asarray(gain), plant=plant))
 
-    free, moved = step(0.0, 1.0), step(1.0, 1.0)
-    by_command, unit = moved - free, np.eye(len(free))  # D_1; A_1 is free
-    if name == "effectiveness":  # A_2 - A_1 and D_2 - D_1
-        more = step(0.0, 2.0) - free
-        more_by_command = step(1.0, 2.0) - moved - more
+    A_1, M_1 = step(0.0, 1.0), step(1.0, 1.0)
+    D_1, unit = M_1 - A_1, np.eye(len(A_1))
+    if name == "effectiveness":
+        dA = step(0.0, 2.0) - A_1
+        dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
-        z, late = np.exp(1j * theta), np.exp(-1j * samples * theta)
-        loop = free + late * by_command
-        part = late * by_command if name == "gain" else more + late * more_by_command
-        found = np.linalg.solve(z * unit - loop + part, part)
-        return np.asarray(np.trace(found, axis1=-2, axis2=-1))
+        z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)
+        M = A_1 + delay * D_1
+        change = delay * D_1 if name == "gain" else dA + delay * dD
+        product = np.linalg.solve(z * unit - M + change, change)
+        return np.asarray(np.trace(product, axis1=-2, axis2=-1))
 
     return response
 
 
-def _angles(batch: Batch, pace: float, samples: float) -> FloatArray:
-    """Angles between which l is smooth, rising."""
-    by_ratio = np.geomspace(_LOWEST * pace * float(batch.hardware.length), np.pi, _FREQUENCIES)
-    turns = np.linspace(0.0, np.pi, int(_PER_TURN * samples) // 2 + 2)
-    return np.union1d(by_ratio, turns[1:-1])
+def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
+    """Return rising angles theta [rad] that resolve l, up to pi."""
+    logarithmic = np.geomspace(
+        _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES
+    )
+    turns = np.linspace(0.0, np.pi, int(_ANGLES_PER_TURN * samples) // 2 + 2)
+    return np.union1d(logarithmic, turns[1:-1])
 
 
 def _roots(function: Callable[[Any], Any], angles: FloatArray) -> list[float]:
-    """Where a function changes its sign between angles."""
+    """Return the angles at which a function changes its sign."""
     from scipy.optimize import brentq
 
     above = function(angles) > 0.0
     ends = [pair for k, pair in enumerate(pairwise(angles.tolist())) if above[k] != above[k + 1]]
-    return [brentq(function, *pair, xtol=_EXACT * pair[0], rtol=_EXACT) for pair in ends]
+    return [
+        brentq(function, *pair, xtol=_ROOT_TOLERANCE * pair[0], rtol=_ROOT_TOLERANCE)
+        for pair in ends
+    ]

@@ -15,9 +15,9 @@ from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.sixdof.engine import Engine
-from tvclin.flights.sixdof.model import DEFLECTIONS, Departure, Earth, model_xml, planet_xml
+from tvclin.flights.sixdof.model import DEFLECTIONS, Earth, InitialState, model_xml, planet_xml
 from tvclin.flights.sixdof.steering import Steering
-from tvclin.flights.verdict import FARTHEST, OUTPUTS
+from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -84,7 +84,7 @@ def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float],
 Row = tuple[float, ...]
 
 
-class Foresight:
+class Prediction:
     """One plane at the end of the next step.
 
     What acts at the end of a step is set before the step, so the state at its end is foreseen: the
@@ -133,7 +133,7 @@ class Foresight:
         return (*off, self._alpha - nominal[3], deflection)
 
 
-Place = Earth | Departure | None
+Place = Earth | InitialState | None
 
 _STIFF = 4.0
 """Natural frequency of the hold of the nominal flight, over that of the airframe."""
@@ -157,7 +157,7 @@ class Airframe:
         self, vehicle: Vehicle, plane: str, drift: bool, step: float, place: Place
     ) -> None:
         earth = place if isinstance(place, Earth) else None
-        departure = place if isinstance(place, Departure) else None
+        departure = place if isinstance(place, InitialState) else None
         heading = earth.heading if earth else 0.0
         initial = {
             "lat-geod-rad": earth.latitude if earth else 0.0,
@@ -210,7 +210,7 @@ class Airframe:
         first are zero. Returned: the `OUTPUTS` of both planes, ``(m, 2, 5)``.
         """
         self._begin()
-        planes = [Foresight(self._senses[name], self._step) for name in DEFLECTIONS]
+        planes = [Prediction(self._senses[name], self._step) for name in DEFLECTIONS]
         bends, blows = ([one[name] for name in DEFLECTIONS] for one in (self._bend, self._blows))
         straight = [(*self._senses[name].angles(), 0.0, 0.0) for name in DEFLECTIONS]
         nominal = [(attitude, 0.0, path, *rest) for attitude, path, *rest in straight]
@@ -224,7 +224,7 @@ class Airframe:
             rows.append(
                 [one.moved(d, a, row) for d, (one, a, row) in zip(deflections, each, strict=True)]
             )
-            if not max(abs(row[0]) for row in rows[-1]) <= FARTHEST:
+            if not max(abs(row[0]) for row in rows[-1]) <= MAX_ATTITUDE:
                 break
         return np.array(rows)
 
@@ -264,7 +264,7 @@ class Airframe:
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
         hold_other = self._other_hold(course)
-        ahead = Foresight(self._senses[self._plane], h, turn=h * next(nominal)[1])
+        ahead = Prediction(self._senses[self._plane], h, turn=h * next(nominal)[1])
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):
@@ -274,7 +274,7 @@ class Airframe:
             blow(speed)
             run()
             rows.append(ahead.moved(deflection, angle, row))
-            if not abs(rows[-1][0]) <= FARTHEST:
+            if not abs(rows[-1][0]) <= MAX_ATTITUDE:
                 break
         return np.array(rows)
 
@@ -328,7 +328,7 @@ _KEPT = 8
 
 
 @contextmanager
-def borrowed(*case: *_Case) -> Iterator[Airframe]:
+def reused_airframe(*case: *_Case) -> Iterator[Airframe]:
     """Lend an airframe, for it takes a third of a flight to make one; a flight begins it anew.
 
     While one is out another is made, so that threads, and laws that fly ahead, have their own.

@@ -24,14 +24,14 @@ from tvclin.flights.nozzle_command import (
     Command,
     Control,
     ReportControl,
-    check_one,
+    check_history,
     command_of,
     limit_of,
 )
-from tvclin.flights.sixdof.airframe import Place, borrowed
-from tvclin.flights.sixdof.model import Course, Earth, course_of
+from tvclin.flights.sixdof.airframe import Place, reused_airframe
+from tvclin.flights.sixdof.model import Earth, NominalCourse, nominal_course
 from tvclin.flights.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
-from tvclin.flights.verdict import FARTHEST, OUTPUTS, has_fallen, warn_of_the_end, watched_until
+from tvclin.flights.verdict import MAX_ATTITUDE, OUTPUTS, has_fallen, verdict_time, warn_of_the_end
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import time_response
 from tvclin.vehicle.coefficients import PLANES, Coefficients
@@ -64,7 +64,7 @@ class Air:
     times: FloatArray
     angles: FloatArray
     speeds: FloatArray
-    course: Course | None
+    course: NominalCourse | None
 
 
 @dataclass(frozen=True)
@@ -113,14 +113,14 @@ class SixDof:
     def air(self, wind: History, start: float, stop: float) -> Air:
         """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
         check_span(start, stop)
-        check_one("wind", wind, start)
+        check_history("wind", wind, start)
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
         if self.condition is None:
             speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
             return Air(wind, times, angles, speeds, None)
-        course = course_of(self.vehicle, self.condition, times)
+        course = nominal_course(self.vehicle, self.condition, times)
         speeds = self._speeds(angles, course.speeds, course.rows[:, 2])
         return Air(wind, times, angles, speeds, course)
 
@@ -149,7 +149,7 @@ class SixDof:
         if air.course is not None:
             vehicle, place, held = air.course.vehicle, air.course.departure, air.course.rows
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
-        with borrowed(numbers, self.plane, self.drift, self.step, place) as airframe:
+        with reused_airframe(numbers, self.plane, self.drift, self.step, place) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles, held)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:
@@ -258,7 +258,7 @@ def fly_sixdof(
     limit = limit_of(control, deflection_limit)
     rows = case.flown(case.steering(command, limit, air), air)
     flown = air.times[: len(rows)]
-    if abs(rows[-1, 0]) > FARTHEST:
+    if abs(rows[-1, 0]) > MAX_ATTITUDE:
         warn_of_the_end(float(flown[-1]))
     outputs = np.stack([np.interp(times, flown, row, right=np.nan) for row in rows.T])
     title = f"Flight with six degrees of freedom, {vehicle.name or 'vehicle'}, {plane}"
@@ -292,16 +292,16 @@ def planes_verdict(
     law = LawInPlanes(control, stop, saturate)
     cases = {plane: SixDof(vehicle, plane, drift, step) for plane in PLANES}
     pole = float(cases["yaw"].coefficients.pole)
-    begin, until = min(0.0, float(wind.onset)), watched_until(wind, pole)
+    begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)
     check_span(begin, until)
     blown = [_blown(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
     speeds, angles = (np.stack(one) for one in zip(*blown, strict=True))
     numbers = vehicle.replace(name="", time=None)
 
     def survives(limit: float) -> bool:
-        with borrowed(numbers, "pitch", drift, step, None) as airframe:
+        with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             rows = airframe.fly_both(_steering(law, limit, step), speeds, angles)
-        if not np.all(np.isfinite(rows)) or np.abs(rows[-1, :, 0]).max() > FARTHEST:
+        if not np.all(np.isfinite(rows)) or np.abs(rows[-1, :, 0]).max() > MAX_ATTITUDE:
             return False
         return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
 

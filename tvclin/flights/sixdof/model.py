@@ -18,7 +18,7 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 
 @dataclass(frozen=True)
-class Departure:
+class InitialState:
     """The beginning of a flight in the standard atmosphere over a flat planet at rest.
 
     `altitude`: in m. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: what the
@@ -32,7 +32,7 @@ class Departure:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class NominalCourse:
     """The nominal flight that is to be flown.
 
     `vehicle`: the vehicle as it is at the beginning. `departure`: the beginning. `speeds`: speed
@@ -41,12 +41,14 @@ class Course:
     """
 
     vehicle: Vehicle
-    departure: Departure
+    departure: InitialState
     speeds: FloatArray
     rows: FloatArray
 
 
-def course_of(vehicle: Vehicle, condition: FlightCondition, times: FloatArray) -> Course:
+def nominal_course(
+    vehicle: Vehicle, condition: FlightCondition, times: FloatArray
+) -> NominalCourse:
     """Return the course through a vehicle's state at its own time, seen at other times [s].
 
     `InputError` as `nominal_flight`.
@@ -58,14 +60,14 @@ def course_of(vehicle: Vehicle, condition: FlightCondition, times: FloatArray) -
     turns = nominal.rates(times, states)[1]
     still = np.zeros(times.size)
     begin = float(times[0])
-    departure = Departure(
+    departure = InitialState(
         altitude=float(states[2, 0]),
         turn=float(turns[0]),
         dynamic_pressure=float(nominal.dynamic_pressure(begin)),
         mass_flow=float(nominal.mass(begin) - nominal.mass(begin + 1.0)),
     )
     rows = np.stack([states[1], turns, states[1], still, nominal.deflection(times)], axis=-1)
-    return Course(nominal.vehicle_at(begin), departure, states[0], rows)
+    return NominalCourse(nominal.vehicle_at(begin), departure, states[0], rows)
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ def planet_xml() -> str:
     return tostring(planet, encoding="unicode")
 
 
-def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: Departure | None = None) -> str:
+def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | None = None) -> str:
     """Return the model of one vehicle, frozen or as it changes from a departure on.
 
     Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
@@ -173,7 +175,7 @@ def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float
     return balance
 
 
-def _burning(root: Element, balance: Element, departure: Departure) -> None:
+def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     """Let the mass fall: what is burnt is a negative one at the centre of gravity."""
     burnt = SubElement(balance, "pointmass", name="burnt")
     _text(burnt, "weight", 0.0, unit="LBS")

@@ -15,7 +15,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuator import actuator_system
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
-from tvclin.flights.nozzle_command import ONSET, Command
+from tvclin.flights.nozzle_command import ONSET_OVER_LIMIT, Command
 from tvclin.winds.histories import History
 
 Steering = Callable[[int, Measurement], float]
@@ -58,7 +58,7 @@ class TrimThenHold:
         step: float,
     ) -> None:
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
-        self._limit, self._level = limit, max(dead_band, ONSET) * limit
+        self._limit, self._level = limit, max(dead_band, ONSET_OVER_LIMIT) * limit
         self._at_onset = dead_band == 0.0
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()

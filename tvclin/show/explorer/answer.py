@@ -15,7 +15,7 @@ from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.control.margins.margins import Margins
-from tvclin.flights.theory_comparison import FATES
+from tvclin.flights.theory_comparison import OUTCOME_WORDS
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
@@ -143,7 +143,9 @@ def _left_out(choices: Choices) -> list[str]:
 
 
 def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, known: bool) -> str:
-    flown = "" if fate is None else f" Flown with the law {c.law}, the vehicle {FATES[fate]}."
+    flown = (
+        "" if fate is None else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[fate]}."
+    )
     if need is None:
         said = (
             "No answer for these choices." if known else "What this wind requires is computed ..."
