@@ -17,7 +17,7 @@ import numpy as np
 
 from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.plane_march import Additions, MarchedWinds, PlaneMarch
-from tvclin.answers.availability.sounding_winds import FlightPath, KnownWinds, LineWinds
+from tvclin.answers.availability.sounding_winds import FlightPath, LineWinds, SoundingWinds
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.sizing.flight_requirement import FlightEquations
 from tvclin.ascent.schedule import FlightSchedule
@@ -141,7 +141,7 @@ class Judge:
         `InputError` as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
-        known = KnownWinds.of(soundings[soundings.usable], path)
+        usable = SoundingWinds.of(soundings[soundings.usable], path)
         evenly = np.linspace(path.time[0], path.time[-1], _STRENGTH_HEIGHTS)
         heights = np.interp(evenly, path.time, path.height)
         return cls(
@@ -153,7 +153,7 @@ class Judge:
             azimuths,
             heights=heights,
             strength={
-                (plane, azimuth): known.strength(heights, azimuth, plane)
+                (plane, azimuth): usable.strength(heights, azimuth, plane)
                 for plane in planes
                 for azimuth in azimuths.tolist()
             },
@@ -178,7 +178,7 @@ class Judge:
             done += cases.size
             linear = np.flatnonzero(~np.isnan(within[:, 0]))
             if linear.size:
-                bounds = self._bounds_of_unknown(winds.some(linear), within[linear])
+                bounds = self._bounds_of_unknown(winds.select(linear), within[linear])
                 for values, bound in zip((lower, upper, lowest, known), bounds, strict=True):
                     values[:, cases[linear]] = bound
             if progress is not None:
@@ -206,22 +206,22 @@ class Judge:
             between = (lower <= limit) & (limit < upper)
             below = bounds.known & (bounds.lowest <= limit) & (limit < lower)
         survive, index = np.zeros(lower.shape, dtype=bool), np.any(between | below, axis=0)
-        for some, within, winds in self._together(soundings, np.flatnonzero(index)):
+        for batch, within, winds in self._together(soundings, np.flatnonzero(index)):
             for a, known in product(range(limits.size), (True, False)):
                 places = np.flatnonzero(
-                    (between | below)[a, some] & (bounds.known[a, some] == known)
+                    (between | below)[a, batch] & (bounds.known[a, batch] == known)
                 )
                 if not places.size:
                     continue
-                cases, part = some[places], (winds.some(places), within[places], a)
+                cases, part = batch[places], (winds.select(places), within[places], a)
                 marched = list(self._marched(*part))
                 if not known:
                     marched += self._marched(*part, strong=True)
                 survive[a, cases] = self._survive(marched, float(limit[a, 0]))
-                lost = np.flatnonzero(between[a, cases] & ~survive[a, cases])
-                if known and lost.size:
-                    required = [(p, in_plane.requirement(lost)) for p, in_plane in marched]
-                    lower[a, cases[lost]] = upper[a, cases[lost]] = self._in_planes(required)
+                fail = np.flatnonzero(between[a, cases] & ~survive[a, cases])
+                if known and fail.size:
+                    required = [(p, in_plane.requirement(fail)) for p, in_plane in marched]
+                    lower[a, cases[fail]] = upper[a, cases[fail]] = self._in_planes(required)
         upper = np.where((between | below) & survive, limit, upper)
         lower = np.where(below & survive, limit, lower)
         if flown := int(np.sum((between & (bounds.known | survive)).any(axis=0))):
@@ -238,18 +238,18 @@ class Judge:
 
     def _together(
         self, soundings: Soundings, index: IndexArray
-    ) -> Iterator[tuple[IndexArray, FloatArray, KnownWinds]]:
+    ) -> Iterator[tuple[IndexArray, FloatArray, SoundingWinds]]:
         """Iterate over usable soundings that are marched together.
 
         Given are their places, the heights [m] between which they can be judged, and their winds.
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]
-        known = KnownWinds.of(soundings[index], self.path)
-        ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
+        together = SoundingWinds.of(soundings[index], self.path)
+        ends = np.cumsum(np.diff(together.offsets) + self.path.height.size)
         cuts = np.arange(_LEVELS_TOGETHER, ends.max(initial=0), _LEVELS_TOGETHER)
-        for some in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
-            winds = known.some(some)
-            yield index[some], winds.flat(self.path, self.additions.strongest), winds
+        for batch in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
+            winds = together.select(batch)
+            yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
 
     def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
         """Return reasons for which nothing can be said, and of which soundings each holds."""
@@ -266,7 +266,7 @@ class Judge:
         return reasons
 
     def _bounds_of_unknown(
-        self, winds: KnownWinds, within: FloatArray
+        self, winds: SoundingWinds, within: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
         """Return lower, upper, lowest and known of `Requirements`, ``(a, n)`` each."""
         lower, upper, lowest = self._bounds(winds, within)
@@ -274,19 +274,21 @@ class Judge:
         partly = np.flatnonzero(winds.incomplete(self.path))
         if partly.size:
             calm = lower[:, partly]
-            strong, higher, _ = self._bounds(winds.some(partly), within[partly], strong=True)
+            strong, higher, _ = self._bounds(winds.select(partly), within[partly], strong=True)
             known[:, partly] = np.abs(strong - calm) <= _KNOWN_TOLERANCE * strong
             lower[:, partly] = np.minimum(calm, strong)
             upper[:, partly] = np.maximum(upper[:, partly], higher)
         return lower, upper, lowest, known
 
-    def _bounds(self, known: KnownWinds, within: FloatArray, strong: bool = False) -> FloatArray:
+    def _bounds(
+        self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
+    ) -> FloatArray:
         """Return lower, upper and lowest of `Bounds`, of both planes, ``(3, a, n)``."""
         towards = []
         for a in range(self.azimuths.size):
             in_planes = [
                 (p, np.stack([winds.bounds.lower, winds.bounds.upper, winds.bounds.lowest]))
-                for p, winds in self._marched(known, within, a, strong)
+                for p, winds in self._marched(soundings, within, a, strong)
             ]
             towards.append(self._in_planes(in_planes, (3, within.shape[0])))
         return np.stack(towards, axis=1)
@@ -324,7 +326,7 @@ class Judge:
         return survives
 
     def _marched(
-        self, known: KnownWinds, within: FloatArray, a: int, strong: bool = False
+        self, soundings: SoundingWinds, within: FloatArray, a: int, strong: bool = False
     ) -> Iterator[tuple[int, MarchedWinds]]:
         """Iterate over places of planes, and all winds there that a flight must survive.
 
@@ -334,24 +336,25 @@ class Judge:
         azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
         for part in self.parts:
             low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
-            height = np.clip(known.knots(part.path, strong), low, high)
+            height = np.clip(soundings.breakpoints(part.path, strong), low, high)
             speeds = {
-                plane: (low < high) * known.at(known.wind(azimuth, plane, strong), height)
+                plane: (low < high)
+                * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
                 for plane in PLANES
             }
-            measured = LineWinds(np.interp(height, part.path.height, part.path.time), speeds)
+            along = LineWinds(np.interp(height, part.path.height, part.path.time), speeds)
             for plane, march in part.marches.items():
                 p = self.planes.index(plane)
-                for sign, winds in self._of_signs(measured, plane, known, height, azimuth, strong):
+                for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
                     for gusty in march.with_gusts(winds, sign, self.additions):
                         bounds = march.bounds(gusty, pressure)
                         yield p, MarchedWinds(march, gusty, bounds, pressure)
 
     def _of_signs(
         self,
-        measured: LineWinds,
+        along: LineWinds,
         plane: str,
-        known: KnownWinds,
+        soundings: SoundingWinds,
         height: FloatArray,
         azimuth: float,
         strong: bool,
@@ -361,17 +364,17 @@ class Judge:
         One sign stands for both where nothing is added to the winds.
         """
         if not strong and self.additions.symmetric:
-            yield 1.0, measured
+            yield 1.0, along
             return
-        wind, growth = measured.speeds[plane], self.additions.grown(height)
+        wind, growth = along.speeds[plane], self.additions.grown(height)
         unknown, size = np.zeros(height.shape, dtype=bool), wind
         if strong:
             usual = np.interp(height, self.heights, self.strength[plane, azimuth])
-            unknown, size = known.unknown(height), np.maximum(np.abs(wind), usual)
+            unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), usual)
         judged = np.ptp(height, axis=1, keepdims=True) > 0.0
         for sign in (1.0, -1.0):
             speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)
-            yield sign, LineWinds(measured.times, measured.speeds | {plane: speed})
+            yield sign, LineWinds(along.times, along.speeds | {plane: speed})
 
 
 @lru_cache(maxsize=8)

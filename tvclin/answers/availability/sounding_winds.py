@@ -63,7 +63,7 @@ class FlightPath:
 
     @classmethod
     def of(cls, flight: FlightSchedule) -> FlightPath:
-        """Return that of a schedule; `InputError` where it has no altitude, or does not ascend."""
+        """Return the path of a schedule; `InputError` without altitude, or where none is gained."""
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
         return cls(height, time, speed, climb, float(height[np.argmax(density * speed**2)]))
@@ -99,7 +99,7 @@ class FlightPath:
         3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
         `MAX_LINEAR_ANGLE`.
         """
-        times, along, across, onset = winds.over(np.append(steps[0, :, 0], steps[0, -1, 2]))
+        times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
         speed, climb = self.speed_and_climb(times)
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
         if not pressure:
@@ -115,10 +115,17 @@ def _angle(sine: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class KnownWinds:
-    """Soundings with the edges of what they did not see: two levels more in each gap.
+class SoundingWinds:
+    """Winds of soundings over height, with two levels more at the edges of each gap.
 
-    `gaps` are the first of these two levels, for each gap.
+    Attributes
+    ----------
+    height, east, north : ndarray
+        Levels [m] and winds towards east and north [m/s], of all soundings one after the other.
+    offsets : ndarray of int
+        Place of the first level of each sounding, and behind the last of all, ``(n + 1,)``.
+    gaps : ndarray of int
+        Place of the first of both levels in each gap.
     """
 
     height: FloatArray
@@ -128,8 +135,8 @@ class KnownWinds:
     gaps: IntArray
 
     @classmethod
-    def of(cls, soundings: Soundings, path: FlightPath) -> KnownWinds:
-        """Return those of soundings that can all be used."""
+    def of(cls, soundings: Soundings, path: FlightPath) -> SoundingWinds:
+        """Return the winds of soundings that can all be used, with the gaps along a flight."""
         height, offsets = soundings.height, soundings.offsets
         wide = np.diff(height) > WIDEST
         wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
@@ -150,32 +157,35 @@ class KnownWinds:
             below + 1 + 2 * np.arange(below.size),
         )
 
-    def some(self, index: NDArray[np.intp]) -> KnownWinds:
-        """Return those of some soundings."""
+    def select(self, index: NDArray[np.intp]) -> SoundingWinds:
+        """Return the winds of some of the soundings."""
         offsets, levels = gather(self.offsets, index)
         marked = np.zeros(self.height.size, dtype=bool)
         marked[self.gaps] = True
-        height, east, north = (one[levels] for one in (self.height, self.east, self.north))
-        return KnownWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
+        height, east, north = (x[levels] for x in (self.height, self.east, self.north))
+        return SoundingWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
 
     @property
     def bottom(self) -> FloatArray:
-        """The lowest level of each [m]."""
+        """Lowest level of each sounding [m]."""
         return np.asarray(self.height[self.offsets[:-1]])
 
     @property
     def top(self) -> FloatArray:
-        """The highest level of each [m]."""
+        """Highest level of each sounding [m]."""
         return np.asarray(self.height[self.offsets[1:] - 1])
 
     def incomplete(self, path: FlightPath) -> BoolArray:
-        """Which do not know the wind all along a flight."""
+        """Return which soundings do not know the wind all along a flight."""
         gap = np.zeros(self.offsets.size - 1, dtype=bool)
         gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
-    def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
-        """Return the wind [m/s] at the levels, as `WindProfile`; gaps are calm, or `held`."""
+    def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
+        """Return the wind [m/s] at the levels, as `WindProfile`.
+
+        Gaps are calm, or, `strong`, have the stronger wind of both edges.
+        """
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
         if plane == "yaw":
@@ -183,18 +193,20 @@ class KnownWinds:
         if self.gaps.size:
             below, above = wind[self.gaps - 1], wind[self.gaps + 2]
             stronger = np.where(np.abs(below) > np.abs(above), below, above)
-            wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
+            wind[self.gaps] = wind[self.gaps + 1] = stronger if strong else 0.0
         return np.asarray(wind)
 
-    def flat(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
+    def linear_heights(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
         """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
 
         That is the longest time in which the wind, with so many m/s more at a height, cannot meet
         the flight at more than `MAX_LINEAR_ANGLE` from any side; NaN where that leaves out the
         largest dynamic pressure.
         """
-        height = self.knots(path, held=False)
-        wind = np.hypot(self.at(self.east, height), self.at(self.north, height)) + more(height)
+        height = self.breakpoints(path, strong=False)
+        wind = np.hypot(
+            self.interpolated(self.east, height), self.interpolated(self.north, height)
+        ) + more(height)
         steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
         ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
         for i in np.flatnonzero(steep.any(axis=1)).tolist():
@@ -208,11 +220,11 @@ class KnownWinds:
         return np.where(inside, ends, np.nan)
 
     def unknown(self, height: FloatArray) -> BoolArray:
-        """Where at heights ``(n, k)`` nothing was measured."""
+        """Return where at heights ``(n, k)`` nothing was measured."""
         edge = np.zeros(self.height.size)
         edge[self.gaps] = edge[self.gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
-        return np.asarray(outside | (self.at(edge, height) > 0.5))
+        return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
 
     def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
         """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
@@ -220,36 +232,36 @@ class KnownWinds:
         Counted at each height by itself; zero where nobody has measured.
         """
         height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
-        speed = np.abs(self.at(self.wind(azimuth, plane, held=False), height))
+        speed = np.abs(self.interpolated(self.wind(azimuth, plane, strong=False), height))
         speed[self.unknown(height)] = np.inf
         speed.sort(axis=0)
         count = np.sum(np.isfinite(speed), axis=0)
-        place = np.maximum(np.ceil(_STRENGTH_QUANTILE * count).astype(np.int64) - 1, 0)
-        found = speed[place, np.arange(place.size)] if speed.size else np.zeros(place.size)
-        return np.where(count > 0, found, 0.0)
+        index = np.maximum(np.ceil(_STRENGTH_QUANTILE * count).astype(np.int64) - 1, 0)
+        quantile = speed[index, np.arange(index.size)] if speed.size else np.zeros(index.size)
+        return np.where(count > 0, quantile, 0.0)
 
-    def knots(self, path: FlightPath, held: bool) -> FloatArray:
+    def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
         """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
 
-        From the lowest to the highest level, or, `held`, all along the flight; rows with fewer
+        From the lowest to the highest level, or, `strong`, all along the flight; rows with fewer
         levels repeat some.
         """
         counts = np.diff(self.offsets)
-        place = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
-        levels = self.height[self.offsets[:-1, np.newaxis] + place]
+        index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
+        levels = self.height[self.offsets[:-1, np.newaxis] + index]
         first, last = path.height[0], path.height[-1]
         low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
-        if held:
+        if strong:
             low, high = np.full_like(low, first), np.full_like(high, last)
         rows = np.broadcast_to(path.height, (counts.size, path.height.size))
         return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
 
-    def at(self, wind: FloatArray, height: FloatArray) -> FloatArray:
-        """Return a wind [m/s] at heights ``(n, k)``, beyond the levels that of the nearest."""
-        apart = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
+    def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Return winds [m/s] at heights ``(n, k)``; beyond the levels they are constant."""
+        shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
         inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
-        flat = self.height + np.repeat(apart, np.diff(self.offsets))
-        return np.asarray(np.interp(inside + apart[:, np.newaxis], flat, wind))
+        levels = self.height + np.repeat(shifts, np.diff(self.offsets))
+        return np.asarray(np.interp(inside + shifts[:, np.newaxis], levels, wind))
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,29 +278,29 @@ class LineWinds:
 
     times: FloatArray
     speeds: dict[str, FloatArray]
-    _over: dict[int, tuple[FloatArray, ...]] = field(default_factory=dict, init=False, repr=False)
+    _kept: dict[int, tuple[FloatArray, ...]] = field(default_factory=dict, init=False, repr=False)
 
     def of(self, cases: IndexArray) -> LineWinds:
         """Return some of the winds."""
         return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
 
-    def over(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+    def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
         """Return times [s], winds along and across [m/s], and onsets, over even steps.
 
         The first three at begin, middle and end of steps, ``(n, S, 3)``, or times ``(1, S, 3)``;
         the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s] of the steps,
         ``(S + 1,)``. All are kept for the other plane.
         """
-        if ends.size not in self._over:
-            self._over[ends.size] = self._samples(ends)
-        return self._over[ends.size]
+        if ends.size not in self._kept:
+            self._kept[ends.size] = self._samples(ends)
+        return self._kept[ends.size]
 
     def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
-        place = (knots - ends[0]) / length
-        onset = np.clip(place[:, 0], 0.0, np.nextafter(float(steps), 0.0))
-        first = np.clip(np.ceil(place), 0, steps + 1).astype(np.int64)
+        position = (knots - ends[0]) / length
+        onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
+        first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
         first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
         begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
         line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
@@ -303,7 +315,7 @@ class LineWinds:
             times = np.repeat(times, n, axis=0)
             times[late, begins, 0] = knots[late, 0]
             times[late, begins, 1] = 0.5 * (knots[late, 0] + ends[begins + 1])
-        found = []
+        both_planes = []
         for wind in (self.speeds[plane] for plane in PLANES):
             rise = np.diff(wind, append=wind[:, -1:])
             slope = np.divide(rise, width, out=np.zeros_like(width), where=width > 0.0)
@@ -318,8 +330,8 @@ class LineWinds:
                 samples[late, begins, 0] = wind[late, 0]
                 mean[late, begins] /= begins + 1 - onset[late]
             samples[..., 1] = 1.5 * mean - 0.25 * (samples[..., 0] + samples[..., 2])
-            found.append(samples)
-        return times, found[0], found[1], onset
+            both_planes.append(samples)
+        return times, *both_planes, onset
 
     def with_gust(
         self,
@@ -334,17 +346,17 @@ class LineWinds:
         """
         times = self.times
         middle = 0.5 * (gust.onset + gust.end)
-        own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
-        inside = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
-        both = np.sort(np.concatenate([times, inside], axis=1), axis=1)
-        angle = np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)
-        speeds = {name: _on_lines(times, values, both) for name, values in self.speeds.items()}
-        return LineWinds(both, speeds | {plane: speeds[plane] + speed(angle, both)})
+        parts = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+        inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
+        finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
+        angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
+        speeds = {name: _on_lines(times, values, finer) for name, values in self.speeds.items()}
+        return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
 
 
 def _on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
     """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
-    apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
-    return np.interp((at + apart).ravel(), (times + apart).ravel(), values.ravel()).reshape(
+    shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
+    return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
         at.shape
     )
