@@ -67,7 +67,7 @@ def test_a_study_file_asks_for_them(tmp_path):
     file = tmp_path / "least.toml"
     file.write_text(STUDY)
     found = find(tv.load_study(file)).comparison
-    assert found.relative == pytest.approx(1.109, abs=2e-3)
+    assert found.ratio_to_trim == pytest.approx(1.109, abs=2e-3)
     assert tv.CRITERIA["classic"].are_satisfied(found.margins)
 
 

@@ -114,7 +114,7 @@ def test_every_command_answers_for_the_case_of_the_study(file):
     assert np.degrees(found.study.required_deflection) == pytest.approx(required, rel=1e-13)
     assert asked("study", file)["verdict"]["required_deflection_deg"] == pytest.approx(required)
     responded, nominal = asked("respond", file), np.degrees(study.nominal_deflection)
-    assert (responded["required_deg"], responded["limit_deg"]) == pytest.approx(
+    assert (responded["nominal_deflection_deg"], responded["limit_deg"]) == pytest.approx(
         (nominal, 2.0), rel=1e-13
     )
     least = np.degrees(study.minima["drift"])
@@ -197,7 +197,7 @@ def test_an_option_counts_more_than_the_file(file):
     lqr = asked("margins", file, "--design", "lqr")["autopilot"]
     assert lqr["attitude_gain"] != gains["attitude_gain"]
     capable = asked("respond", file, "--capability", "1.5")
-    assert capable["limit_deg"] == pytest.approx(1.5 * capable["required_deg"], rel=1e-12)
+    assert capable["limit_deg"] == pytest.approx(1.5 * capable["nominal_deflection_deg"], rel=1e-12)
 
 
 @pytest.mark.thorough
