@@ -163,7 +163,7 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
     assert sized == pytest.approx(found.need[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
-    motion, wind = FlightEquations(mode), FlightWind(met.wind, (met.wind.time, met.pressure))
+    motion, wind = FlightEquations(mode), FlightWind(met.wind, "pitch", met.speeds)
     steps = over_steps(motion, wind, FLIGHT_PARTS)
     flights = LimitedFlights(motion.over(steps[0]), *steps)
     assert not flights.diverge(found.need[0] * np.array([[1.02, 1.2, 2.0]])).any()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.answers.sizing.flight_requirement import FlightWind
 from tvclin.answers.sizing.tables import each_wind, over_time
 from tvclin.answers.sizing.total import total_table
 from tvclin.ascent.measured_wind import gust_of_speed
@@ -199,3 +200,31 @@ def test_a_gust_of_a_speed_has_at_each_time_the_angle_of_that_time(plane: str) -
         alone = tv.fly_through(wind, flight, gust=own, **where)
         times = np.linspace(time - 2.0, time + 2.0, 41)
         np.testing.assert_allclose(found(vehicle)(times), alone(vehicle)(times), atol=1e-15)
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_a_sounding_has_its_own_wind_triangle_in_both_planes(plane) -> None:
+    """Angles and squares of velocities in space; with a bias, the angle beyond that of its wind."""
+    flight = tv.load_schedule("configuration-i")
+    height = np.linspace(0.0, 40e3, 41)
+    whole = tv.WindProfile(height=height, east=-20.0 - height / 1e3, north=50.0 + 0.0 * height)
+    mean = tv.WindProfile(height=height, east=-10.0 + 0.0 * height, north=15.0 + 0.0 * height)
+
+    def own(profile: tv.WindProfile, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        speed, path, at = (np.interp(t, flight.times, x) for x in
+                           (flight.speed, flight.flight_path_angle, flight.height))  # fmt: skip
+        east, north = profile.at(at)
+        air = np.array([speed * np.cos(path) - east, -north, speed * np.sin(path)])
+        in_plane = np.hypot(air[0], air[2])
+        pitch, yaw = np.arctan2(air[2], air[0]) - path, np.arctan2(north, in_plane)
+        return (pitch if plane == "pitch" else yaw), (air**2).sum(axis=0) / speed**2
+
+    for bias in (None, mean):
+        met = tv.fly_through(whole, flight, azimuth=np.radians(90.0), plane=plane, bias=bias)
+        times = met.wind.time[:-1]  # none at its end
+        angle, ratio = FlightWind(met.wind, plane, met.speeds).at(times[np.newaxis])
+        expected, pressure = own(whole, times)
+        if bias is not None:
+            expected = expected - own(mean, times)[0]
+        assert angle[0] == pytest.approx(expected, abs=1e-12)
+        assert ratio[0] == pytest.approx(pressure, rel=1e-12)

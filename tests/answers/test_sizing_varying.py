@@ -6,9 +6,10 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightWind, flight_requirement
+from tvclin.answers.sizing.flight_requirement import flight_requirement
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
+from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)
 BANDS = (1.0, 0.5, 0.0)
@@ -171,7 +172,7 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
     met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
     mode, vehicle = FlightMode(flight, model, "pitch", flight.span), flight.at(75.0)
-    winds = (FlightWind(one(vehicle)) for one in (met, met.to_both_sides))
+    winds = (NominalWind(one(vehicle)) for one in (met, met.to_both_sides))
     need = flight_requirement(mode, next(winds), np.ones(1), next(winds)).required[0]
 
     lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))
@@ -280,7 +281,7 @@ def test_a_gust_behind_one_from_the_other_side_requires_what_flights_need(before
     part = tv.SampledWind(time=times, angle=np.maximum(wind.angle, 0.0))
     schedule = tv.FlightSchedule(vehicle.replace(time=[0.0, 40.0]))
     mode = FlightMode(schedule, "fixed-path", "pitch", (0.0, 40.0))
-    said = flight_requirement(mode, FlightWind(part), np.ones(1), FlightWind(wind)).required[0]
+    said = flight_requirement(mode, NominalWind(part), np.ones(1), NominalWind(wind)).required[0]
     bound = plant.coefficients.B * 0.05 * (1.0 - np.exp(-0.5))
     limits = np.array([0.98, 1.02, 1.2, 1.5, 2.0, 2.5]) * said
     flown = tv.fly_many(

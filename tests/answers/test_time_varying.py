@@ -12,11 +12,11 @@ from tvclin.answers import time_varying
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.encountered_requirement import encountered_requirement
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations, FlightWind, flight_requirement
+from tvclin.answers.sizing.flight_requirement import FlightEquations, flight_requirement
 from tvclin.answers.time_varying import varying_requirement
 from tvclin.answers.varying_equations import Equations, at_pressure
 from tvclin.kernels import choice
-from tvclin.winds.wind_angles import along_from_angle, pressure_ratio, wind_triangle
+from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
 PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -36,7 +36,7 @@ def test_frozen_vehicles_require_what_the_exact_theory_says(
         plant = tv.Plant.from_vehicle(configuration_i, model)
         exact = abs(float(tv.required_deflection(plant, wind, dead_band).deflection))
         equations = Equations.frozen(configuration_i.rigid, model, "pitch")
-        found = varying_requirement(equations, FlightWind(wind), dead_band).required[0]
+        found = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
         trim = abs(float(plant.coefficients.B * wind.peak))
         assert found == pytest.approx(exact, abs=FOURTH_ORDER * trim)
 
@@ -50,7 +50,7 @@ def test_slow_modes_require_the_minimum_over_all_modes(configuration_i, model, c
     trim = abs(float(plant.coefficients.B * wind.peak))
     for dead_band in (0.5, 0.0):
         exact = tv.required_deflection(plant, wind, dead_band)
-        found = varying_requirement(equations, FlightWind(wind), dead_band).required[0]
+        found = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
         assert "minimum over all unstable poles" in exact.governs
         over = (found - abs(float(exact.deflection))) / trim
         assert -FOURTH_ORDER < over < cells
@@ -63,7 +63,7 @@ def test_a_wind_of_any_duration_has_its_last_value_up_to_its_end(configuration_i
     for duration in [3.20487, *np.random.default_rng(7).uniform(0.5, 9.0, 60)]:
         wind = tv.RectangularWind(peak=np.radians(5.0), duration=float(duration))
         exact = abs(float(tv.boundary_limit(plant, wind, 1.0, "literal").deflection))
-        found = varying_requirement(equations, FlightWind(wind)).required[0]
+        found = varying_requirement(equations, NominalWind(wind)).required[0]
         assert found == pytest.approx(exact, rel=2e-6)
 
 
@@ -87,7 +87,7 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
     errors = []
     for step in (0.496, 0.248, 0.124):  # 8, 16 and 32 steps
         monkeypatch.setattr(time_varying, "STEP", step)
-        found = varying_requirement(equations, FlightWind(wind), 0.5)
+        found = varying_requirement(equations, NominalWind(wind), 0.5)
         errors.append(abs(float(found.required[0]) - exact))
     ratios = np.array(errors[:-1]) / errors[1:]
     np.testing.assert_allclose(ratios, 16.0, rtol=1 / 3)
@@ -114,7 +114,7 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
 
     free, unit = component(0.0), component(1.0)
     held = abs(free / (free - unit))
-    found = varying_requirement(FlightEquations(mode), FlightWind(wind), 0.0)
+    found = varying_requirement(FlightEquations(mode), NominalWind(wind), 0.0)
     assert found.required[0] == pytest.approx(held, abs=FOURTH_ORDER * found.trim[0])
 
 
@@ -127,7 +127,7 @@ def test_both_ways_of_running_the_kernels_agree(configuration_i) -> None:
     found = []
     for compiled in (False, True):
         with choice.pinned(compiled):
-            found.append(varying_requirement(equations, FlightWind(wind), 1.0))
+            found.append(varying_requirement(equations, NominalWind(wind), 1.0))
     for name in ("trim", "required", "minimum"):
         plain, machine = (getattr(one, name) for one in found)
         np.testing.assert_allclose(plain, machine, rtol=1e-13)
@@ -137,7 +137,7 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
     """The ideal trim law with a limit, by LSODA: 0.2 percent to either side of what is required."""
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
     equations = Equations.frozen(configuration_i.rigid, "drift-exact", "pitch")
-    edge = float(varying_requirement(equations, FlightWind(wind)).required[0])
+    edge = float(varying_requirement(equations, NominalWind(wind)).required[0])
     matrix, end = equations.nominal[0, 0, 0], equations.end[0]
     A, b, w = matrix[:, :-2], matrix[:, -2], matrix[:, -1]
     rate = np.sqrt(A[1, 0])
@@ -154,7 +154,7 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
         return bool(abs(end[:-1] @ state) > limit * abs(end[-1]))
 
     limits = edge * np.array([[0.998, 1.002]])
-    times, angles, ratio = time_varying.over_steps(equations, FlightWind(wind), 4)
+    times, angles, ratio = time_varying.over_steps(equations, NominalWind(wind), 4)
     diverged = time_varying.LimitedFlights(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
 
@@ -266,7 +266,7 @@ def test_a_campaign_of_one_case_requires_what_a_study_does() -> None:
     ratio = float(pressure_ratio(LARGE.attitude, wind.peak))  # constant in a rectangle
     there = Equations.frozen(at_pressure(LARGE, ratio), "drift", "pitch")
     there = replace(there, end=Equations.frozen(LARGE, "drift", "pitch").end)
-    exact = varying_requirement(there, FlightWind(wind.history({})), 0.5).required[0]
+    exact = varying_requirement(there, NominalWind(wind.history({})), 0.5).required[0]
     assert half == pytest.approx(exact, rel=1e-9)
 
 
@@ -288,6 +288,6 @@ def test_dead_bands_of_a_wind_of_two_signs_are_not_defined() -> None:
     mode = FlightMode(flight, "drift-exact", "pitch", flight.span)
     time = np.array([60.0, 62.0, 64.0, 66.0])
     wind = tv.SampledWind(time=time, angle=np.array([0.0, 0.02, -0.02, 0.0]))
-    found = flight_requirement(mode, FlightWind(wind), np.array([1.0, 0.5]))
+    found = flight_requirement(mode, NominalWind(wind), np.array([1.0, 0.5]))
     assert np.isfinite(found.required[0])
     assert np.isnan(found.required[1])

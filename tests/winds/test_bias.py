@@ -102,7 +102,7 @@ def test_the_dynamic_pressure_is_that_of_all_that_blows():
     )
     east = np.interp(np.interp(time, flight.time, flight.height), height, whole.east)
     air = np.array([speed * np.cos(climb) - east, 0.0 * time - 5.0, speed * np.sin(climb)])
-    assert met.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
+    assert met.speeds.pressure == pytest.approx((air**2).sum(axis=0) / speed**2, rel=1e-12)
     found = [tv.size(flight, one, times=[66.0]).required for one in (met, left)]
     frozen, varying = (
         [float(one[name].max()) for one in found] for name in ("K = 1", "K = 1, varying")

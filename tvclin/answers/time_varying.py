@@ -94,7 +94,7 @@ class Motion(Protocol):
 
 
 class Encounter(Protocol):
-    """A wind as vehicles encounter it: `EncounteredWind`, or `FlightWind`."""
+    """A wind as vehicles encounter it: `EncounteredWind`, `NominalWind` or `FlightWind`."""
 
     @property
     def history(self) -> History:
@@ -242,7 +242,7 @@ def varying_requirement(
     ----------
     motion : Equations or FlightEquations
         Of one vehicle, or of as many as there are winds.
-    encountered : EncounteredWind or FlightWind
+    encountered : EncounteredWind, NominalWind or FlightWind
         One wind or a batch.
     dead_band : float
         K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.

@@ -24,6 +24,59 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
+class SoundingSpeeds:
+    """Wind speeds of a sounding along a flight, over the speed of the vehicle at each time.
+
+    Attributes
+    ----------
+    time : ndarray
+        Flight times [s], ``(n,)``; before the first and after the last the wind is calm.
+    path : ndarray
+        Flight path angles [rad], ``(n,)``.
+    wind, bias : dict of str to ndarray
+        By the plane of their wind angle: in pitch speeds along the path, positive from behind, and
+        in yaw across it, ``(n,)``. Of the whole wind, and of the mean wind for which the flight
+        path is biased.
+    """
+
+    time: FloatArray
+    path: FloatArray
+    wind: Mapping[str, FloatArray]
+    bias: Mapping[str, FloatArray]
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Dynamic pressure encountered over the nominal one at the times, ``(n,)``."""
+        return wind_triangle(self.path, self.wind["pitch"], self.wind["yaw"])[2]
+
+    def encountered(
+        self, plane: str, angle: FloatArray, times: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack in a plane [rad] and q/q_n at times [s].
+
+        Parameters
+        ----------
+        plane : str
+            Plane of the angle; the wind of the other plane is that of the sounding.
+        angle : ndarray
+            Wind angles at nominal speed [rad], eq (B1e), beyond the bias.
+        times : ndarray
+            Times [s], of the same shape.
+        """
+        path = np.interp(times, self.time, self.path)
+        bias, wind = (
+            {k: np.interp(times, self.time, speed, 0.0, 0.0) for k, speed in speeds.items()}
+            for speeds in (self.bias, self.wind)
+        )
+        speed = np.sin(angle) / (np.sin(path) if plane == "pitch" else 1.0)
+        wind[plane] = bias[plane] + speed
+        *angles, ratio = wind_triangle(path, wind["pitch"], wind["yaw"])
+        nominal = wind_triangle(path, bias["pitch"], bias["yaw"])
+        k = PLANES.index(plane)
+        return angles[k] - nominal[k], ratio
+
+
+@dataclass(frozen=True, eq=False)
 class MeasuredWind:
     """A wind in flight time, of which a vehicle at a flight time gets the part that counts.
 
@@ -44,16 +97,16 @@ class MeasuredWind:
         Nothing is added to a calm. A function gives it for the vehicle, as `gust_of_speed`.
     notes : tuple of str
         Where the wind is not known for another reason than that the sounding ends.
-    pressure : ndarray, optional
-        Dynamic pressure encountered at the samples over the nominal one, ``(n,)``, which varying
-        parameters count; the nominal one without it.
+    speeds : SoundingSpeeds, optional
+        Speeds of the sounding, which with varying parameters give wind angle of attack and dynamic
+        pressure; without them the dynamic pressure is nominal.
     """
 
     wind: SampledWind
     window: float | None = None
     gust: GustOf | None = None
     notes: tuple[str, ...] = ()
-    pressure: FloatArray | None = None
+    speeds: SoundingSpeeds | None = None
 
     def __post_init__(self) -> None:
         instance("wind", self.wind, SampledWind, "see fly_through")
@@ -62,11 +115,8 @@ class MeasuredWind:
             number("window", self.window, positive, "s")
         _checked_gust(self.gust)
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
-        if self.pressure is not None:
-            pressure = positive("pressure", self.pressure)
-            if pressure.shape != self.wind.time.shape:
-                raise InputError("pressure must be one number for each sample of the wind")
-            object.__setattr__(self, "pressure", pressure)
+        if self.speeds is not None:
+            instance("speeds", self.speeds, SoundingSpeeds, "see fly_through")
 
     @property
     def known(self) -> tuple[float, float]:
@@ -229,29 +279,38 @@ def fly_through(
         raise InputError("the wind must blow along the flight; it is zero throughout there")
     notes = _beyond_linear(unbiased, schedule, float(first), float(last))
     flag("pressure", pressure)
-    ratios = {
-        k: _pressure(profile, schedule, azimuth, wind.time) if pressure else None
+    speeds = {
+        k: _speeds(profile, bias, schedule, azimuth, wind.time) if pressure else None
         for k, wind in winds.items()
     }
     if plane != BOTH:
-        return MeasuredWind(winds[plane], window, gust, notes, ratios[plane])
-    parts = {k: MeasuredWind(wind, window, pressure=ratios[k]) for k, wind in winds.items()}
+        return MeasuredWind(winds[plane], window, gust, notes, speeds[plane])
+    parts = {k: MeasuredWind(wind, window, speeds=speeds[k]) for k, wind in winds.items()}
     return MeasuredPlanes(parts, gust, notes)
 
 
-def _pressure(
-    profile: WindProfile, schedule: FlightSchedule, azimuth: float, time: FloatArray
-) -> FloatArray:
-    """Return the dynamic pressure encountered through a sounding over the nominal one, ``(n,)``."""
+def _speeds(
+    profile: WindProfile,
+    bias: WindProfile | None,
+    schedule: FlightSchedule,
+    azimuth: float,
+    time: FloatArray,
+) -> SoundingSpeeds:
+    """Return the wind speeds of a sounding, and of a bias, at times [s] of a flight."""
     height = np.interp(time, schedule.time, schedule.height)
-    speed, climb = (
+    speed, path = (
         np.interp(time, schedule.time, one) for one in (schedule.speed, schedule.flight_path_angle)
     )
-    along, across = (
-        np.interp(height, profile.height, wind) / speed
-        for wind in (profile.in_plane(azimuth), profile.cross_plane(azimuth))
+    wind, mean = (
+        {
+            "pitch": np.interp(height, one.height, one.in_plane(azimuth)) / speed,
+            "yaw": np.interp(height, one.height, one.cross_plane(azimuth)) / speed,
+        }
+        if one is not None
+        else dict.fromkeys(PLANES, np.zeros(time.shape))
+        for one in (profile, bias)
     )
-    return wind_triangle(climb, along, across)[2]
+    return SoundingSpeeds(time, path, wind, mean)
 
 
 def _beyond_linear(

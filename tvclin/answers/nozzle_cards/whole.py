@@ -237,7 +237,8 @@ class _Flying:
         wind, asked = (placed.whole or placed.history).shift(placed.zero), self.case.sign
         along, angle = planes.get("pitch"), np.zeros(())
         if share is not None:  # a measured wind, which knows its own unless it is frozen
-            ratio = 1.0 if placed.pressure is None else _largest(*placed.pressure, share)
+            speeds = placed.speeds
+            ratio = 1.0 if speeds is None else _largest(speeds.time, speeds.pressure, share)
             yield "", at_pressure(vehicle, ratio), wind
             return
         if along is not None and not along.calm and asked != FROZEN:

@@ -20,10 +20,10 @@ from tvclin.answers.varying_equations import (
     of_pressure,
 )
 from tvclin.answers.varying_minimum import unstable_modes_of
+from tvclin.ascent.measured_wind import SoundingSpeeds
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit import leading_pole
-from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import EncounteredWind
+from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""
@@ -78,41 +78,29 @@ class FlightEquations:
 
 
 @dataclass(frozen=True, eq=False)
-class FlightWind:
-    """A wind in flight time, and the dynamic pressure encountered there.
+class FlightWind(NominalWind):
+    """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
 
     Attributes
     ----------
     history : History
         Wind angles [rad] at the nominal speed of the flight, eq (B1e).
-    pressure : tuple of ndarray, optional
-        Times [s] and q/q_n there; the nominal dynamic pressure without it.
+    plane : str
+        Plane of these angles.
+    speeds : SoundingSpeeds
+        The wind of both planes.
     """
 
-    history: History
-    pressure: tuple[FloatArray, FloatArray] | None = None
+    plane: str
+    speeds: SoundingSpeeds
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s].
-
-        The sine of the angle goes with one over the speed through the air.
-        """
-        angle = np.asarray(self.history(times))
-        if self.pressure is None:
-            return angle, np.ones(times.shape)
-        ratio = np.interp(times, *self.pressure, 1.0, 1.0)
-        with np.errstate(invalid="ignore"):  # NaN for an angle that no such wind has
-            return np.arcsin(np.sin(angle) / np.sqrt(ratio)), ratio
+        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle."""
+        return self.speeds.encountered(self.plane, super().at(times)[0], times)
 
     def between(self, start: float, stop: float) -> FlightWind:
         """Return the wind from a time to another [s], and none before and after."""
-        history = self.history.before(stop) - self.history.before(start)
-        return FlightWind(history, self.pressure)
-
-    @property
-    def calm(self) -> bool:
-        """Whether there is no wind."""
-        return not np.isfinite(self.history.onset)
+        return replace(self, history=super().between(start, stop).history)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +130,7 @@ class FlightRequirement:
 
 
 def flight_requirement(
-    mode: FlightMode, wind: FlightWind, dead_bands: FloatArray, whole: FlightWind | None = None
+    mode: FlightMode, wind: NominalWind, dead_bands: FloatArray, whole: NominalWind | None = None
 ) -> FlightRequirement:
     """Return the deflections that a wind requires of a vehicle along its flight.
 
@@ -150,11 +138,11 @@ def flight_requirement(
     ----------
     mode : FlightMode
         The flight, with a span that covers the wind.
-    wind : FlightWind
+    wind : NominalWind or FlightWind
         One wind that ends.
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
-    whole : FlightWind, optional
+    whole : NominalWind or FlightWind, optional
         The same with what blows to the other side, where `wind` is its part to one: what a law with
         K = 1 encounters.
     """
@@ -171,7 +159,7 @@ def flight_requirement(
 
 
 def requirement_of_parts(
-    mode: FlightMode, wind: FlightWind | EncounteredWind, dead_band: float
+    mode: FlightMode, wind: NominalWind | EncounteredWind, dead_band: float
 ) -> tuple[float, float, float]:
     """Return required deflection and minimum [rad], and the exit time [s], of parts of a flight.
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, SoundingSpeeds
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, NotKnownError, instance, number, one_of, positive
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -32,8 +32,8 @@ class PlacedWind:
 
     An unknown wind is represented by a calm; `why` says the reason, unless a sounding ends. `fixed`
     says whether all flight times have this same wind, such as a sounding without a window. `whole`
-    is a wind of both signs, of which `history` has the larger one; `pressure` flight times [s] and
-    the dynamic pressure encountered there over the nominal one, where it is known.
+    is a wind of both signs, of which `history` has the larger one; `speeds` the wind of
+    both planes, where it is that of a sounding.
     """
 
     history: History
@@ -42,7 +42,7 @@ class PlacedWind:
     why: str = ""
     fixed: bool = False
     whole: History | None = None
-    pressure: tuple[FloatArray, FloatArray] | None = None
+    speeds: SoundingSpeeds | None = None
 
     @property
     def calm(self) -> bool:
@@ -93,13 +93,12 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         signed = wind.to_both_sides(vehicle)
         values = signed(signed.probe_times())
         two_sided = values.min() < 0.0 < values.max()
-        pressure = None if wind.pressure is None else (wind.wind.time, wind.pressure)
         return PlacedWind(
             wind(vehicle),
             0.0,
             fixed=wind.window is None and wind.gust is None,
             whole=signed if two_sided else None,
-            pressure=pressure,
+            speeds=wind.speeds,
         )
     history = given(wind, vehicle)
     if not isinstance(history, History) or history.batch:

@@ -38,6 +38,7 @@ from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.wind_angles import NominalWind
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
 _LOOKS = 33
@@ -299,7 +300,10 @@ def _along(
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            part, *whole = (FlightWind(one, wind.pressure) for one in both)
+            part, *whole = (
+                FlightWind(one, mode.plane, wind.speeds) if wind.speeds else NominalWind(one)
+                for one in both
+            )
             along[key] = flight_requirement(mode, part, bands, *whole)
         return along[key]
 
