@@ -108,4 +108,5 @@ def test_the_dynamic_pressure_is_that_of_all_that_blows():
         [float(one[name].max()) for one in found] for name in ("K = 1", "K = 1, varying")
     )
     assert frozen[0] == pytest.approx(frozen[1], rel=1e-9)  # of calm air
-    assert varying[0] > 1.04 * varying[1]
+    # the same wind turns the faster air less: the normal force stays, only the stiffness is larger
+    assert varying[1] < varying[0] < 1.01 * varying[1]
