@@ -105,7 +105,8 @@ class FlightPath:
         if not pressure:
             return times, _angle(sine), np.ones(sine.shape), onset
         ratio = pressure_in_winds(climb, along / speed, across / speed)
-        return times, _angle(sine / np.sqrt(ratio)), ratio, onset
+        in_plane = pressure_in_winds(climb, along / speed) if plane == "pitch" else ratio
+        return times, _angle(sine / np.sqrt(in_plane)), ratio, onset
 
 
 def _angle(sine: FloatArray) -> FloatArray:
