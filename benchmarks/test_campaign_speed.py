@@ -1,6 +1,7 @@
 """Campaigns of dispersed cases, drawing and files included, beside a loop over the cases."""
 
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
@@ -55,6 +56,22 @@ def test_the_default_campaign(benchmark: Any, tmp_path: Any, model: str) -> None
         per=CASES,
         peer_per=FEW,
         floor="boundaries; with drift a flight of the trim law",
+    )
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+def test_a_campaign_with_a_dead_band(benchmark: Any, tmp_path: Any, model: str) -> None:
+    """10,000 cases of K = 0.5, each in its own wind angle and dynamic pressure."""
+    number = count()
+    campaign = replace(plan(model), cases=10_000, dead_bands=(0.5,), outputs=("required",))
+    ratio(
+        benchmark,
+        lambda: tv.run_campaign(campaign, tmp_path / str(next(number))),
+        lambda: one_by_one(campaign),
+        peer_name="required_deflection and the minimum, called in a loop",
+        per=10_000,
+        peer_per=FEW,
+        floor="a march of each case, and the weighted median of each step of its dual",
     )
 
 

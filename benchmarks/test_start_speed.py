@@ -1,4 +1,4 @@
-"""Each command that flies nothing, beside the least that any of them could import.
+"""Commands beside the least that any of them could import: how many starts of it each takes.
 
 Processor time of whole processes, which the neighbours of a shared machine disturb least. Where
 Python may not keep its bytecode (PYTHONDONTWRITEBYTECODE) both take three times as long.
@@ -19,6 +19,7 @@ COMMANDS = [
     "study",
     "study --disperse",
     "study --plot study.png",
+    "study --gust 2 2",
     "report configuration-ii",
     "report",
     "boundary",
@@ -31,13 +32,29 @@ COMMANDS = [
     "margins",
     "margins --plot margins.png",
     "size",
+    "fly",
+    "laws",
     "campaign init cases.toml",
 ]
+MOST_STARTS = {
+    "study": 1.6,
+    "study --plot study.png": 3.0,
+    "study --gust 2 2": 3.0,
+    "size": 3.0,
+    "fly": 3.0,
+    "report": 5.0,
+    "laws": 10.0,
+}
+"""Starts of numpy with scipy.optimize that a command is to take at most."""
 _TRIMS = "numba, for the flights of the trim law behind each curve"
 FLOORS = {
     "study --plot study.png": f"{_TRIMS}; pyplot",
     "report configuration-ii": f"{_TRIMS}; pyplot, two figures",
     "report": "flights of five laws, 2,000 cases, five figures",
+    "study --gust 2 2": "numba, for 33 times of the gust",
+    "size": "numba, scipy.integrate for the nominal flight, 96 marches",
+    "fly": "scipy.integrate",
+    "laws": "python-control, 180 flights",
 }
 
 
@@ -59,6 +76,7 @@ def test_a_command(benchmark, tmp_path, command):
         floor=FLOORS.get(command, "imports, and what is drawn"),
     )
     benchmark.pedantic(lambda: None)
+    assert best <= MOST_STARTS.get(command, float("inf")) * best_peer
 
 
 def seconds(command, folder):

@@ -269,7 +269,7 @@ def varying_requirement(
             equations.at_ratio(ratio[cases], cases),
             wind[cases],
             found.path[cases],
-            0.0 < dead_band < 1.0,
+            found.of(cases).heights_over(dead_band) if 0.0 < dead_band < 1.0 else None,
         )
         minimum[cases] = peaks[:, 0]
         if 0.0 < dead_band < 1.0:

@@ -231,6 +231,20 @@ class Curves:
             dead_band
         )
 
+    def heights_over(self, dead_band: float) -> FloatArray:
+        """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
+
+        Infinite where trim is at no new height, and NaN after the step of its last new height:
+        `limit_over_minimum` does not depend on the minimum there, nor before the last time at which
+        the minimum is above this.
+        """
+        trim = self.side[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)
+        new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
+        over = np.where(new, trim / dead_band, np.inf)
+        last = (trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)) // 3 + 1
+        at_steps = np.concatenate([over[:, ::3], over[:, -1:]], axis=-1)
+        return np.where(steps > last[:, np.newaxis], np.nan, at_steps)
+
     def meets_again(self, limit: FloatArray) -> BoolArray:
         """Whether trim is above a limit ``(n,)`` [rad] in more than one interval, ``(n,)``."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
@@ -273,6 +287,12 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
     return np.asarray(a + u * (s + u * (bend + u * turn)))
 
 
+def _new_heights(trim: FloatArray) -> BoolArray:
+    """Return where trim ``(n, k)`` is at a new maximum, above zero."""
+    highest = np.maximum.accumulate(trim, axis=-1)
+    return np.asarray((trim >= highest * (1.0 - _HEIGHT_TOLERANCE)) & (trim > 0.0))
+
+
 def exit_samples(
     trim: FloatArray, demand: FloatArray, dead_band: float
 ) -> tuple[IndexArray, IndexArray]:
@@ -281,8 +301,7 @@ def exit_samples(
     The last is the last new maximum of trim ``(n, k)`` short of K times the demand, zero without
     one; the next is the next new maximum, k without one.
     """
-    highest, place = np.maximum.accumulate(trim, axis=-1), np.arange(trim.shape[-1])
-    new = (trim >= highest * (1.0 - _HEIGHT_TOLERANCE)) & (trim > 0.0)
+    new, place = _new_heights(trim), np.arange(trim.shape[-1])
     short = (new | (place == 0)) & (trim < dead_band * demand)
     last = np.where(short, place, -1).max(axis=-1, keepdims=True)
     after = np.where(new & (place > last), place, place.size).min(axis=-1)

@@ -101,11 +101,11 @@ def minimum_peaks(
     equations: FloatArray,
     wind: FloatArray,
     path: FloatArray,
-    every_step: bool,
+    heights: FloatArray | None = None,
 ) -> FloatArray:
     """Return the minimum peaks [rad] of all control from the begin of steps on, ``(n, S + 1)``.
 
-    Without `every_step` from the first alone, ``(n, 1)``.
+    Without `heights` from the first alone, ``(n, 1)``.
 
     Parameters
     ----------
@@ -125,6 +125,9 @@ def minimum_peaks(
     path : ndarray
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
+    heights : ndarray, optional
+        Trim over K [rad] from which steps on minimum peaks are known, see `Curves.heights_over`:
+        backwards to the first above it. Elsewhere that of the fastest mode stands, a lower bound.
     """
     m, steps = equations.shape[-2], lengths.shape[1]
     costates, tail = modes.tail(column)
@@ -134,6 +137,7 @@ def minimum_peaks(
     weights = np.concatenate([np.zeros((cases, count, steps)), tail], axis=-1)
     remaining = np.zeros((cases, count, 1))
     peaks = []
+    open_cases = np.ones(cases, dtype=bool)
 
     def rates(s: int, q: int, p: FloatArray) -> FloatArray:
         rate = p @ equations[:, s, q]
@@ -156,11 +160,18 @@ def minimum_peaks(
             turn = np.linalg.inv(np.swapaxes(upper, -1, -2))
             costates, remaining = np.swapaxes(orthogonal, -1, -2), turn @ remaining
             weights[..., s:] = turn @ weights[..., s:]
-        if every_step or s == 0:
+        if heights is not None or s == 0:
             component = np.einsum("nki,ni->nk", costates[..., 2:], path[:, s])
             d = component + remaining[..., 0]
-            fastest = np.abs(d[:, 0]) / np.abs(weights[:, 0, s:]).sum(axis=-1)  # a bound alone
-            peaks.append(np.maximum(_dual_value(weights[..., s:], d), fastest))
+            peak = np.abs(d[:, 0]) / np.abs(weights[:, 0, s:]).sum(axis=-1)  # of the fastest alone
+            some = np.arange(cases)
+            if heights is not None and s > 0:
+                some = np.flatnonzero(open_cases & ~np.isnan(heights[:, s]))
+            if some.size:
+                peak[some] = np.maximum(_dual_value(weights[some, :, s:], d[some]), peak[some])
+            if heights is not None:
+                open_cases[some] = ~(heights[some, s] < peak[some])
+            peaks.append(peak)
     return np.stack(peaks[::-1], axis=-1)
 
 
