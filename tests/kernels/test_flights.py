@@ -10,7 +10,7 @@ from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels.choice import available, pinned
-from tvclin.kernels.control_laws import bounded, slow_ends
+from tvclin.kernels.control_laws import bounded_coordinate, slow_edges
 from tvclin.numerics.propagation import matrix_exponentials
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -171,15 +171,15 @@ def test_a_plant_with_a_pair_or_without_an_unstable_pole_is_not_judged():
 def test_a_lean_stays_within_the_ends_that_go_with_the_slow_coordinate(power):
     """The ends are the inverse of those of the slow coordinate, and powers left out change none."""
     for fast in np.linspace(-0.99, 0.99, 23).tolist():
-        low, high = slow_ends(fast, 1.0 / power)
-        assert bounded(1.0, float(high), power) >= fast - 1e-12
-        assert bounded(-1.0, float(high), power) == pytest.approx(fast, abs=1e-9)
-        assert bounded(1.0, float(low), power) == pytest.approx(fast, abs=1e-9)
+        low, high = slow_edges(fast, 1.0 / power)
+        assert bounded_coordinate(1.0, float(high), power) >= fast - 1e-12
+        assert bounded_coordinate(-1.0, float(high), power) == pytest.approx(fast, abs=1e-9)
+        assert bounded_coordinate(1.0, float(low), power) == pytest.approx(fast, abs=1e-9)
     for lean in np.linspace(-1.0, 1.0, 41).tolist():
         for slow in np.linspace(-1.0, 1.0, 41).tolist():
             ends = 2 * ((1 + slow) / 2) ** power - 1, 1 - 2 * ((1 - slow) / 2) ** power
             expected = min(max(lean, ends[0]), ends[1])
-            assert bounded(lean, slow, power) == pytest.approx(expected, abs=1e-15)
+            assert bounded_coordinate(lean, slow, power) == pytest.approx(expected, abs=1e-15)
 
 
 def test_exponentials_of_a_batch_are_scipys():

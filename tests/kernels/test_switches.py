@@ -10,7 +10,7 @@ import tvclin as tv
 from tests.turns import by_turns
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.kernels import terms, threads
+from tvclin.kernels import excess, threads
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
@@ -108,7 +108,7 @@ def test_a_case_has_the_same_bits_wherever_it_stands_and_in_any_number_of_thread
     pytest.importorskip("numba")
     rng = np.random.default_rng(8)
     plant, wind, K = plants(rng, model, 300), winds_of(rng, "triangle", 300), rng.random(300)
-    monkeypatch.setattr(threads, "_WORTH", 1e-9)
+    monkeypatch.setattr(threads, "_MIN_SECONDS_PER_THREAD", 1e-9)
     with pinned(True):
         monkeypatch.setattr(threads, "thread_count", lambda: 2)
         whole = tv.boundary_limit(plant, wind, K)
@@ -134,7 +134,7 @@ def test_the_state_of_the_filter_is_that_of_a_matrix_exponential(seed):
             expected = np.real(expm(A * u) @ np.array([0, 0, *c[0]]))[:2]
             expected += np.real(expm(A * u) @ np.array([x, y, 0, 0]))[:2]
             work = np.empty((2, 2), kind)
-            found = terms.filtered(c, np.array([rate], kind), u, x, y, b1, q, work)
+            found = excess.filtered_state(c, np.array([rate], kind), u, x, y, b1, q, work)
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
 
 
@@ -148,7 +148,7 @@ def test_the_future_of_a_piece_is_the_integral(degree, pole):
             return np.polyval(c[0, ::-1], u + v) * np.exp(-pole * v)
 
         expected = quad(lambda v: integrand(v).real, 0.0, left, epsabs=0.0, epsrel=1e-13)[0]
-        found = terms.future(c, np.zeros(1), u, left, pole)
+        found = excess.piece_integral(c, np.zeros(1), u, left, pole)
         assert found.real == pytest.approx(expected, rel=1e-12)
 
 

@@ -34,7 +34,7 @@ from tvclin.base.errors import (
     plain,
 )
 from tvclin.kernels.choice import run
-from tvclin.kernels.futures import COMPILED, PLAIN, largest_futures
+from tvclin.kernels.remaining_integrals import COMPILED, PLAIN, largest_remaining_integrals
 from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
@@ -167,7 +167,7 @@ def forecast_free_limit(
     found = np.empty((which.size, 3))
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), found)
-    run(largest_futures, work, which.size, PLAIN * terms, COMPILED * terms)
+    run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)
     foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)

@@ -20,8 +20,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.kernels.choice import run
-from tvclin.kernels.control_laws import slow_ends
-from tvclin.kernels.reaches import COMPILED, PLAIN, least_reaches
+from tvclin.kernels.control_laws import REACH_COMPILED, REACH_PLAIN, minimum_reaches, slow_edges
 from tvclin.linear.modes import left_eigenvector, poles_text, unstable_poles
 from tvclin.linear.plant import PLANT_HINT, Plant
 
@@ -59,7 +58,7 @@ class UnstableCoordinates:
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
-        low, high = slow_ends(np.clip(fast / reach, -1.0, 1.0), self.ratio)
+        low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
 
 
@@ -110,5 +109,5 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
     found = np.empty(fast.size)
     columns = [np.require(one, float, ["C", "W"]) for one in (fast, slow, ratio)]
     count = found.size
-    run(least_reaches, (*columns, found), count, PLAIN * count, COMPILED * count)
+    run(minimum_reaches, (*columns, found), count, REACH_PLAIN * count, REACH_COMPILED * count)
     return found

@@ -21,7 +21,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.kernels import switches
 from tvclin.kernels.choice import run
-from tvclin.kernels.futures import at_heights
+from tvclin.kernels.remaining_integrals import demands_at_heights
 from tvclin.linear.plant import Plant
 from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
@@ -63,7 +63,7 @@ class Problem:
         out = np.empty((3, which.size))
         self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
         time, demand, status = out.reshape(3, *self.shape)
-        return Switch(time, demand, status == switches.JUMPS, status == switches.NEVER)
+        return Switch(time, demand, status == switches.JUMP, status == switches.UNREACHED)
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim over B alpha_w,max of some cases; zero for the others."""
@@ -85,7 +85,7 @@ class Problem:
         winds, which, numbers = self._arrays
         found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights)
-        self._run(at_heights, 1, winds, which[cases], *work, found)
+        self._run(demands_at_heights, 1, winds, which[cases], *work, found)
         return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property

@@ -1,37 +1,45 @@
-"""What the laws of this package ask for, from the numbers that each gives of itself.
+"""Control laws as kernels, from the numbers of each law, and the edges of recoverable sets.
 
-A law that is linear in what it sees is its gains. The recoverable-attitude law follows a lean Z
-with the coordinate z of the fast unstable mode, as `laws.recoverable` says it.
+A law that is linear in its measurements is its gains. The recoverable-attitude law lets the
+coordinate z of the fast unstable mode follow a lean Z, as in `laws.recoverable`.
 """
 
 import math
 from typing import Any, NamedTuple
 
-from tvclin.kernels.source import inlined, kernel
+from tvclin.kernels.source import bare, inlined, kernel
 
-EDGE = 0.9999
-"""A slow coordinate is taken for no nearer than this to the end of its reach."""
-HEADROOM = 1.1
-"""A wind felt beyond the design peak is taken for so many times as strong."""
-FAST_FIRST = 0.9
-"""Part of the limit that the fast mode may need against the felt wind."""
-SLOW_LOOP = 3.0
+MAX_SLOW_COORDINATE = 0.9999
+"""Largest slow coordinate, over its reach, that the law assumes."""
+WIND_FACTOR = 1.1
+"""Factor by which a felt wind beyond the design peak is assumed stronger."""
+FAST_LIMIT_FRACTION = 0.9
+"""Fraction of the limit for the fast mode against the felt wind."""
+SLOW_LOOP_GAIN = 3.0
 """Gain of the slow mode's outer loop, in units of its coordinate."""
-_NEWTON = 5
-"""Steps: all digits, since the first guess is within a third and the steps are quadratic."""
-_POWER = 4.0
-"""For exponents beyond this, (1 - x)^4 bounds the edge of the recoverable set."""
+_RECOVERY_ITERATIONS = 5
+"""Newton iterations: the first guess is within a third, and convergence is quadratic."""
+_BOUND_POWER = 4.0
+"""Exponent beyond which (1 - x)^4 bounds the edge of the recoverable set."""
+_MAX_REACH_ITERATIONS = 100
+"""Largest number of Newton iterations; about ten suffice unless the path is nearly an edge."""
+_LAST_RELATIVE_STEP = 2.0**-51
+"""Last relative step: two roundings."""
+
+
+REACH_PLAIN, REACH_COMPILED = 5e-5, 5e-7
+"""Seconds per reach, in plain Python and as machine code."""
 
 
 class LawNumbers(NamedTuple):
-    """One law: gains on what is measured and on a state of its own, or those of a lean.
+    """Numbers of a law: gains on measurements and on a state of its own, or those of a lean.
 
-    `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and
-    of the slow coordinate (zeros where there is none), `ratio` of slow and fast pole (or zero),
-    the strength of the wind, B, and the law's own numbers; `peak` is infinite without a design
-    peak, and `swing`, `reach` times the rate limit over B and the fast pole [rad], without that.
-    With `estimates` the first two states are attitude rate and wind, to be used in place of what is
-    measured, and the law's own state comes behind them.
+    `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and of
+    the slow coordinate (zeros without one), `ratio` of slow and fast pole (or zero), the wind per
+    angle, B, and the law's own numbers; `peak` is infinite without a design peak, and `swing`,
+    `reach` times the rate limit over B and the fast pole [rad], without a rate limit. With
+    `estimates` the first two states are attitude rate and wind, which replace the measurements, and
+    the law's own state follows them.
     """
 
     attitude: float = 0.0
@@ -61,60 +69,64 @@ class LawNumbers(NamedTuple):
 
 
 @inlined
-def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
-    """Return the deflection asked for [rad].
+def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
+    """Return the deflection that a law demands [rad].
 
-    `law`: or a row of an array with its fields. `measured`: attitude, rate, flight path angle and
-    angle of attack, as of `laws.Measurement`. `states`: the law's own. `limit`: the deflection
-    limit [rad].
+    `law`: `LawNumbers`, or a row of an array with their fields. `measured`: attitude, rate, flight
+    path angle and angle of attack, as in `laws.Measurement`. `states`: states of the law. `limit`:
+    the deflection limit [rad].
     """
     if law.leans:
         if law.estimates:
-            return leaning(law, measured[0], states[0], measured[2], states[1], limit)
-        return leaning(law, measured[0], measured[1], measured[2], measured[0] - measured[3], limit)
-    rate, alpha, own = measured[1], measured[3], 0
+            return lean_demand(law, measured[0], states[0], measured[2], states[1], limit)
+        return lean_demand(
+            law, measured[0], measured[1], measured[2], measured[0] - measured[3], limit
+        )
+    rate, alpha, state = measured[1], measured[3], 0
     if law.estimates:
-        rate, alpha, own = states[0], measured[0] - states[1], 2
-    found = law.attitude * measured[0] + law.attitude_rate * rate
-    found += law.flight_path_angle * measured[2] + law.angle_of_attack * alpha
-    return found + law.first_state * states[own] if law.first_state != 0.0 else found
+        rate, alpha, state = states[0], measured[0] - states[1], 2
+    demand = law.attitude * measured[0] + law.attitude_rate * rate
+    demand += law.flight_path_angle * measured[2] + law.angle_of_attack * alpha
+    return demand + law.first_state * states[state] if law.first_state != 0.0 else demand
 
 
 @inlined
-def leaning(law: Any, theta: float, rate: float, path: float, wind: float, limit: float) -> float:
-    """Return u = z - k w + gain (z - Z), as a deflection; `wind` counts from the path too.
+def lean_demand(
+    law: Any, theta: float, rate: float, path: float, wind: float, limit: float
+) -> float:
+    """Return the deflection u = z - k w + gain (z - Z) [rad]; `wind` is relative to the path.
 
-    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z. Where the
-    rate limit is known the feedback is no larger than can be taken back in time, and u stays where
-    z can be brought back if the wind stops.
+    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z. With a
+    known rate limit the feedback is bounded so that it can be reversed in time, and u so that z is
+    recoverable if the wind stops.
     """
     wind = wind - path
     size = max(abs(wind) - law.dead_band, 0.0)
-    felt = law.wind * (-size if wind < 0.0 else size)
+    wind_term = law.wind * (-size if wind < 0.0 else size)
     fast = law.fast_attitude * theta + law.fast_rate * rate + law.fast_path * path
     slow = law.slow_attitude * theta + law.slow_rate * rate + law.slow_path * path
     D = limit / abs(law.B)
-    error = fast - leant(law, slow, felt, size, D)
-    turn = law.gain * error
+    error = fast - allowed_lean(law, slow, wind_term, size, D)
+    feedback = law.gain * error
     if law.swing < math.inf:
-        reach, most = law.reach * D, turned_back(abs(error), law.swing) - abs(error)
-        turn = fast - felt + min(max(turn, -most), most)
-        turn = max(turn, reach - turned_back(reach - fast, law.swing))
-        return law.B * min(turn, turned_back(reach + fast, law.swing) - reach)
-    return law.B * (fast - felt + turn)
+        reach, max_feedback = law.reach * D, recovery_distance(abs(error), law.swing) - abs(error)
+        feedback = fast - wind_term + min(max(feedback, -max_feedback), max_feedback)
+        feedback = max(feedback, reach - recovery_distance(reach - fast, law.swing))
+        return law.B * min(feedback, recovery_distance(reach + fast, law.swing) - reach)
+    return law.B * (fast - wind_term + feedback)
 
 
 @inlined
-def turned_back(room: float, swing: float) -> float:
-    """Return D - u for the furthest u from which D - z = `room` is brought back in still air.
+def recovery_distance(room: float, swing: float) -> float:
+    """Return D - u for the furthest u from which D - z = `room` is recovered without wind.
 
-    At the full rate R = `swing` to D, and held there, z up to u + R (1 - e^(-x)) is brought back,
+    At the full rate R = `swing` to D, and constant there, z up to u + R (1 - e^(-x)) is recovered,
     x = (D - u)/R: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above. It is also the
     u from which that rate comes to rest together with z = `room`.
     """
     q = max(room, 0.0) / swing
     x = q + math.sqrt(2.0 * q)
-    for _ in range(_NEWTON):
+    for _ in range(_RECOVERY_ITERATIONS):
         slope = -math.expm1(-x)
         if slope > 0.0:
             x -= (x - slope - q) / slope
@@ -122,51 +134,51 @@ def turned_back(room: float, swing: float) -> float:
 
 
 @inlined
-def leant(law: Any, slow: float, felt: float, wind: float, D: float) -> float:
-    """Return Z: the lean that the wind, the recoverable set and the design wind allow.
+def allowed_lean(law: Any, slow: float, wind_term: float, wind: float, D: float) -> float:
+    """Return the lean Z that the wind, the recoverable set and the design wind allow.
 
-    Z = k w + 3 z2, no further than M = min(reach D, k max(A, 1.1 |w|) - trust D) and beyond that by
-    as much as the slow coordinate z2 asks for on its side. Z lags behind k w by 0.9 D at the most,
-    so that the fast mode is held with what is left; and Z lies in the recoverable set with z2.
+    Z = k w + 3 z2, with ``|Z| <= M`` = min(reach D, k max(A, 1.1 |w|) - trust D), extended by the
+    contribution of the slow coordinate z2. Z differs from k w by at most 0.9 D, so that the
+    remaining limit stabilises the fast mode; and Z lies in the recoverable set with z2.
     """
     reach = law.reach * D
-    most = reach
+    max_lean = reach
     if law.peak < math.inf:
-        needed = law.wind * max(law.peak, HEADROOM * wind) - law.trust * D
-        most = min(reach, max(needed, 0.0))
-    turn = SLOW_LOOP * slow
-    lean = min(most + max(turn, 0.0), felt + turn)
-    lean = max(lean, min(turn, 0.0) - most)
-    if felt > 0.0:
-        lean = max(lean, felt - FAST_FIRST * D)
-    elif felt < 0.0:
-        lean = min(lean, felt + FAST_FIRST * D)
+        required = law.wind * max(law.peak, WIND_FACTOR * wind) - law.trust * D
+        max_lean = min(reach, max(required, 0.0))
+    slow_term = SLOW_LOOP_GAIN * slow
+    lean = min(max_lean + max(slow_term, 0.0), wind_term + slow_term)
+    lean = max(lean, min(slow_term, 0.0) - max_lean)
+    if wind_term > 0.0:
+        lean = max(lean, wind_term - FAST_LIMIT_FRACTION * D)
+    elif wind_term < 0.0:
+        lean = min(lean, wind_term + FAST_LIMIT_FRACTION * D)
     if law.ratio == 0.0:
         return min(max(lean, -reach), reach)
-    x = min(max(slow / reach, -EDGE), EDGE)
-    return reach * bounded(lean / reach, x, 1.0 / law.ratio)
+    x = min(max(slow / reach, -MAX_SLOW_COORDINATE), MAX_SLOW_COORDINATE)
+    return reach * bounded_coordinate(lean / reach, x, 1.0 / law.ratio)
 
 
 @inlined
-def bounded(lean: float, slow: float, power: float) -> float:
-    """Return a fast coordinate no further out than the edges that go with a slow one.
+def bounded_coordinate(lean: float, slow: float, power: float) -> float:
+    """Return a fast coordinate bounded by the edges for a slow one, all over the reach.
 
-    All over the reach. The edges are 2 ((1 + x)/2)^r - 1 and 1 - 2 ((1 - x)/2)^r with r above
-    one, and x between them; a power is computed only where r = 1 or 4 does not answer already.
+    The edges are 2 ((1 + x)/2)^r - 1 and 1 - 2 ((1 - x)/2)^r with r above one, and x between them;
+    a power is computed only where r = 1 or 4 does not decide.
     """
     above = lean > slow
     if not above:
         lean, slow = -lean, -slow
     q = 0.5 * (1.0 - slow)
     square = q * q
-    if power < _POWER or lean > 1.0 - 2.0 * square * square:
+    if power < _BOUND_POWER or lean > 1.0 - 2.0 * square * square:
         lean = min(lean, 1.0 - 2.0 * q**power)
     return lean if above else -lean
 
 
 @inlined
-def switched(engage: float, release: float, demand: float, mode: float) -> float:
-    """Return the mode that follows: +1 or -1 while the whole limit is commanded, else 0.
+def next_mode(engage: float, release: float, demand: float, mode: float) -> float:
+    """Return the next mode: +1 or -1 while the whole limit is commanded, else 0.
 
     `engage` and `release` are deflections [rad].
     """
@@ -178,10 +190,50 @@ def switched(engage: float, release: float, demand: float, mode: float) -> float
 
 
 @kernel
-def slow_ends(fast: Any, ratio: Any) -> Any:
-    """Return the ends of the slow coordinate that go with a fast one in [-1, 1], over the reach.
+def slow_edges(fast: Any, ratio: Any) -> Any:
+    """Return the edges of the slow coordinate for a fast one in [-1, 1], over the reach.
 
-    They are the paths that end at rest with one switch, 1 - 2 ((1 - x)/2)^r and its mirror image.
-    Numbers or arrays.
+    They are the paths that reach equilibrium with one switch, 1 - 2 ((1 - x)/2)^r and its mirror
+    image. Numbers or arrays.
     """
     return 1.0 - 2.0 * ((1.0 - fast) / 2.0) ** ratio, 2.0 * ((1.0 + fast) / 2.0) ** ratio - 1.0
+
+
+@kernel
+def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last: int) -> None:
+    """Write the smallest reach with two unstable coordinates on its edge, to ``out (n,)``.
+
+    `fast`, `slow`, `ratio`: the coordinates and the ratio of their poles, ``(n,)`` each (see
+    `boundary.recoverable`).
+    """
+    for case in range(first, last):
+        z, w = fast[case], slow[case]
+        size = max(abs(z), abs(w))
+        out[case] = size
+        if size > 0.0:
+            z, w, power = z / size, w / size, 1.0 / ratio[case]
+            out[case] = size / min(
+                _recoverable_fraction(z, w, power), _recoverable_fraction(-z, -w, power)
+            )
+
+
+@bare
+def _recoverable_fraction(z: float, w: float, power: float) -> float:
+    """Return the largest fraction of (z, w), at most one, on the recoverable side of a path.
+
+    That is z > 2 ((1 + w)/2)^power - 1. The margin is concave in the fraction and first positive,
+    so that Newton's steps from beyond converge to the end from above.
+    """
+    fraction = 1.0
+    for _ in range(_MAX_REACH_ITERATIONS):
+        base = 0.5 * (1.0 + fraction * w)
+        power_term = base ** (power - 1.0) if base > 0.0 else 0.0
+        margin = 1.0 + fraction * z - 2.0 * power_term * base
+        slope = z - power * power_term * w
+        if margin >= 0.0 or slope >= 0.0:
+            break
+        step = margin / slope
+        fraction -= step
+        if step <= _LAST_RELATIVE_STEP * fraction:
+            break
+    return fraction

@@ -1,22 +1,460 @@
-"""Flights of laws that are computed at a sample rate, each stepped exactly from sample to sample.
+"""Flights of control laws at a sample rate, each stepped exactly from sample to sample.
 
-A command that takes effect between two samples, by a computing delay, parts each step in two.
-`flight_steps` moves vehicle and nozzle through a part, in the wind of `flight_winds`.
+A fractional computing delay divides each step into two intervals, in which the command c is
+constant. From the start to the end of an interval the states y of a flight, those of the vehicle
+and then those of the nozzle, the command, and the wind as a polynomial w0 + w1 u + ... about the
+start make
+
+    y <- J [y, c, w0, w1, ...],
+
+which is exact while the nozzle is not limited. For a nozzle that is fast relative to the samples of
+the law an interval is divided into substeps, unless the nozzle is not limited in any of them. In a
+substep in which rate or deflection limit act, the deflection is linear between its end values.
 """
 
-from tvclin.base.arrays import FloatArray
-from tvclin.kernels.control_laws import asked, slow_ends, switched
-from tvclin.kernels.flight_arrays import LOST, MEASURED, NEVER, SURVIVED, UNDECIDED, Flights
-from tvclin.kernels.flight_steps import raised, through
-from tvclin.kernels.flight_winds import about
+from typing import Any, NamedTuple
+
+from tvclin.base.arrays import BoolArray, FloatArray, IntArray
+from tvclin.kernels.control_laws import law_demand, next_mode, slow_edges
 from tvclin.kernels.source import bare, inlined
 
+UNDECIDED, SURVIVED, LOST = range(3)
+"""Outcome of a flight."""
+MEASURED = 5
+"""Number of measurements of a law."""
+PEAKS = 6
+"""Number of peaks: attitude, its rate, deflection, its rate, angle of attack; samples at the
+limit."""
+NEVER = 1 << 60
+"""Number of samples of a flight that ends when its outcome is decided."""
+_SERIES_TERMS, _MAX_SERIES_ARGUMENT = 24, 2.0
+"""Terms of the series of a wind that begins within a step, and its argument: 2^24/24! is 3e-17."""
+_LIMIT_TOLERANCE = 1.0 + 1e-9
+"""Factor on the deflection limit within which a nozzle at the limit may be leaving it."""
 PLAIN, COMPILED = 3e-5, 5e-8
-"""About how many seconds a sample of a flight takes, in plain Python and as machine code."""
-SETTLED = 0.3
-"""Saved: every unstable coordinate is below this part of the reach for a while."""
-LOOK = 8
-"""Samples between two looks at a flight."""
+"""Seconds per sample of a flight, in plain Python and as machine code."""
+SETTLED_FRACTION = 0.3
+"""Fraction of the reach below which every unstable coordinate is settled."""
+JUDGED_SAMPLES = 8
+"""Samples between two judgements of a flight."""
+
+
+class Steps(NamedTuple):
+    """Transition matrices of a step of p vehicles with N states, n of them without the nozzle.
+
+    `joint`: J of each interval of a step, the interval after the delay first, ``(p, parts, N, N + 1
+    + terms)``. `fine`: J of a substep of each interval, likewise. `substeps`: number of substeps of
+    an interval, ``(p, parts)``. `ramp`: effect on the vehicle of the deflection at both ends of a
+    substep, ``(p, parts, n, 2)``; where its acceleration is an input, then of its rates before and
+    after, ``(p, parts, n, 4)``. `lengths`: of a step, and of its intervals [s], ``(p, 1 + parts)``.
+    `short`: of a substep of each interval [s], ``(p, parts)``. `quick`: travel of a first-order
+    nozzle in a substep at its initial rate, over the remaining travel; infinite without a nozzle,
+    zero for a second-order one, ``(p, parts)``. `late`: whole samples of the delay of a command,
+    ``(p,)``.
+    """
+
+    joint: FloatArray
+    fine: FloatArray
+    substeps: IntArray
+    ramp: FloatArray
+    lengths: FloatArray
+    short: FloatArray
+    quick: FloatArray
+    late: IntArray
+
+
+class Vehicles(NamedTuple):
+    """Further numbers of p vehicles.
+
+    `shown`: attitude, rate, flight path angle and angle of attack from states and wind, ``(p, 4, n
+    + 1)``. `A`, `gust`: of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and
+    ``(p, n)``. `fastest`: size of the largest eigenvalue of A [1/s], ``(p,)``. `judges`: rows of
+    the fast and of the slow unstable coordinate, ``(p, 2, N)``. `reach`, `ratio`: reach of the
+    coordinates over the deflection limit, NaN without a criterion; and ratio of their poles,
+    ``(p,)``.
+    """
+
+    shown: FloatArray
+    A: FloatArray
+    gust: FloatArray
+    fastest: FloatArray
+    judges: FloatArray
+    reach: FloatArray
+    ratio: FloatArray
+
+
+class Winds(NamedTuple):
+    """Winds: knots [s], ``(w, k)``, and polynomials, lowest power first, ``(w, k, terms)``."""
+
+    knots: FloatArray
+    pieces: FloatArray
+
+
+class Laws(NamedTuple):
+    """Laws, with their states and filters.
+
+    `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
+    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 6)``; l is the
+    number of flights, or 1 for all. `seen`, `told`: with filters, rows of the law's inputs and of
+    the command to the limiter, likewise ``(l, 5, s + 6)`` and ``(l, s + 6)``; empty without
+    filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
+    """
+
+    numbers: Any
+    memory: FloatArray
+    seen: FloatArray
+    told: FloatArray
+    noise: FloatArray
+
+
+class Cases(NamedTuple):
+    """Indices and numbers of each of m flights, ``(m,)``.
+
+    `vehicle`, `wind`, `law`, `sequence`: indices; the last that of its noise. `gain`: factor on the
+    demand of the law. `limit`, `rate_limit`: of the deflection. `start`: start time [s]. `finish`,
+    `ends`, `waiting`, `settling`: numbers of samples of a flight with a fixed end, up to the end of
+    the wind, after it, and for which a flight must be settled to survive.
+    """
+
+    vehicle: IntArray
+    wind: IntArray
+    law: IntArray
+    sequence: IntArray
+    gain: FloatArray
+    limit: FloatArray
+    rate_limit: FloatArray
+    start: FloatArray
+    finish: IntArray
+    ends: IntArray
+    waiting: IntArray
+    settling: IntArray
+
+
+class FlightStates(NamedTuple):
+    """Current states of m flights, and work arrays.
+
+    `y`, `states`, `here`: states of the system ``(m, N)`` and of the law ``(m, s)``, and the wind's
+    polynomial about the current time ``(m, terms)``. `sensed`, `measured`: sensor outputs, and last
+    the demand of the law, ``(m, 6)``; and the inputs of the law, behind its filters, ``(m, 5)``.
+    `next`, `series`: work arrays for the next states, ``(m, max(N, s))``, and for a series, ``(m,
+    3, n)``. `commands`: the last commands, ``(m, largest late + parts)``. `mode`: +1 or -1 while
+    the whole limit is commanded, ``(m,)``. `bounded`: whether the nozzle was limited in its last
+    substep, ``(m,)``. `peaks`: see `PEAKS`, ``(m, 6)``. `piece`, `settled`, `outcome`, `ended`:
+    piece of the wind, number of settled samples, outcome, and the sample at which a flight ended or
+    -1, ``(m,)``.
+    """
+
+    y: FloatArray
+    states: FloatArray
+    here: FloatArray
+    sensed: FloatArray
+    measured: FloatArray
+    next: FloatArray
+    series: FloatArray
+    commands: FloatArray
+    mode: FloatArray
+    bounded: BoolArray
+    peaks: FloatArray
+    piece: IntArray
+    settled: IntArray
+    outcome: IntArray
+    ended: IntArray
+
+
+class Flights(NamedTuple):
+    """Batch of m flights.
+
+    `track`: of a single flight y, command, deflection at the end, one where the nozzle was limited,
+    and the start [s], for each substep, ``(substeps, N + 4)``; NaN where an interval was one step.
+    Empty by default.
+    """
+
+    steps: Steps
+    vehicles: Vehicles
+    winds: Winds
+    laws: Laws
+    cases: Cases
+    now: FlightStates
+    track: FloatArray
+
+
+@inlined
+def expand_wind(f: Flights, i: int, now: float) -> None:
+    """Write the polynomial of the wind about a time in its current piece."""
+    here, w, j = f.now.here[i], f.cases.wind[i], f.now.piece[i]
+    expand_piece(f.winds.pieces, f.winds.knots, w, j, now, here)
+
+
+@inlined
+def expand_piece(
+    pieces: FloatArray, knots: FloatArray, w: int, j: int, now: float, here: FloatArray
+) -> None:
+    """Write the coefficients of a piece of a wind about a time; zeros before the first."""
+    terms = here.size
+    if j < 0:
+        for r in range(terms):
+            here[r] = 0.0
+        return
+    for r in range(terms):
+        here[r] = pieces[w, j, r]
+    shift_polynomial(here, now - knots[w, j])
+
+
+@inlined
+def shift_polynomial(c: FloatArray, u: float) -> None:
+    """Replace a polynomial by its expansion about a point u later, by repeated Horner schemes."""
+    for low in range(c.size - 1):
+        for r in range(c.size - 2, low - 1, -1):
+            c[r] += c[r + 1] * u
+
+
+@inlined
+def pass_knots(f: Flights, i: int, begin: float, end: float) -> None:
+    """Add the effect of the wind's knots within an interval, and set the piece at its end."""
+    knots = f.winds.knots[f.cases.wind[i]]
+    while f.now.piece[i] + 1 < knots.size and knots[f.now.piece[i] + 1] <= end:
+        knot = knots[f.now.piece[i] + 1]
+        if begin < knot < end:
+            add_gust_response(f, i, knot, end - knot)
+        f.now.piece[i] += 1
+
+
+@inlined
+def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
+    """Add the response to the difference of the next piece of wind from this one, by series.
+
+    The terms about the start of an interval t are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1),
+    x_0 being the result of the interval before.
+    """
+    p, n, w = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.wind[i]
+    difference, j = f.now.here[i], f.now.piece[i] + 1
+    previous, term, response = f.now.series[i, 0], f.now.series[i, 1], f.now.series[i, 2]
+    expand_piece(f.winds.pieces, f.winds.knots, w, j - 1, knot, difference)
+    for r in range(difference.size):
+        difference[r] = f.winds.pieces[w, j, r] - difference[r]
+    for r in range(n):
+        response[r] = 0.0
+    intervals = 1 + int(f.vehicles.fastest[p] * time / _MAX_SERIES_ARGUMENT)
+    for k in range(intervals):
+        if k > 0:
+            shift_polynomial(difference, time / intervals)
+        for r in range(n):
+            term[r] = response[r]
+        add_series(
+            f.vehicles.A[p],
+            f.vehicles.gust[p],
+            difference,
+            time / intervals,
+            previous,
+            term,
+            response,
+        )
+    for r in range(n):
+        f.now.y[i, r] += response[r]
+
+
+@inlined
+def add_series(
+    A: FloatArray,
+    gust: FloatArray,
+    difference: FloatArray,
+    length: float,
+    previous: FloatArray,
+    term: FloatArray,
+    response: FloatArray,
+) -> None:
+    """Add the terms of the series over an interval that follow the first."""
+    n, power = response.size, length
+    for k in range(_SERIES_TERMS):
+        forcing = power * difference[k] if k < difference.size else 0.0
+        for r in range(n):
+            previous[r] = term[r]
+        for r in range(n):
+            total = 0.0
+            for q in range(n):
+                total += A[r, q] * previous[q]
+            term[r] = (length * total + gust[r] * forcing) / (k + 1)
+            response[r] += term[r]
+        power *= length
+
+
+@inlined
+def keep_peak(peaks: FloatArray, row: int, value: float) -> None:
+    """Update the largest size of a quantity."""
+    peaks[row] = max(peaks[row], abs(value))
+
+
+@inlined
+def move_through(f: Flights, i: int, part: int, k: int, c: float, begin: float, end: float) -> None:
+    """Move vehicle and nozzle through an interval of a step, with the command c."""
+    p = f.cases.vehicle[i]
+    short, count = f.steps.short[p, part], f.steps.substeps[p, part]
+    whole = count > 1 and is_unlimited(f, i, part, c)
+    first, steps = begin, 1 if whole else count
+    for step in range(steps):
+        last = begin + short * (step + 1) if step < steps - 1 else end
+        if step > 0:
+            expand_wind(f, i, first)
+        move_substep(f, i, part, whole, c)
+        write_track(f, i, part, k, step, c, first)
+        for r in range(f.now.y.shape[1]):
+            f.now.y[i, r] = f.now.next[i, r]
+        pass_knots(f, i, first, last)
+        first = last
+
+
+@inlined
+def is_unlimited(f: Flights, i: int, part: int, c: float) -> bool:
+    """Return whether the nozzle meets no limit in any substep of an interval.
+
+    The nozzle moves independently of the vehicle.
+    """
+    p, n, size = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y.shape[1]
+    J, s, v, rate = f.steps.fine[p, part], f.now.y[i, n], 0.0, 0.0
+    if size > n + 1:
+        v = f.now.y[i, n + 1]
+    largest, largest_change = 0.0, 0.0
+    for _ in range(f.steps.substeps[p, part]):
+        next_s = J[n, n] * s + J[n, size] * c
+        if size > n + 1:
+            next_s += J[n, n + 1] * v
+            rate = J[n + 1, n] * s + J[n + 1, n + 1] * v + J[n + 1, size] * c
+        if is_limited(f, i, part, c, s, v, next_s, rate):
+            return False
+        largest, largest_change = max(largest, abs(next_s)), max(largest_change, abs(next_s - s))
+        s, v = next_s, rate
+    keep_peak(f.now.peaks[i], 2, min(largest, f.cases.limit[i]))
+    keep_peak(f.now.peaks[i], 3, largest_change / f.steps.short[p, part])
+    return True
+
+
+@inlined
+def move_substep(f: Flights, i: int, part: int, whole: bool, c: float) -> None:
+    """Write the next states of vehicle and nozzle, over a whole interval or a substep."""
+    p, n, y, new = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y[i], f.now.next[i]
+    limit, f.now.bounded[i] = f.cases.limit[i], False
+    if whole:
+        free_step(f, i, f.steps.joint[p, part], c)
+        return
+    free_step(f, i, f.steps.fine[p, part], c)
+    f.now.bounded[i] = limit_nozzle(f, i, part, c)
+    first, last = min(max(y[n], -limit), limit), min(max(new[n], -limit), limit)
+    if f.now.bounded[i]:
+        ramp_step(f, i, f.steps.fine[p, part], f.steps.ramp[p, part], first, last)
+        if f.steps.ramp.shape[3] > 2:
+            add_engine_impulses(f, i, f.steps.ramp[p, part])
+    if f.steps.substeps[p, part] > 1:
+        keep_peak(f.now.peaks[i], 2, last)
+        keep_peak(f.now.peaks[i], 3, (last - first) / f.steps.short[p, part])
+
+
+@inlined
+def write_track(f: Flights, i: int, part: int, k: int, step: int, c: float, begin: float) -> None:
+    """Write a row of the track: start of a substep, states and command."""
+    rows = f.track.shape[0]
+    if rows == 0:
+        return
+    p, y, limit, size = f.cases.vehicle[i], f.now.y[i], f.cases.limit[i], f.now.y.shape[1]
+    total, previous = 0, 0
+    for interval in range(f.steps.joint.shape[1]):
+        total += f.steps.substeps[p, interval]
+        if interval > part:
+            previous += f.steps.substeps[p, interval]
+    row = k * total + previous + step
+    if row >= rows:
+        return
+    for r in range(size):
+        f.track[row, r] = y[r]
+    f.track[row, size] = c
+    f.track[row, size + 1] = min(max(f.now.next[i, f.vehicles.A.shape[1]], -limit), limit)
+    f.track[row, size + 2] = 1.0 if f.now.bounded[i] else 0.0
+    f.track[row, size + 3] = begin
+
+
+@inlined
+def free_step(f: Flights, i: int, J: FloatArray, c: float) -> None:
+    """Write J [y, c, w0, w1, ...]."""
+    y, here, new = f.now.y[i], f.now.here[i], f.now.next[i]
+    size = y.size
+    for r in range(size):
+        total = 0.0
+        for j in range(here.size):
+            total += J[r, size + 1 + j] * here[j]
+        for j in range(size):
+            total += J[r, j] * y[j]
+        new[r] = total + J[r, size] * c
+
+
+@inlined
+def is_limited(
+    f: Flights, i: int, part: int, c: float, s: float, v: float, later: float, rate: float
+) -> bool:
+    """Return whether rate or deflection limit act in a substep from s, v to later, rate.
+
+    A first-order nozzle starts with omega (c - s) and is slower afterwards: `quick` is omega times
+    the length of the substep, which is compared with the travel at the rate limit.
+    """
+    p, max_rate = f.cases.vehicle[i], f.cases.rate_limit[i]
+    reach = max_rate * f.steps.short[p, part]
+    if abs(c - s) * f.steps.quick[p, part] > reach or abs(later - s) > reach:
+        return True
+    if max(abs(later), abs(s)) > _LIMIT_TOLERANCE * f.cases.limit[i]:
+        return True
+    return f.now.y.shape[1] > f.vehicles.A.shape[1] + 1 and max(abs(rate), abs(v)) >= max_rate
+
+
+@inlined
+def limit_nozzle(f: Flights, i: int, part: int, c: float) -> bool:
+    """Return whether rate or deflection limit act in a substep, and limit the next states."""
+    p, n, max_rate = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.rate_limit[i]
+    y, new = f.now.y[i], f.now.next[i]
+    second = y.size > n + 1
+    v, rate = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
+    if not is_limited(f, i, part, c, y[n], v, new[n], rate):
+        return False
+    reach = max_rate * f.steps.short[p, part]
+    if abs(new[n] - y[n]) > reach:
+        new[n] = y[n] + (reach if new[n] > y[n] else -reach)
+    if second and max(abs(rate), abs(v)) >= max_rate:
+        new[n + 1] = min(max(rate, -max_rate), max_rate)
+    return True
+
+
+@inlined
+def ramp_step(
+    f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, last: float
+) -> None:
+    """Write the states of the vehicle for a deflection linear from first to last.
+
+    x <- Phi x + ramp [first, last] + the wind's terms of J.
+    """
+    n, y, here, new = f.vehicles.A.shape[1], f.now.y[i], f.now.here[i], f.now.next[i]
+    for r in range(n):
+        total = ramp[r, 0] * first + ramp[r, 1] * last
+        for j in range(here.size):
+            total += J[r, y.size + 1 + j] * here[j]
+        for j in range(n):
+            total += J[r, j] * y[j]
+        new[r] = total
+
+
+@inlined
+def add_engine_impulses(f: Flights, i: int, ramp: FloatArray) -> None:
+    """Add the effect on the vehicle of an engine with inertia when its rate jumps, at both ends.
+
+    The constant rate v of a substep lies between the rates before and after: the acceleration is (v
+    - before) and (after - v) as impulses. The terms of v are in the first columns.
+    """
+    n, y, new, limit = f.vehicles.A.shape[1], f.now.y[i], f.now.next[i], f.cases.limit[i]
+    before, after = nozzle_rate(y, n, limit), nozzle_rate(new, n, limit)
+    for r in range(n):
+        new[r] += ramp[r, 2] * before + ramp[r, 3] * after
+
+
+@inlined
+def nozzle_rate(y: FloatArray, n: int, limit: float) -> float:
+    """Return the rate of a second-order nozzle [rad/s]: zero at its deflection limit."""
+    return y[n + 1] if abs(y[n]) <= limit else 0.0
 
 
 @bare
@@ -25,52 +463,52 @@ def fly(f: Flights, first: int, last: int) -> None:
     for i in range(first, last):
         law = f.laws.numbers[f.cases.law[i]]
         for k in range(NEVER):
-            if not looked(f, i, k):
+            if not measure_sample(f, i, k):
                 break
-            demand = asked(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
-            stepped(f, i, k, demand, law.engage, law.release)
+            demand = law_demand(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
+            step_sample(f, i, k, demand, law.engage, law.release)
 
 
 @bare
 def look(f: Flights, k: int) -> int:
-    """Look at all flights at a sample; return how many go on."""
-    some = 0
+    """Measure all flights at a sample; return the number of those that continue."""
+    count = 0
     for i in range(f.cases.limit.size):
-        if f.now.ended[i] < 0 and looked(f, i, k):
-            some += 1
-    return some
+        if f.now.ended[i] < 0 and measure_sample(f, i, k):
+            count += 1
+    return count
 
 
 @bare
 def advance(
     f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
 ) -> None:
-    """Move all flights that go on by a sample, with what laws in Python ask for, ``(m,)``."""
+    """Move all flights that continue by a sample, with demands of laws in Python, ``(m,)``."""
     for i in range(f.cases.limit.size):
         if f.now.ended[i] < 0:
-            stepped(f, i, k, demand[i], engage[i], release[i])
+            step_sample(f, i, k, demand[i], engage[i], release[i])
 
 
 @inlined
-def looked(f: Flights, i: int, k: int) -> bool:
-    """Write what a law is shown at a sample; return whether the flight goes on."""
+def measure_sample(f: Flights, i: int, k: int) -> bool:
+    """Write the measurements of a law at a sample; return whether the flight continues."""
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
     n = f.vehicles.A.shape[1]
-    about(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
+    expand_wind(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
     for r in range(4):
         total = f.vehicles.shown[p, r, n] * f.now.here[i, 0]
         for j in range(n):
             total += f.vehicles.shown[p, r, j] * x[j]
         sensed[r] = total
     sensed[4] = min(max(x[n], -f.cases.limit[i]), f.cases.limit[i])
-    raised(peaks, 0, x[0])
-    raised(peaks, 1, x[1])
-    raised(peaks, 4, sensed[3])
+    keep_peak(peaks, 0, x[0])
+    keep_peak(peaks, 1, x[1])
+    keep_peak(peaks, 4, sensed[3])
     after = k - f.cases.ends[i]
-    if after > 0 and after % LOOK == 0 and f.now.outcome[i] != LOST:
-        judged(f, i)
-    going = f.now.outcome[i] == UNDECIDED and after < f.cases.waiting[i]
-    if k >= f.cases.finish[i] or (not going and f.cases.finish[i] == NEVER):
+    if after > 0 and after % JUDGED_SAMPLES == 0 and f.now.outcome[i] != LOST:
+        judge_states(f, i)
+    undecided = f.now.outcome[i] == UNDECIDED and after < f.cases.waiting[i]
+    if k >= f.cases.finish[i] or (not undecided and f.cases.finish[i] == NEVER):
         f.now.ended[i] = k
         return False
     if k < f.laws.noise.shape[1]:
@@ -78,15 +516,15 @@ def looked(f: Flights, i: int, k: int) -> bool:
     for r in range(MEASURED):
         f.now.measured[i, r] = sensed[r]
     if f.laws.seen.shape[0]:
-        own = i if f.laws.seen.shape[0] > 1 else 0
+        row = i if f.laws.seen.shape[0] > 1 else 0
         for r in range(MEASURED):
-            f.now.measured[i, r] = filtered(f, i, f.laws.seen[own, r])
+            f.now.measured[i, r] = row_product(f, i, f.laws.seen[row, r])
     return True
 
 
 @inlined
-def filtered(f: Flights, i: int, row: FloatArray) -> float:
-    """Return what a row makes of the states of a law and of what is sensed."""
+def row_product(f: Flights, i: int, row: FloatArray) -> float:
+    """Return the product of a row with the states of a law and the sensed values."""
     s, total = f.now.states.shape[1], 0.0
     for j in range(s):
         total += row[j] * f.now.states[i, j]
@@ -96,11 +534,12 @@ def filtered(f: Flights, i: int, row: FloatArray) -> float:
 
 
 @inlined
-def judged(f: Flights, i: int) -> None:
-    """Decide a flight after its wind, if that can be done; one that was saved may yet be lost.
+def judge_states(f: Flights, i: int) -> None:
+    """Decide the outcome of a flight after its wind, if possible; a survivor may yet diverge.
 
-    Lost outside the recoverable set |z1| < D, slow_ends(z1) about z2 (see `boundary.recoverable`,
-    whose rows times the states are z1 and z2); saved when both stay below a part of D for a while.
+    It is lost outside the recoverable set |z1| < D, slow_edges(z1) about z2 (see
+    `boundary.recoverable`, whose rows times the states are z1 and z2); it survives when both stay
+    below a fraction of D.
     """
     p = f.cases.vehicle[i]
     reach, ratio = f.vehicles.reach[p] * f.cases.limit[i], f.vehicles.ratio[p]
@@ -112,29 +551,33 @@ def judged(f: Flights, i: int) -> None:
         slow += f.vehicles.judges[p, 1, j] * f.now.y[i, j]
     recoverable = abs(fast) < reach
     if recoverable and ratio > 0.0:
-        low, high = slow_ends(fast / reach, ratio)
+        low, high = slow_edges(fast / reach, ratio)
         recoverable = low * reach < slow < high * reach
     if not recoverable:
         f.now.outcome[i] = LOST
         return
-    f.now.settled[i] = f.now.settled[i] + LOOK if max(abs(fast), abs(slow)) < SETTLED * reach else 0
+    f.now.settled[i] = (
+        f.now.settled[i] + JUDGED_SAMPLES
+        if max(abs(fast), abs(slow)) < SETTLED_FRACTION * reach
+        else 0
+    )
     if f.now.settled[i] >= f.cases.settling[i]:
         f.now.outcome[i] = SURVIVED
 
 
 @inlined
-def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
+def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
     """Move a flight by a sample.
 
-    The command of sample k acts from k + late on, or where the delay is no whole number of samples
-    within that step: its first part (1) still has the command before, its second (0) this one.
+    The command of sample k acts from k + late on, or for a fractional delay within that step: its
+    first interval (1) still has the command before, its second (0) this one.
     """
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     demand = f.cases.gain[i] * demand
     sensed[MEASURED] = demand
     if f.laws.told.shape[0]:
-        demand = filtered(f, i, f.laws.told[i if f.laws.told.shape[0] > 1 else 0])
-    mode = switched(engage * limit, release * limit, demand, f.now.mode[i])
+        demand = row_product(f, i, f.laws.told[i if f.laws.told.shape[0] > 1 else 0])
+    mode = next_mode(engage * limit, release * limit, demand, f.now.mode[i])
     f.now.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
     if abs(command) >= limit:
@@ -147,23 +590,23 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     for part in range(parts - 1, -1, -1):
         now = f.now.commands[i, (since - part) % ring] if ring > 1 else command
         stop = begin + f.steps.lengths[p, 2] if part > 0 else end
-        through(f, i, part, k, now, begin, stop)
+        move_through(f, i, part, k, now, begin, stop)
         if part > 0:
-            about(f, i, stop)
+            expand_wind(f, i, stop)
         begin = stop
-    learnt(f, i)
+    update_law_states(f, i)
     n = f.vehicles.A.shape[1]
     deflection = min(max(f.now.y[i, n], -limit), limit)
-    raised(f.now.peaks[i], 2, deflection)
-    raised(f.now.peaks[i], 3, (deflection - sensed[4]) / f.steps.lengths[p, 0])
+    keep_peak(f.now.peaks[i], 2, deflection)
+    keep_peak(f.now.peaks[i], 3, (deflection - sensed[4]) / f.steps.lengths[p, 0])
 
 
 @inlined
-def learnt(f: Flights, i: int) -> None:
-    """Move the states of a law and of its filters, by what was sensed and asked for."""
+def update_law_states(f: Flights, i: int) -> None:
+    """Update the states of a law and of its filters from sensed values and demand."""
     s = f.now.states.shape[1]
-    own = i if f.laws.memory.shape[0] > 1 else 0
+    row = i if f.laws.memory.shape[0] > 1 else 0
     for r in range(s):
-        f.now.next[i, r] = filtered(f, i, f.laws.memory[own, r])
+        f.now.next[i, r] = row_product(f, i, f.laws.memory[row, r])
     for r in range(s):
         f.now.states[i, r] = f.now.next[i, r]

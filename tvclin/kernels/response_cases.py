@@ -1,4 +1,4 @@
-"""Modes carried exactly from knot to knot, one case after another: the kernel of `responses`.
+"""Modal responses, exact from knot to knot, case by case: the kernel of `numerics.modal`.
 
 Between two knots, with the local time u, the inputs are sums of c(u) e^(r u), and a mode
 
@@ -6,40 +6,149 @@ Between two knots, with the local time u, the inputs are sums of c(u) e^(r u), a
                               a' + (r - p) a = g c.
 
 Outputs are sums of modes, so they are such sums too: each is one polynomial for each rate, and
-one number for each pole. A case needs nothing of its neighbours.
+one number for each pole. Cases are independent.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.response_inputs import NOTHING, Case, distinct, measure, merge, put
 from tvclin.kernels.source import bare, kernel
 
+NEGLIGIBLE_TERM = 1e-17
+"""Term, relative to the largest, that is neglected."""
 PLAIN, PLAIN_TIME = 1e-3, 2e-6
 """Seconds that plain Python takes for a case, and for one time of one output."""
 COMPILED = 1e-3
-"""What machine code takes of that."""
+"""Ratio of the times of machine code and of plain Python."""
 MARGINAL = 1e-12
-"""A pole whose real part is below this part of the largest pole counts as not growing."""
-SLOW = 1.0
-"""A mode that grows by no more than e in the time asked for may go forward."""
-LOSS = 4.0
-"""An answer this many times as large as what drives it cancels: it comes from its series."""
-MORE = 47
-"""No series has so many terms beyond those of its input."""
-SEPARATE = 1e-3
-"""Poles nearer to each other than this, over the largest or over the time, count as near: their
-residues are large and cancel, by about one over it."""
-FORWARD = 20.0
-"""A plant that grows by no more than e^20 may be carried forward, which loses as many digits as
-e^20 has; one that grows more keeps its modes although two poles are near."""
-EPS, ROUNDINGS, DEAD = 2.0**-52, 32.0, 750.0
-"""As in `residues`: of numbers, in one term of a transform, and an exponent that ends it."""
+"""Real part of a pole, over the largest pole, below which it is not unstable."""
+MAX_FORWARD_GROWTH = 1.0
+"""Exponent of growth up to which an unstable mode may be integrated forward."""
+MAX_CANCELLATION = 4.0
+"""Ratio of a response to its input beyond which terms cancel, and its series is used."""
+MAX_ADDED_TERMS = 47
+"""Largest number of terms of a series beyond those of its input."""
+MIN_POLE_DISTANCE = 1e-3
+"""Distance of poles, over the largest or over the time, below which they are not distinct: their
+residues are large and cancel, by about its inverse."""
+MAX_LAG_GROWTH = 20.0
+"""Exponent of growth up to which a plant may be integrated forward, which loses as many digits as
+e^20 has; a faster one keeps its modes although two poles are close."""
+EPSILON, ROUNDINGS, UNDERFLOW_EXPONENT = 2.0**-52, 32.0, 750.0
+"""As in `modal.residues`: relative rounding, roundings per term, and exponent of underflow."""
+
+
+class Case(NamedTuple):
+    """Both inputs of a case on their common knots.
+
+    `knots` ``(K + 1,)``, the last at infinity; `rates` ``(Q,)``, distinct, the first zero; `forces`
+    ``(K, 2, Q, m)``; `lengths` ``(K, Q)``, numbers of significant terms.
+    """
+
+    knots: Any
+    rates: Any
+    forces: Any
+    lengths: Any
+
+
+@kernel
+def merge_knots(first: Any, second: Any, knots: Any) -> Any:
+    """Write the knots of both inputs without repetition, then infinity; return their number."""
+    i, j, count = 0, 0, 0
+    while i < first.size or j < second.size:
+        if j == second.size or (i < first.size and first[i] <= second[j]):
+            time, i = first[i], i + 1
+        else:
+            time, j = second[j], j + 1
+        if count == 0 or time > knots[count - 1]:
+            knots[count] = time
+            count += 1
+    knots[count] = np.inf
+    return count
+
+
+@kernel
+def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
+    """Append the new ones of given rates to the first `used`; return the new number of rates."""
+    for q in range(new_rates.size):
+        if rate_index(new_rates[q], rates, used) == used:
+            rates[used] = new_rates[q]
+            used += 1
+    return used
+
+
+@kernel
+def rate_index(rate: Any, rates: Any, used: Any) -> Any:
+    """Return the index of a rate among the first `used`; `used` where it is missing."""
+    at = 0
+    while at < used and rates[at] != rate:
+        at += 1
+    return at
+
+
+@kernel
+def put_input(case: Any, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
+    """Write an input on the common knots, to its `forces` ``(K, Q, m)`` of a case."""
+    piece = -1
+    for i in range(case.knots.size - 1):
+        for q in range(case.rates.size):
+            for k in range(forces.shape[2]):
+                forces[i, q, k] = 0.0
+        while piece + 1 < knots.size and knots[piece + 1] <= case.knots[i]:
+            piece += 1
+        if piece < 0:
+            continue
+        u = case.knots[i] - knots[piece]
+        for q in range(rates.size):
+            terms = forces[i, rate_index(rates[q], case.rates, case.rates.size)]
+            for k in range(coefficients.shape[2]):
+                terms[k] += coefficients[piece, q, k]
+        for q in range(case.rates.size if u > 0.0 else 0):
+            recentre(forces[i, q], case.rates[q], u)
+
+
+@kernel
+def recentre(terms: Any, rate: Any, u: Any) -> None:
+    """Replace the terms of c(v) e^(rate v) by those about v = u."""
+    count = significant_terms(terms, np.inf)
+    for low in range(count):
+        for k in range(count - 2, low - 1, -1):
+            terms[k] += u * terms[k + 1]
+    if rate != 0.0:
+        growth = np.exp(rate * u)
+        for k in range(count):
+            terms[k] *= growth
+
+
+@kernel
+def count_terms(case: Any) -> None:
+    """Write the number of significant terms in each span."""
+    for i in range(case.knots.size - 1):
+        width = case.knots[i + 1] - case.knots[i]
+        for q in range(case.rates.size):
+            first, second = case.forces[i, 0, q], case.forces[i, 1, q]
+            case.lengths[i, q] = max(
+                significant_terms(first, width), significant_terms(second, width)
+            )
+
+
+@kernel
+def significant_terms(terms: Any, width: Any) -> Any:
+    """Return the number of significant terms, c u^k being largest at u = width."""
+    power, largest, count = 1.0, 0.0, 0
+    for k in range(terms.size):
+        if terms[k] != 0.0:
+            size = abs(terms[k]) * power
+            largest = max(largest, size)
+            if np.isinf(width) or size > NEGLIGIBLE_TERM * largest:
+                count = k + 1
+        power = power if np.isinf(width) else power * width
+    return count
 
 
 class Plant(NamedTuple):
-    """Poles ``(N,)``, gains ``(N, 2)``, outputs ``(N, R)``; the last is less the wind, or not."""
+    """Poles ``(N,)``, gains ``(N, 2)``, outputs ``(N, R)``; `less_wind` as in `ModalSystem`."""
 
     poles: Any
     gains: Any
@@ -48,13 +157,13 @@ class Plant(NamedTuple):
 
 
 class Span(NamedTuple):
-    """What a span between two knots is made of.
+    """Quantities of a span between two knots.
 
-    For each mode whether it is carried `backward`, its residue `excess`, the state at a knot
-    (`state`, and `known` ``(N, K + 1)`` of those carried backward), and what there is of its
-    exponential beside the answer, as seen from either end (`lead`, `tail`). One `answer`
-    ``(Q, L)`` to the inputs with its `sizes` ``(Q,)``, and the outputs' sum of them, `shares`
-    ``(R, Q, L)`` with its `lengths` ``(Q,)``.
+    For each mode whether it is integrated `backward`, its residue `excess`, the state at a knot
+    (`state`, and `known` ``(N, K + 1)`` of backward ones), and the coefficients of its exponential
+    beside the particular solution, from either end (`lead`, `tail`). A particular solution `answer`
+    ``(Q, L)`` with its `sizes` ``(Q,)``, and the outputs' sum of them, `shares` ``(R, Q, L)`` with
+    its `lengths` ``(Q,)``.
     """
 
     backward: Any
@@ -69,15 +178,15 @@ class Span(NamedTuple):
     lengths: Any
 
 
-def room(
+def workspace(
     kind: Any, plant: tuple[int, int], deflections: tuple[Any, ...], winds: tuple[Any, ...]
 ) -> tuple[Case, Span]:
-    """Return the memory for one case: real or complex, so many modes and outputs, such inputs."""
+    """Return the arrays for one case, by type, numbers of modes and outputs, and inputs."""
     modes, rows = plant
     knots = deflections[0].shape[1] + winds[0].shape[1]
     rates = 1 + deflections[2].shape[1] + winds[2].shape[1]
     powers = max(deflections[1].shape[3], winds[1].shape[3])
-    length = powers + MORE + 1
+    length = powers + MAX_ADDED_TERMS + 1
     case = Case(
         np.empty(knots + 1),
         np.zeros(rates, kind),
@@ -107,55 +216,55 @@ def respond(
     winds: Any,
     which: Any,
     out: Any,
-    near: Any,
-    room: Any,
+    close: Any,
+    memory: Any,
     first: Any,
     last: Any,
 ) -> None:
-    """Answer the cases from `first` up to `last`.
+    """Compute the responses of the cases from `first` up to `last`.
 
-    `times`: times, rising, ``(n,)``. `plants`: poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P,
-    N, R)``, and whether the wind is taken off the last of these. `deflections`, `winds`: knots
-    ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: the plant, the
-    deflection and the wind of each case, ``(3, cases)``. `out`, `near`: written: ``(cases, R, n)``,
-    and whether two poles are too near for modes to be told apart, ``(cases,)``; such a case is not
-    answered. `room`: as from `room`; nobody else may use it meanwhile.
+    `times`: times, ascending, ``(n,)``. `plants`: poles ``(P, N)``, gains ``(P, N, 2)``, outputs
+    ``(P, N, R)``, and whether the wind is subtracted from the last of these. `deflections`,
+    `winds`: knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: indices
+    of plant, deflection and wind of each case, ``(3, cases)``. `out`, `close`: written: ``(cases,
+    R, n)``, and whether two poles are too close for distinct modes, ``(cases,)``; such a case is
+    skipped. `memory`: arrays of `memory`, not shared with another thread.
     """
-    whole, span = room
+    arrays, span = memory
     for number in range(first, last):
         p, d, w = which[0, number], which[1, number], which[2, number]
         plant = Plant(plants[0][p], plants[1][p], plants[2][p], plants[3])
-        count = merge(deflections[0][d], winds[0][w], whole.knots)
-        ahead = max(times[times.size - 1] - whole.knots[0], 0.0)
-        near[number] = too_near(plant.poles, ahead)
-        if near[number]:
+        count = merge_knots(deflections[0][d], winds[0][w], arrays.knots)
+        horizon = max(times[times.size - 1] - arrays.knots[0], 0.0)
+        close[number] = has_close_poles(plant.poles, horizon)
+        if close[number]:
             continue
-        used = distinct(deflections[2][d], whole.rates, 1)
-        used = distinct(winds[2][w], whole.rates, used)
-        case = Case(whole.knots[: count + 1], whole.rates[:used], whole.forces, whole.lengths)
-        put(case, case.forces[:, 0], deflections[0][d], deflections[1][d], deflections[2][d])
-        put(case, case.forces[:, 1], winds[0][w], winds[1][w], winds[2][w])
-        measure(case)
+        used = add_rates(deflections[2][d], arrays.rates, 1)
+        used = add_rates(winds[2][w], arrays.rates, used)
+        case = Case(arrays.knots[: count + 1], arrays.rates[:used], arrays.forces, arrays.lengths)
+        put_input(case, case.forces[:, 0], deflections[0][d], deflections[1][d], deflections[2][d])
+        put_input(case, case.forces[:, 1], winds[0][w], winds[1][w], winds[2][w])
+        count_terms(case)
         fastest = 0.0
         for m in range(plant.poles.size):
             fastest = max(fastest, abs(plant.poles[m]))
         for m in range(plant.poles.size):
             pole, gain = plant.poles[m], plant.gains[m]
             span.state[m], span.excess[m], span.backward[m] = 0.0, 0.0, False
-            grows = pole.real > MARGINAL * fastest and abs(pole) * ahead > SLOW
-            if grows and foresee(pole, gain, case, m, span):
+            unstable = pole.real > MARGINAL * fastest and abs(pole) * horizon > MAX_FORWARD_GROWTH
+            if unstable and bounded_solution(pole, gain, case, m, span):
                 span.backward[m] = True
-                rounding = EPS * roundings(pole, deflections[0][d], winds[0][w])
-                size = magnitude(pole, gain[0], case.knots[0], deflections, d)
-                size += magnitude(pole, gain[1], case.knots[0], winds, w)
+                rounding = EPSILON * residue_roundings(pole, deflections[0][d], winds[0][w])
+                size = residue_magnitude(pole, gain[0], case.knots[0], deflections, d)
+                size += residue_magnitude(pole, gain[1], case.knots[0], winds, w)
                 if abs(span.known[m, 0]) > rounding * size:
                     span.excess[m] = -span.known[m, 0]
-        carry(times, plant, case, span, out[number])
+        march_case(times, plant, case, span, out[number])
 
 
 @kernel
-def carry(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
-    """Write the outputs of one case, span by span."""
+def march_case(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
+    """Write the outputs of a case, span by span."""
     first = np.searchsorted(times, case.knots[0])
     for r in range(out.shape[0]):
         for j in range(first):
@@ -168,26 +277,26 @@ def carry(times: Any, plant: Any, case: Any, span: Any, out: Any) -> None:
         for q in range(case.rates.size):
             span.lengths[q] = 0
         for m in range(plant.poles.size):
-            pole, ahead = plant.poles[m], width if span.backward[m] else reach
+            pole, horizon = plant.poles[m], width if span.backward[m] else reach
             # z(u) - a(u) = w e^(p u), with w from the end at which z is known: from the left
             # z(0) - a(0) (lead), or for what grows from the right z(width) - a(width) (tail).
-            start, stop = follow(pole, plant.gains[m], case, i, ahead, span)
+            start, stop = particular_solution(pole, plant.gains[m], case, i, horizon, span)
             if span.backward[m]:
                 span.lead[m] = 0.0
                 span.tail[m] = 0.0 if np.isinf(width) else span.known[m, i + 1] - stop
             else:
                 span.lead[m], span.tail[m] = span.state[m] - start, 0.0
                 span.state[m] = span.lead[m] * np.exp(pole * reach) + stop
-            share(plant.outputs[m], case.rates.size, span)
+            add_share(plant.outputs[m], case.rates.size, span)
         if plant.less_wind:
             subtract_wind(case, i, span)
         last = np.searchsorted(times, case.knots[i + 1])
-        sum_up(times[first:last], plant, case, i, span, out[:, first:last])
+        write_outputs(times[first:last], plant, case, i, span, out[:, first:last])
         first = last
 
 
 @bare
-def sum_up(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> None:
+def write_outputs(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> None:
     """Write the outputs ``(R, n)`` at times of span `i`: real parts, where 0 times inf is 0."""
     width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
     for j in range(times.size):
@@ -196,7 +305,7 @@ def sum_up(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> No
             out[r, j] = 0.0
         for q in range(case.rates.size):
             if span.lengths[q] > 0:
-                add_answer(u, case.rates[q], span.shares[:, q, : span.lengths[q]], out[:, j])
+                add_polynomials(u, case.rates[q], span.shares[:, q, : span.lengths[q]], out[:, j])
         for m in range(plant.poles.size):
             real, imaginary = amplitude(plant.poles[m], m, u, width, since, span)
             for r in range(out.shape[0]):
@@ -208,7 +317,7 @@ def sum_up(times: Any, plant: Any, case: Any, i: Any, span: Any, out: Any) -> No
 
 
 @bare
-def add_answer(u: Any, rate: Any, shares: Any, out: Any) -> None:
+def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
     """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``."""
     real, imaginary = exponential(rate, u)
     for r in range(out.size):
@@ -222,24 +331,24 @@ def add_answer(u: Any, rate: Any, shares: Any, out: Any) -> None:
 
 @bare
 def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Any) -> Any:
-    """Return real and imaginary part of what there is of a mode's exponential at `u`.
+    """Return real and imaginary part of a mode's free exponential at the local time `u`.
 
-    lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the shares that are counted
-    from the left end, from the right end, and from the first knot of all.
+    lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the terms from the left end,
+    from the right end, and from the first knot.
     """
     real, imaginary = 0.0, 0.0
-    for part in range(3):
-        share, time = span.lead[mode], u
-        if part == 1:
-            share, time = span.tail[mode], u - width
-        elif part == 2:
-            share, time = span.excess[mode], u + since
-        if share != 0.0:
+    for term in range(3):
+        coefficient, time = span.lead[mode], u
+        if term == 1:
+            coefficient, time = span.tail[mode], u - width
+        elif term == 2:
+            coefficient, time = span.excess[mode], u + since
+        if coefficient != 0.0:
             a, b = exponential(pole, time)
-            real += share.real * a
+            real += coefficient.real * a
             if pole.imag != 0.0:
-                real -= share.imag * b
-                imaginary += share.real * b + share.imag * a
+                real -= coefficient.imag * b
+                imaginary += coefficient.real * b + coefficient.imag * a
     return real, imaginary
 
 
@@ -251,10 +360,10 @@ def exponential(exponent: Any, u: Any) -> Any:
 
 
 @kernel
-def follow(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> Any:
-    """Write one answer of a mode to its inputs in span `i`; return it at 0 and at the width.
+def particular_solution(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> Any:
+    """Write a particular solution of a mode in span `i`; return its values at 0 and at the width.
 
-    At infinity it stays what it is at 0.
+    At infinite width it is constant from 0 on.
     """
     start, stop = 0.0 * pole, 0.0 * pole
     for q in range(case.rates.size):
@@ -265,21 +374,21 @@ def follow(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> An
         if count == 0:
             continue
         # (k + 1) a_(k+1) + gap a_k = c_k, from above
-        above, driven = 0.0 * pole, 0.0
+        coefficient, input_bound = 0.0 * pole, 0.0
         for k in range(count - 1, -1, -1):
-            drive = gain[0] * first[k] + gain[1] * second[k]
-            above = (drive - (k + 1) * above) * per_gap
-            terms[k] = above
-            driven = driven * width + abs(drive) / (k + 1)
+            forcing = gain[0] * first[k] + gain[1] * second[k]
+            coefficient = (forcing - (k + 1) * coefficient) * per_gap
+            terms[k] = coefficient
+            input_bound = input_bound * width + abs(forcing) / (k + 1)
         if np.isinf(width):
-            start += above
+            start += coefficient
             continue
-        if not abs(above) <= LOSS * driven * width:
+        if not abs(coefficient) <= MAX_CANCELLATION * input_bound * width:
             # the same from below, beginning with nothing
             terms[0], k, term = 0.0, 0, 1.0
-            while k < count or (term > NOTHING and k + 1 < terms.size):
-                drive = gain[0] * first[k] + gain[1] * second[k] if k < count else 0.0 * pole
-                terms[k + 1] = (drive - gap * terms[k]) / (k + 1)
+            while k < count or (term > NEGLIGIBLE_TERM and k + 1 < terms.size):
+                forcing = gain[0] * first[k] + gain[1] * second[k] if k < count else 0.0 * pole
+                terms[k + 1] = (forcing - gap * terms[k]) / (k + 1)
                 k += 1
                 if k >= count:
                     term *= abs(gap) * width / (k + 1)
@@ -293,11 +402,11 @@ def follow(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> An
 
 
 @kernel
-def foresee(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
-    """Write what a mode that grows is at each knot if it stays bounded; False if it cannot.
+def bounded_solution(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
+    """Write the bounded solution of an unstable mode at each knot; return whether there is one.
 
-    After the last knot a bounded z is the answer a alone; before it, from the right,
-    z(0) = a(0) + e^(-p width) [z(width) - a(width)].
+    After the last knot a bounded z is the particular solution a; before it, from the right, z(0) =
+    a(0) + e^(-p width) [z(width) - a(width)].
     """
     last = case.knots.size - 2
     for q in range(case.rates.size):
@@ -306,7 +415,7 @@ def foresee(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
     span.known[mode, last + 1] = 0.0
     for i in range(last, -1, -1):
         width = case.knots[i + 1] - case.knots[i]
-        start, stop = follow(pole, gain, case, i, width, span)
+        start, stop = particular_solution(pole, gain, case, i, width, span)
         span.known[mode, i] = start
         if i < last:
             span.known[mode, i] += np.exp(-pole * width) * (span.known[mode, i + 1] - stop)
@@ -314,11 +423,11 @@ def foresee(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
 
 
 @kernel
-def magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
+def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
     """Return the sum of the sizes of all terms of a residue, within a quarter.
 
-    The integral of u^k e^(-g u) up to the width is nearly that of u^k alone, width^(k+1)/(k+1),
-    beside that without end, k!/g^(k+1): one over the sum of one over either.
+    The integral of u^k e^(-g u) up to the width is approximated by the inverse sum of the inverses
+    of that of u^k, width^(k+1)/(k+1), and of that without end, k!/g^(k+1).
     """
     knots, coefficients, rates = histories[0][number], histories[1][number], histories[2][number]
     total = 0.0
@@ -339,33 +448,33 @@ def magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> 
 
 
 @kernel
-def roundings(pole: Any, first: Any, second: Any) -> Any:
-    """Return how many roundings a residue made of two histories with these knots may have."""
+def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
+    """Return the number of roundings in a residue of two histories with these knots."""
     start, total = min(first[0], second[0]), ROUNDINGS
     for knots in (first, second):
         exponent = abs(pole) * abs(knots[knots.size - 1] - start)
-        total += min(exponent, DEAD) + np.sqrt(knots.size)
+        total += min(exponent, UNDERFLOW_EXPONENT) + np.sqrt(knots.size)
     return total
 
 
 @kernel
-def too_near(poles: Any, ahead: Any) -> Any:
-    """Return whether two poles are too near for the modes to be told apart in the time ahead.
+def has_close_poles(poles: Any, horizon: Any) -> Any:
+    """Return whether two poles are too close for distinct modes within a time.
 
-    A plant that grows fast all the same keeps its modes: a chain of lags runs forward.
+    A fast unstable plant keeps its modes all the same: a chain of lags is integrated forward.
     """
     gap, size, fastest = np.inf, 0.0, -np.inf
     for i in range(poles.size):
         size, fastest = max(size, abs(poles[i])), max(fastest, poles[i].real)
         for j in range(i):
             gap = min(gap, abs(poles[i] - poles[j]))
-    close = gap <= SEPARATE * size or gap * ahead <= SEPARATE
-    return close and (fastest * ahead <= FORWARD or gap == 0.0)
+    close = gap <= MIN_POLE_DISTANCE * size or gap * horizon <= MIN_POLE_DISTANCE
+    return close and (fastest * horizon <= MAX_LAG_GROWTH or gap == 0.0)
 
 
 @kernel
-def share(outputs: Any, used: Any, span: Any) -> None:
-    """Add a mode's answer to the outputs that have it."""
+def add_share(outputs: Any, used: Any, span: Any) -> None:
+    """Add a mode's particular solution to the outputs that contain it."""
     for q in range(used):
         lengthen(q, span.sizes[q], span)
         for r in range(outputs.size):
@@ -375,7 +484,7 @@ def share(outputs: Any, used: Any, span: Any) -> None:
 
 @kernel
 def subtract_wind(case: Any, i: Any, span: Any) -> None:
-    """Take the wind off the last output."""
+    """Subtract the wind from the last output."""
     last = span.shares.shape[0] - 1
     for q in range(case.rates.size):
         lengthen(q, case.lengths[i, q], span)
@@ -385,7 +494,7 @@ def subtract_wind(case: Any, i: Any, span: Any) -> None:
 
 @kernel
 def lengthen(q: Any, length: Any, span: Any) -> None:
-    """Let the outputs have so many terms at one rate, if they have fewer."""
+    """Extend the outputs to a number of terms at one rate, if they have fewer."""
     for r in range(span.shares.shape[0]):
         for k in range(span.lengths[q], length):
             span.shares[r, q, k] = 0.0

@@ -1,4 +1,4 @@
-"""Roots of real polynomials of low degree, case by case."""
+"""Roots of real polynomials of low degree, by deflation, case by case."""
 
 from typing import Any
 
@@ -8,25 +8,25 @@ from tvclin.kernels.source import bare, kernel
 
 PLAIN, COMPILED = 5e-5, 1e-6
 """About how many seconds a polynomial takes, in plain Python and as machine code."""
-_STEPS = 60
-"""Of an iteration, which takes ten or so; a cluster more."""
-_POLISHED = 2
-"""Steps of Newton on the polynomial itself: one, and one for what it leaves."""
-_ALONE = 1e-3
-"""A root is moved by no more than this part of its distance from the next one: the errors of a
-cluster belong together, and moving them one by one would spoil what they have in common."""
-_ROUNDING = 4.0 * 2.0**-52
-"""An iteration ends where a step is below this part of the root."""
+_MAX_ITERATIONS = 60
+"""Largest number of Laguerre iterations, of which ten or so suffice, and more in a cluster."""
+_NEWTON_ITERATIONS = 2
+"""Newton iterations on the original polynomial."""
+_MAX_STEP_OVER_DISTANCE = 1e-3
+"""Largest Newton step over the distance to the next root: the errors of a cluster are correlated,
+and separate steps would destroy their accurate mean."""
+_LAST_RELATIVE_STEP = 4.0 * 2.0**-52
+"""Step over the root at which an iteration ends."""
 
 
 @kernel
 def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
     """Write the roots of ``polynomials (n, degree + 1)`` to ``out (n, degree)``, complex.
 
-    The highest coefficient comes first and is one. One root after the other is found by Laguerre's
-    iteration from zero on and divided out, the smaller ones first, which is stable; the last two
-    come from their sum and product. Two steps of Newton's on the polynomial itself bring small
-    roots beside large ones to full relative accuracy.
+    The leading coefficient comes first and is one. The roots are found by Laguerre's iteration from
+    zero on and deflated, the smaller ones first, which is stable; the last two by their sum and
+    product. Two Newton steps on the polynomial itself bring small roots to full relative accuracy
+    beside large ones.
     """
     work = np.empty(polynomials.shape[1])
     for case in range(first, last):
@@ -34,7 +34,7 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
         for k in range(degree + 1):
             work[k] = polynomials[case, k]
         while degree > 2:
-            root = _one_root(work, degree)
+            root = _laguerre_root(work, degree)
             degree -= 1
             out[case, degree] = root
             if root.imag == 0.0:
@@ -45,17 +45,17 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
                 size = root.real * root.real + root.imag * root.imag
                 _divide(work, degree, -2.0 * root.real, size)
         if degree == 2:
-            out[case, 0], out[case, 1] = _two_roots(-0.5 * work[1], work[2])
+            out[case, 0], out[case, 1] = _quadratic_roots(-0.5 * work[1], work[2])
         elif degree == 1:
             out[case, 0] = complex(-work[1], 0.0)
-        for _ in range(_POLISHED):
+        for _ in range(_NEWTON_ITERATIONS):
             for k in range(out.shape[1]):
                 out[case, k] = _polished(polynomials, out, case, k)
 
 
 @bare
 def _divide(work: Any, degree: int, first: float, second: float) -> None:
-    """Divide in place by s + first, or where `second` is not zero by s^2 + first s + second."""
+    """Divide in place by s + first, or by s^2 + first s + second where `second` is not zero."""
     for k in range(1, degree + 1):
         work[k] -= first * work[k - 1]
         if second != 0.0 and k > 1:
@@ -63,24 +63,24 @@ def _divide(work: Any, degree: int, first: float, second: float) -> None:
 
 
 @bare
-def _one_root(work: Any, degree: int) -> complex:
-    """Return a root, by Laguerre's iteration; a real one where rounding cannot tell."""
+def _laguerre_root(work: Any, degree: int) -> complex:
+    """Return a root by Laguerre's iteration; real where rounding cannot distinguish it."""
     root = complex(0.0, 0.0)
     if work[degree] == 0.0:
         return root
-    for _ in range(_STEPS):
-        level, slope, bend = complex(work[0], 0.0), 0.0 * root, 0.0 * root
+    for _ in range(_MAX_ITERATIONS):
+        value, slope, half_curvature = complex(work[0], 0.0), 0.0 * root, 0.0 * root
         error = abs(work[0])
         size = abs(root)
         for k in range(1, degree + 1):
-            bend = bend * root + slope
-            slope = slope * root + level
-            level = level * root + work[k]
-            error = error * size + abs(level)
-        if abs(level) <= 0.25 * _ROUNDING * error:
+            half_curvature = half_curvature * root + slope
+            slope = slope * root + value
+            value = value * root + work[k]
+            error = error * size + abs(value)
+        if abs(value) <= 0.25 * _LAST_RELATIVE_STEP * error:
             break
-        first = slope / level
-        second = first * first - 2.0 * bend / level
+        first = slope / value
+        second = first * first - 2.0 * half_curvature / value
         spread = np.sqrt((degree - 1.0) * (degree * second - first * first))
         divisor = first + spread
         if abs(first - spread) > abs(divisor):
@@ -89,45 +89,45 @@ def _one_root(work: Any, degree: int) -> complex:
             break
         step = degree / divisor
         root -= step
-        if abs(step) <= _ROUNDING * abs(root):
+        if abs(step) <= _LAST_RELATIVE_STEP * abs(root):
             break
-    real, level, error = root.real, work[0], abs(work[0])
+    real, value, error = root.real, work[0], abs(work[0])
     for k in range(1, degree + 1):
-        level = level * real + work[k]
-        error = error * abs(real) + abs(level)
-    if abs(level) <= _ROUNDING * error:
+        value = value * real + work[k]
+        error = error * abs(real) + abs(value)
+    if abs(value) <= _LAST_RELATIVE_STEP * error:
         return complex(real, 0.0)
     return root
 
 
 @bare
 def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
-    """Return a root after one step of Newton's, if it stands alone and gets better."""
+    """Return a root after a Newton step, if it is isolated and the residual decreases."""
     root = out[case, k]
-    apart = np.inf
+    distance = np.inf
     for other in range(out.shape[1]):
         if other != k:
-            apart = min(apart, abs(root - out[case, other]))
-    level, slope = complex(polynomials[case, 0], 0.0), 0.0 * root
+            distance = min(distance, abs(root - out[case, other]))
+    value, slope = complex(polynomials[case, 0], 0.0), 0.0 * root
     for j in range(1, polynomials.shape[1]):
-        slope = slope * root + level
-        level = level * root + polynomials[case, j]
-    if slope == 0.0 or abs(level) > _ALONE * apart * abs(slope):
+        slope = slope * root + value
+        value = value * root + polynomials[case, j]
+    if slope == 0.0 or abs(value) > _MAX_STEP_OVER_DISTANCE * distance * abs(slope):
         return root
-    moved = root - level / slope
-    left = complex(polynomials[case, 0], 0.0)
+    iterate = root - value / slope
+    residual = complex(polynomials[case, 0], 0.0)
     for j in range(1, polynomials.shape[1]):
-        left = left * moved + polynomials[case, j]
-    return moved if abs(left) < abs(level) else root
+        residual = residual * iterate + polynomials[case, j]
+    return iterate if abs(residual) < abs(value) else root
 
 
 @bare
-def _two_roots(middle: float, product: float) -> tuple[complex, complex]:
-    """Return two roots by their mean and product; none is a difference of nearly equal numbers."""
+def _quadratic_roots(middle: float, product: float) -> tuple[complex, complex]:
+    """Return two roots by their mean and product, without cancellation."""
     square = middle * middle - product
     if square < 0.0:
         height = np.sqrt(-square)
         return complex(middle, height), complex(middle, -height)
-    far = middle + np.sqrt(square) if middle >= 0.0 else middle - np.sqrt(square)
-    near = product / far if far != 0.0 else 0.0
-    return complex(far, 0.0), complex(near, 0.0)
+    larger = middle + np.sqrt(square) if middle >= 0.0 else middle - np.sqrt(square)
+    smaller = product / larger if larger != 0.0 else 0.0
+    return complex(larger, 0.0), complex(smaller, 0.0)

@@ -1,11 +1,11 @@
-"""One source for every kernel: scalar loops, run as plain Python or as machine code of the same.
+"""Kernels from one source: scalar loops, run as plain Python or compiled to machine code.
 
-A function that is marked with `kernel` stays what it is. `machine_code` compiles it with numba
-(extra `fast`), and with it the marked functions that it calls, which it finds by their names.
-Products and sums are not fused, so both give the same bits but for the last digit of
-exponentials, on any processor. A kernel is written so that both can run it: numbers, tuples of
-numbers and arrays; loops and branches; no arrays made in a loop; exponents kept in bounds, since
-Python's `math` raises where machine code goes to infinity.
+A function that is marked with `kernel` is unchanged. `machine_code` compiles it with numba (extra
+`fast`), together with the marked functions that it calls, which are found by their names. Products
+and sums are not fused, so that both give the same bits except for the last digit of exponentials,
+on any processor. A kernel is written for both: numbers, tuples of numbers and arrays; loops and
+branches; no arrays allocated in a loop; bounded exponents, since Python's `math` raises where
+machine code overflows to infinity.
 """
 
 from collections.abc import Callable
@@ -24,32 +24,31 @@ _bare: set[Callable[..., Any]] = set()
 _inlined: set[Callable[..., Any]] = set()
 _CONSTANTS = (float, int, str, tuple, np.generic)
 _OPTIONS: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-"""Other threads run beside; a division by zero is numpy's; nobody calls from C."""
-_WITHIN: Any = {"no_cpython_wrapper": True}
-"""Python calls the outermost alone: to take forty arrays from it costs as much to be compiled as
-what is done with them."""
+"""Options of numba: no interpreter lock; division by zero as in numpy; no entry for C."""
+_INNER_OPTIONS: Any = {"no_cpython_wrapper": True}
+"""Options of kernels that only kernels call, without the costly entry for Python."""
 
 
 def kernel(function: F) -> F:
-    """Mark a function that `machine_code` can compile; it is left as it is."""
+    """Mark a function that `machine_code` can compile, and return it unchanged."""
     _marked.add(function)
     return function
 
 
 def bare(function: F) -> F:
-    """Mark a kernel that makes no array: nobody counts who uses those given.
+    """Mark a kernel that allocates no array, without reference counts of its arguments.
 
-    Counting takes half the time where arrays are handed on to many small functions.
+    The counts take half the time where arrays are passed to many small functions.
     """
     _bare.add(function)
     return kernel(function)
 
 
 def inlined(function: F) -> F:
-    """Mark a bare kernel to be compiled into each that calls it.
+    """Mark a bare kernel to be compiled into its callers.
 
-    For what is called in an inner loop with many arrays, which take longer to hand over than what
-    is done with them.
+    It serves functions that are called in an inner loop with many arrays, whose passing takes
+    longer than the function.
     """
     _inlined.add(function)
     return bare(function)
@@ -57,29 +56,29 @@ def inlined(function: F) -> F:
 
 @cache
 def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a kernel compiled, with all that it calls.
+    """Return a kernel compiled, with all kernels that it calls.
 
-    The machine code is kept beside the source, or in the user's cache, under a name that tells
-    what it was made of, and with its hash; what is damaged is compiled anew, and where nothing can
-    be written each process compiles for itself.
+    The machine code is cached beside the source, or in the user's cache, under a name that depends
+    on its sources, and with its hash; damaged code is compiled anew, and without a writable folder
+    each process compiles for itself.
     """
     import numba  # late: it takes half a second to import
 
     from tvclin.kernels.kept import Kept
 
-    whole = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
-    compiled: Any = numba.njit(**_options(function))(whole)
+    linked = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
+    compiled: Any = numba.njit(**_options(function))(linked)
     with suppress(RuntimeError):  # no place for it
-        compiled._cache = Kept(whole)
+        compiled._cache = Kept(linked)
     return compiled
 
 
 @cache
 def machine_code_within(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a kernel compiled for others to call; its code is kept with theirs."""
+    """Return a kernel compiled for calls by kernels; its code is cached with theirs."""
     import numba
 
-    return numba.njit(**_options(function), **_WITHIN, forceinline=function in _inlined)(
+    return numba.njit(**_options(function), **_INNER_OPTIONS, forceinline=function in _inlined)(
         _linked(function, function.__name__, machine_code_within)
     )
 
@@ -91,9 +90,9 @@ def _options(function: Callable[..., Any]) -> Any:
 def _linked(
     function: Any, name: str, compiled: Callable[[Callable[..., Any]], Callable[..., Any]]
 ) -> FunctionType:
-    """Return a copy of a function that calls compiled ones in place of those that are marked."""
+    """Return a copy of a function that calls compiled kernels in place of marked functions."""
     names = dict(function.__globals__)
-    names |= {key: compiled(one) for key, one in _called(function).items()}
+    names |= {key: compiled(callee) for key, callee in _called(function).items()}
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
     copy.__qualname__ = name
     copy.__module__ = function.__module__
@@ -101,27 +100,31 @@ def _linked(
 
 
 def _called(function: Any) -> dict[str, Callable[..., Any]]:
-    """Return the marked functions that a function calls, by the names it has for them."""
+    """Return the marked functions that a function calls, by their names in it."""
     names = {name: function.__globals__.get(name) for name in function.__code__.co_names}
     return {
-        key: one for key, one in names.items() if isinstance(one, FunctionType) and one in _marked
+        key: value
+        for key, value in names.items()
+        if isinstance(value, FunctionType) and value in _marked
     }
 
 
 @cache
 def digest(function: Any) -> str:
-    """Return a name for the source of a function, its constants, and all that it calls."""
-    every, left = [function], [function]
-    while left:
-        new = [one for one in _called(left.pop()).values() if one not in every]
-        every, left = every + new, left + new
-    codes = [one.__code__ for one in every]
-    made = [(code.co_code, code.co_consts, code.co_names) for code in codes]
-    return sha256(repr((made, [_constants(one) for one in every])).encode()).hexdigest()[:12]
+    """Return a hash of the source of a function, its constants, and all that it calls."""
+    functions, queue = [function], [function]
+    while queue:
+        new = [callee for callee in _called(queue.pop()).values() if callee not in functions]
+        functions, queue = functions + new, queue + new
+    codes = [each.__code__ for each in functions]
+    sources = [(code.co_code, code.co_consts, code.co_names) for code in codes]
+    return sha256(repr((sources, [_constants(each) for each in functions])).encode()).hexdigest()[
+        :12
+    ]
 
 
 def _constants(function: Any) -> list[tuple[str, str]]:
-    """Return the numbers and names that a function finds in its module."""
+    """Return names and values of the constants that a function reads from its module."""
     names = function.__code__.co_names
-    found = ((name, function.__globals__.get(name)) for name in names)
-    return [(name, repr(one)) for name, one in found if isinstance(one, _CONSTANTS)]
+    pairs = ((name, function.__globals__.get(name)) for name in names)
+    return [(name, repr(value)) for name, value in pairs if isinstance(value, _CONSTANTS)]

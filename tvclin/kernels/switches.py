@@ -1,9 +1,9 @@
-"""When the dead band is left on the stability boundary: the general problem, case by case.
+"""Exit times of the dead band on the stability boundary, in the general problem, case by case.
 
-It is left when the driver first is as high as K times the demand (see `excess`), on a new height,
-and the last such time has the largest limit. Between two changes of sign of h the excess has one
-zero at most, and where it is positive in the end it was only negative before if it was so in the
-beginning, or where h changed to positive. Nothing else is looked at.
+The dead band is exited when the driver first equals K times the demand (see `excess`), at a new
+maximum of the driver, and the last such time has the largest limit. Between two sign changes of h
+the excess has at most one zero, and where it is positive at the end of an interval it was negative
+before only if it was so at the start, or where h changed to positive. Nothing else is evaluated.
 """
 
 from typing import Any
@@ -11,36 +11,34 @@ from typing import Any
 import numpy as np
 
 from tvclin.kernels.excess import (
-    ABOVE,
-    ENOUGH,
-    ROOM,
-    SLACK,
+    EXCESS,
+    EXCESS_FORCING,
+    HEIGHT,
+    MAX_INTERVALS,
+    RELATIVE_ROUNDING,
     TRIM_DRIVES,
-    TURNS,
     WIND_DRIVES,
-    carry,
-    changes,
     demand,
     driver,
-    onset,
-    parts,
+    evaluate,
+    filtered_state,
+    march_wind,
+    monotone_intervals,
+    onset_piece,
     root,
-    sought,
+    sign_changes,
 )
 from tvclin.kernels.source import bare, kernel
-from tvclin.kernels.terms import filtered
 
-FOUND, JUMPS, NEVER = 0, 1, 2
-"""There is a solution; the demand jumps over it; it is above all that the driver reaches."""
+SOLVED, JUMP, UNREACHED = 0, 1, 2
+"""Status: a solution; a demand that jumps over it; a demand above all heights of the driver."""
 
 PLAIN, COMPILED = 1e-4, 5e-7
-"""Seconds that a breakpoint of a case takes for each rate of its wind, in plain Python and
-as machine code."""
+"""Seconds per breakpoint of a case and rate of its wind, in plain Python and as machine code."""
 FILTERED = {"f": 3, "c": 10}
-"""How often as long it takes where trim is filtered, by the kind of the rates."""
-_FALLEN = 1e-9
-"""A driver that is lower than its earlier height by this part has fallen: more than the rounding of
-a time, and less than any jump of a wind that is meant."""
+"""Factor on these times for filtered trim, by the type of the rates (real, complex)."""
+_RELATIVE_JUMP = 1e-9
+"""Relative decrease of the driver that is a jump: more than rounding, less than any real jump."""
 
 
 @kernel
@@ -54,7 +52,7 @@ def switches(
     5)``. `literal`: whether the driver is trim itself. `out`: time, demand and status, ``(3, n)``.
     """
     knots, coefficients, rates = winds
-    kept, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(ROOM)
+    marched, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(MAX_INTERVALS)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
@@ -65,27 +63,27 @@ def switches(
             numbers[case, 3],
             numbers[case, 4],
         )
-        wind = (knots[i], coefficients[i], rates[i], kept, work)
-        carry(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
+        wind = (knots[i], coefficients[i], rates[i], marched, work)
+        march_wind(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
         law = (p, K, b2 - b1, b1, q, literal)
         out[0, case], out[1, case], out[2, case] = _solve(wind, law, marks, ends)
 
 
 @kernel
 def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, last: int) -> None:
-    """Write the largest size of trim, over the wind's peak, to ``out (n,)``; the rest as above.
+    """Write the largest size of trim, over the wind's peak, to ``out (n,)``, as `switches`.
 
-    Infinite where trim grows without end after the wind.
+    Infinite where trim grows without bound after the wind.
     """
     knots, coefficients, rates = winds
-    kept, ends = np.empty((3, knots.shape[1])), np.empty(ROOM)
+    marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
         b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
-        wind = (knots[i], coefficients[i], rates[i], kept, work)
+        wind = (knots[i], coefficients[i], rates[i], marched, work)
         law = (numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
-        carry(wind, law)
+        march_wind(wind, law)
         out[case] = _largest_trim(wind, law, ends)
 
 
@@ -95,101 +93,98 @@ def _solve(wind: Any, law: Any, marks: Any, ends: Any) -> tuple[float, float, in
     knots = wind[0]
     K = law[1]
     if K == 0.0:
-        i = onset(wind)
-        return knots[i], demand(wind, law, i, 0.0), FOUND
-    # The last height that is short of the demand, and the first one after it that is not.
-    short, enough = False, False
+        i = onset_piece(wind)
+        return knots[i], demand(wind, law, i, 0.0), SOLVED
+    # The last height below the demand, and the first one after it that is not.
+    insufficient, sufficient = False, False
     low, high = (0, 0.0, 0.0, 0.0), (0, 0.0, 0.0)
     highest = 0.0
     for i in range(knots.size - 1):
-        for part in range(parts(wind, law, i, ends)):
-            heights = _marked(wind, law, marks, highest, i, ends[part], ends[part + 1])
+        for interval in range(monotone_intervals(wind, law, i, ends)):
+            heights = _candidates(wind, law, marks, highest, i, ends[interval], ends[interval + 1])
             for k in range(heights):
-                u, level, spare = marks[k, 0], marks[k, 1], marks[k, 2]
-                if spare < -SLACK * level:
-                    short, enough, low = True, False, (i, u, level, spare)
-                elif not enough:
-                    enough, high = True, (i, u, spare)
+                u, level, margin = marks[k, 0], marks[k, 1], marks[k, 2]
+                if margin < -RELATIVE_ROUNDING * level:
+                    insufficient, sufficient, low = True, False, (i, u, level, margin)
+                elif not sufficient:
+                    sufficient, high = True, (i, u, margin)
                 highest = max(highest, level)
-    if not enough:
-        return knots[-1], 0.0, NEVER
-    return _met(wind, law, low if short else (0, 0.0, -np.inf, 0.0), high)
+    if not sufficient:
+        return knots[-1], 0.0, UNREACHED
+    return _exit(wind, law, low if insufficient else (0, 0.0, -np.inf, 0.0), high)
 
 
 @bare
-def _met(wind: Any, law: Any, low: Any, high: Any) -> tuple[float, float, int]:
-    """Return time, demand and status, after a low height, which there may not be."""
+def _exit(wind: Any, law: Any, low: Any, high: Any) -> tuple[float, float, int]:
+    """Return time, demand and status of the exit after a low height, which need not exist."""
     i, u, _ = high
-    status = FOUND
+    status = SOLVED
     if low[2] >= 0.0:
-        i, u = _between(wind, law, low, high)
-        if _after(wind, law, i, u) < low[2] * (1.0 - _FALLEN):
-            status = JUMPS
+        i, u = _crossing(wind, law, low, high)
+        if _driver_after(wind, law, i, u) < low[2] * (1.0 - _RELATIVE_JUMP):
+            status = JUMP
     return wind[0][i] + u, demand(wind, law, i, u), status
 
 
 @bare
-def _marked(wind: Any, law: Any, marks: Any, highest: float, i: int, a: float, b: float) -> int:
-    """Write the times to look at where the driver does not turn: the new heights and what is spare.
-
-    The first is the height that it had before: it may come back to that, or jump over it.
-    """
+def _candidates(wind: Any, law: Any, marks: Any, highest: float, i: int, a: float, b: float) -> int:
+    """Write times, new heights and margins of a monotone interval; return their number."""
     start, _, _ = driver(wind, law, i, a)
     stop, _, _ = driver(wind, law, i, b)
-    top, K = max(start, stop), law[1]
-    # Only new heights count. Below the highest so far: nothing, or what is above it.
-    if top <= 0.0 or top < highest * (1.0 - SLACK):
+    maximum, K = max(start, stop), law[1]
+    # Only new heights count, above the highest so far.
+    if maximum <= 0.0 or maximum < highest * (1.0 - RELATIVE_ROUNDING):
         return 0
     if start < highest and stop > highest:
-        a = root(ABOVE, highest, wind, law, i, a, start - highest, b, stop - highest)
+        a = root(HEIGHT, highest, wind, law, i, a, start - highest, b, stop - highest)
         start = highest
     elif start < min(stop, highest):
         a, start = b, stop
     # The height before and the height now at a, which differ where the driver jumps.
-    needed, count = K * demand(wind, law, i, a), 0
+    demanded, count = K * demand(wind, law, i, a), 0
     for level in (min(highest, start), start):
         if level > highest or count == 0:
-            marks[count, 0], marks[count, 1], marks[count, 2] = a, level, level - needed
+            marks[count, 0], marks[count, 1], marks[count, 2] = a, level, level - demanded
             count += 1
     if stop < start or b == a:
         return count
     # e' = p e + h: if e is positive at b, it was negative between only if it was so at a, or where
-    # h changes from - to +, which is looked at.
-    spare = stop - K * demand(wind, law, i, b)
-    if spare >= -SLACK * stop:
-        falls = sought(TURNS, 0.0, wind, law, i, a)[0] < 0.0
-        turns, first, second = changes(TURNS, wind, law, i, a, b)
-        if turns == 2 or (turns == 1 and falls):
-            u = first if falls else second
+    # h changes from - to +, which is checked.
+    margin = stop - K * demand(wind, law, i, b)
+    if margin >= -RELATIVE_ROUNDING * stop:
+        falling = evaluate(EXCESS_FORCING, 0.0, wind, law, i, a)[0] < 0.0
+        turns, first, second = sign_changes(EXCESS_FORCING, wind, law, i, a, b)
+        if turns == 2 or (turns == 1 and falling):
+            u = first if falling else second
             level, _, _ = driver(wind, law, i, u)
             marks[count, 0], marks[count, 1] = u, level
             marks[count, 2] = level - K * demand(wind, law, i, u)
             count += 1
-    marks[count, 0], marks[count, 1], marks[count, 2] = b, stop, spare
+    marks[count, 0], marks[count, 1], marks[count, 2] = b, stop, margin
     return count + 1
 
 
 @bare
-def _between(wind: Any, law: Any, low: Any, high: Any) -> tuple[int, float]:
-    """Return the piece and the local time at which the demand is met, between two heights."""
+def _crossing(wind: Any, law: Any, low: Any, high: Any) -> tuple[int, float]:
+    """Return the piece and the local time of the crossing with the demand, between two heights."""
     knots, K = wind[0], law[1]
-    i, u, floor, spare = low
+    i, u, floor, margin = low
     while i < high[0]:
         width = knots[i + 1] - knots[i]
-        after = max(driver(wind, law, i, width)[0], floor) - K * demand(wind, law, i, width)
-        if width > u and after >= 0.0:
-            return i, root(ENOUGH, floor, wind, law, i, u, spare, width, after)
+        margin_after = max(driver(wind, law, i, width)[0], floor) - K * demand(wind, law, i, width)
+        if width > u and margin_after >= 0.0:
+            return i, root(EXCESS, floor, wind, law, i, u, margin, width, margin_after)
         i, u = i + 1, 0.0
-        spare = max(driver(wind, law, i, u)[0], floor) - K * demand(wind, law, i, u)
-        if spare >= 0.0:
+        margin = max(driver(wind, law, i, u)[0], floor) - K * demand(wind, law, i, u)
+        if margin >= 0.0:
             return i, u
     if high[1] == u:
         return i, u
-    return i, root(ENOUGH, floor, wind, law, i, u, spare, high[1], high[2])
+    return i, root(EXCESS, floor, wind, law, i, u, margin, high[1], high[2])
 
 
 @bare
-def _after(wind: Any, law: Any, i: int, u: float) -> float:
+def _driver_after(wind: Any, law: Any, i: int, u: float) -> float:
     """Return the driver just after a time."""
     knots = wind[0]
     while i < knots.size - 1 and u >= knots[i + 1] - knots[i]:
@@ -200,42 +195,42 @@ def _after(wind: Any, law: Any, i: int, u: float) -> float:
 @bare
 def _largest_trim(wind: Any, law: Any, ends: Any) -> float:
     """Return the largest size of trim, during the wind and after it."""
-    most = 0.0
+    largest = 0.0
     for i in range(wind[0].size - 1):
-        for part in range(parts(wind, law, i, ends)):
+        for part in range(monotone_intervals(wind, law, i, ends)):
             for k in (part, part + 1):
-                most = max(most, abs(driver(wind, law, i, ends[k])[0]))
-    return max(most, _largest_swing(wind, law))
+                largest = max(largest, abs(driver(wind, law, i, ends[k])[0]))
+    return max(largest, _largest_free_trim(wind, law))
 
 
 @bare
-def _largest_swing(wind: Any, law: Any) -> float:
-    """Return the largest size of trim after the wind; infinite where it grows without end.
+def _largest_free_trim(wind: Any, law: Any) -> float:
+    """Return the largest size of trim after the wind; infinite where it grows without bound.
 
     Without wind v = y' obeys v'' + b1 v' + q v = 0, so with w^2 = q - b1^2/4 it is
 
         v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
 
-    and y is largest where that is zero, tan(w u) = -w v/(v' + b1 v/2): at the first u > 0, and with
+    and y is extreme where that is zero, tan(w u) = -w v/(v' + b1 v/2): at the first u > 0, and with
     tanh where w^2 is negative.
     """
-    _, c, rates, kept, work = wind
+    _, c, rates, marched, work = wind
     _, _, gain, b1, q, _ = law
-    last = kept.shape[1] - 1
-    x, y = kept[1, last], kept[2, last]
+    last = marched.shape[1] - 1
+    x, y = marched[1, last], marched[2, last]
     if gain == 0.0 or (y == 0.0 and q * x == 0.0):
         return 0.0
     if b1 < 0.0:
         return np.inf
     slope = -b1 * y - q * x
-    bend = -0.5 * b1 * slope - q * y
+    cosine_term = -0.5 * b1 * slope - q * y
     square = q - 0.25 * b1 * b1
-    pace = np.sqrt(abs(square))
+    frequency = np.sqrt(abs(square))
     u = 0.0
     if square > 0.0:
-        turn = np.arctan2(-slope * pace, bend)
-        u = (turn if turn > 0.0 else turn + np.pi) / pace
-    elif 0.0 < -slope * pace < bend or bend < -slope * pace < 0.0:
-        u = np.arctanh(-slope * pace / bend) / pace
-    _, later = filtered(c[last], rates, u, x, y, b1, q, work)
-    return abs(gain) * max(abs(y), abs(later))
+        phase = np.arctan2(-slope * frequency, cosine_term)
+        u = (phase if phase > 0.0 else phase + np.pi) / frequency
+    elif 0.0 < -slope * frequency < cosine_term or cosine_term < -slope * frequency < 0.0:
+        u = np.arctanh(-slope * frequency / cosine_term) / frequency
+    _, extreme = filtered_state(c[last], rates, u, x, y, b1, q, work)
+    return abs(gain) * max(abs(y), abs(extreme))

@@ -22,7 +22,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels import choice
-from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, room
+from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, workspace
 from tvclin.kernels.threads import in_slices
 from tvclin.numerics.pieces import Pieces, flat_batch, laplace, magnitude, spread
 
@@ -128,7 +128,7 @@ def responses(
     kernel = choice.swiftest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
-        memory = room(dtype, plants[2].shape[1:], first, second)
+        memory = workspace(dtype, plants[2].shape[1:], first, second)
         with np.errstate(all="ignore"):  # what is beyond all numbers is infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
 

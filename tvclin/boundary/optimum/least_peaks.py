@@ -16,7 +16,7 @@ from tvclin.boundary.optimum.constraints import conditions
 from tvclin.boundary.optimum.minimum_peak import optimum_of
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
-from tvclin.kernels.futures import ONSET_COMPILED, ONSET_PLAIN, from_onset
+from tvclin.kernels.remaining_integrals import ONSET_COMPILED, ONSET_PLAIN, onset_integrals
 from tvclin.linear.modes import separated_poles, unstable_poles, wind_over_deflection
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
@@ -111,7 +111,7 @@ def _moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray
     found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
     knots = found.size * winds[0].shape[-1]
     work = (winds, which, np.ascontiguousarray(known), found)
-    run(from_onset, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
+    run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     return found if np.iscomplexobj(known) else np.real(found)
 
 

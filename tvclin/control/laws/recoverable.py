@@ -27,7 +27,7 @@ from tvclin.control.laws.law import (
     measured_coordinates,
     rate_limit_angle,
 )
-from tvclin.kernels.control_laws import LawNumbers, asked
+from tvclin.kernels.control_laws import LawNumbers, law_demand
 from tvclin.linear.plant import Plant
 
 
@@ -162,11 +162,11 @@ class RecoverableAttitudeLaw(Law):
         """Return the demanded deflection [rad], before the limit."""
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*measured[:4], limit)))
         if not shape and states.ndim == 1:
-            return asked(self.numbers, measured, states.tolist(), limit)
+            return law_demand(self.numbers, measured, states.tolist(), limit)
         columns = (
             np.broadcast_to(value, shape).ravel().tolist()
             for value in (*measured[:4], *states, limit)
         )
         flights = zip(*columns, strict=True)
-        demands = [asked(self.numbers, row[:4], row[4:-1], row[-1]) for row in flights]
+        demands = [law_demand(self.numbers, row[:4], row[4:-1], row[-1]) for row in flights]
         return np.array(demands).reshape(shape)

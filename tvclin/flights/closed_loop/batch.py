@@ -1,6 +1,6 @@
 """A batch of sampled flights as arrays of the kernel: plants, nozzles, laws and winds.
 
-`Batch` holds plants, hardware and laws; `flights` writes it as `kernels.flight_arrays.Flights`.
+`Batch` holds plants, hardware and laws; `flights` writes it as `kernels.flights.Flights`.
 Between samples of the law vehicle and nozzle are linear, x+ = A x + B u + wind, and their steps are
 matrix exponentials. If samples are far apart for the nozzle, a sample is divided into substeps of
 1/8 of 1/omega of the actuator. Laws are rows of gains and state space matrices, winds polynomials
@@ -31,14 +31,14 @@ from tvclin.control.laws.law import Chains, Law
 from tvclin.flights.closed_loop.outcomes import OutcomeCriteria, outcome_criteria
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flight_arrays import (
+from tvclin.kernels.flights import (
     MEASURED,
     NEVER,
     PEAKS,
     Cases,
     Flights,
+    FlightStates,
     Laws,
-    Now,
     Steps,
     Vehicles,
     Winds,
@@ -504,7 +504,7 @@ def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Case
         np.ceil(np.where(known, a[place][vehicle], 0.0) / h)
         for a in (judges.waiting, judges.settling)
     )
-    waiting = -(-np.minimum(waiting, _LONGEST) // kernel.LOOK) * kernel.LOOK
+    waiting = -(-np.minimum(waiting, _LONGEST) // kernel.JUDGED_SAMPLES) * kernel.JUDGED_SAMPLES
     finish, ends = (_samples(a - start, h) for a in (np.full(h.shape, batch.until), end))
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     cases = Cases(
@@ -524,10 +524,10 @@ def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Case
     return cases, noise
 
 
-def _at_rest(m: int, n: int, steps: Steps, terms: int, memory: int) -> Now:
+def _at_rest(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
     """The state of m flights of n states, in winds of so many terms, of laws that remember."""
     N, late = steps.joint.shape[2], int(steps.late.max(initial=0))
-    return Now(
+    return FlightStates(
         y=np.zeros((m, N)),
         states=np.zeros((m, memory)),
         here=np.zeros((m, terms)),
@@ -571,7 +571,7 @@ def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     sequence = np.array([every.index(one) for one in laws.noise], dtype=np.int64)[laws.which]
     if not any(level for level, _ in every):
         return np.zeros((1, 0)), sequence
-    count = int(samples.max()) + 2 * kernel.LOOK
+    count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES
     rows = [
         np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else np.zeros(count)
         for level, seed in every

@@ -22,7 +22,7 @@ from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
-from tvclin.kernels.control_laws import switched
+from tvclin.kernels.control_laws import next_mode
 from tvclin.winds.histories import History
 
 
@@ -197,7 +197,7 @@ def mode_at(loop: Loop, t: float, states: FloatArray, mode: float, gust: Any) ->
     """Return the mode of the law at a time: +1 or -1 if it commands the full limit, else 0."""
     demand = loop.demand(states, loop.measured(t, states, gust(t)))
     law, limit = loop.law, loop.limit
-    return switched(law.engage * limit, law.release * limit, float(demand), mode)
+    return next_mode(law.engage * limit, law.release * limit, float(demand), mode)
 
 
 def regime_after_jump(

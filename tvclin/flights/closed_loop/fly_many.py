@@ -41,9 +41,9 @@ from tvclin.flights.closed_loop.checks import (
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
 from tvclin.flights.closed_loop.sampled import finish, flown
 from tvclin.flights.closed_loop.sampled_stability import oscillation_growth
-from tvclin.kernels.flight_arrays import NEVER, Cases, Flights, Now
-from tvclin.kernels.flight_arrays import SURVIVED as SURVIVED_CODE
-from tvclin.kernels.flight_arrays import UNDECIDED as UNDECIDED_CODE
+from tvclin.kernels.flights import NEVER, Cases, Flights, FlightStates
+from tvclin.kernels.flights import SURVIVED as SURVIVED_CODE
+from tvclin.kernels.flights import UNDECIDED as UNDECIDED_CODE
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
@@ -87,7 +87,7 @@ def _continued(f: Flights, where: IndexArray, laws: LawBatch) -> Flights:
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
         laws=f.laws._replace(**rows),
         cases=Cases._make(array[where] for array in f.cases),
-        now=Now._make(array[where] for array in f.now),
+        now=FlightStates._make(array[where] for array in f.now),
     )
     ring = g.now.commands.shape[1]
     shifted = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again

@@ -33,8 +33,7 @@ from tvclin.flights.closed_loop.fly_many import LOST, STATUS, SURVIVED, UNDECIDE
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Stepper
 from tvclin.flights.closed_loop.survival_limit import STEPS, limit_above_losses
-from tvclin.kernels.flight_arrays import Flights
-from tvclin.kernels.flights import LOOK
+from tvclin.kernels.flights import JUDGED_SAMPLES, Flights
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
@@ -102,7 +101,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         outcomes.deflection[active] = np.maximum(outcomes.deflection[active], stop.gauge(s))
         if m == 1:
             outcomes.shown.append((complex(x[0]), complex(s[0])))
-        if k % LOOK == 0 or k == last:
+        if k % JUDGED_SAMPLES == 0 or k == last:
             _decide(pair, stop, limit, outcomes, k, k == last)
             active = np.flatnonzero(outcomes.ended < 0)
             if not active.size:

@@ -21,7 +21,7 @@ from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels import choice
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flight_arrays import NEVER, Flights
+from tvclin.kernels.flights import NEVER, Flights
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS as VEHICLE_INPUTS

@@ -24,8 +24,8 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.batch import Batch, flights
 from tvclin.flights.closed_loop.outcomes import SETTLING
-from tvclin.kernels.control_laws import LawNumbers, asked
-from tvclin.kernels.flight_arrays import MEASURED, Flights
+from tvclin.kernels.control_laws import LawNumbers, law_demand
+from tvclin.kernels.flights import MEASURED, Flights
 from tvclin.linear.system import split_delay
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
     """Return the derivatives of a law with numbers, by finite differences."""
     rows = (small * np.eye(width + 1, width)).tolist()
-    values = [asked(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
+    values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
     return [(value - values[-1]) / small for value in values[:-1]]
 
 

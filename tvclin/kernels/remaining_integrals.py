@@ -1,0 +1,150 @@
+"""Discounted remaining integrals of a wind: at its onset, at their maximum, and after trim.
+
+W(t) = p integral from t on of e^(-p (r - t)) f(r) dr is the demand of `excess` for a wind that is
+trimmed at once, so W' = p (W - f).
+
+A control that trims up to K times its limit L leaves trim at the first time at which trim is as
+large as K L, with either sign. From the state of that time every unstable pole p_i demands the mean
+
+    z_i = p_i integral from t on of e^(-p_i (r - t)) g(r) dr
+
+of the remaining trim g, the demand of `excess` for each mode by itself. Where trim stays below that
+height during the wind, the control is free from the end of the wind on.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from tvclin.kernels.excess import (
+    EXCESS,
+    HEIGHT,
+    MAX_INTERVALS,
+    TRIM_DRIVES,
+    WIND_DRIVES,
+    demand,
+    demand_of_integral,
+    driver,
+    filter_state,
+    march_filter,
+    march_wind,
+    monotone_intervals,
+    onset_piece,
+    remaining_integral,
+    root,
+)
+from tvclin.kernels.source import bare, kernel
+
+PLAIN, COMPILED = 1e-4, 5e-7
+"""Seconds per breakpoint of a case and rate of its wind, in plain Python and as machine code."""
+ONSET_PLAIN, ONSET_COMPILED = 3e-5, 1e-7
+"""Seconds per breakpoint, rate and pole of `onset_integrals`, plain and as machine code."""
+
+
+@kernel
+def largest_remaining_integrals(
+    winds: Any, which: Any, poles: Any, out: Any, first: int, last: int
+) -> None:
+    """Write p times the remaining integral of winds of unit peak, at its onset and maximum.
+
+    At the onset, the maximum, and its time [s], to ``out (n, 3)``, for ``poles (n,)`` [1/s]. It
+    rises as long as it is above the wind, W' = p (W - f): its maximum is at a knot, or where a
+    rising wind reaches it.
+    """
+    knots, coefficients, rates = winds
+    marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
+    work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
+    for case in range(first, last):
+        i = which[case]
+        wind = (knots[i], coefficients[i], rates[i], marched, work)
+        law = (poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
+        march_wind(wind, law)
+        largest, time = _largest_demand(wind, law, ends)
+        out[case, 0], out[case, 1], out[case, 2] = (
+            demand(wind, law, onset_piece(wind), 0.0),
+            largest,
+            time,
+        )
+
+
+@kernel
+def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
+    """Write the discounted remaining integrals of winds at their onset to ``out (n, m)``.
+
+    For ``poles (n, m)`` [1/s], which may be complex.
+    """
+    knots, c, rates = winds
+    for case in range(first, last):
+        i = which[case]
+        wind = (knots[i], c[i], rates[i], knots, knots)
+        for k in range(poles.shape[1]):
+            out[case, k] = remaining_integral(wind, onset_piece(wind), 0.0, poles[case, k])
+
+
+@kernel
+def demands_at_heights(
+    winds: Any, which: Any, numbers: Any, poles: Any, heights: Any, out: Any, first: int, last: int
+) -> None:
+    """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
+
+    `winds`, `which`: as in `switches.switches`. `numbers`: b1, b2 and q of each case, ``(n, 3)``.
+    `poles`: of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the
+    wind's peak, positive, ``(n,)``. `out`: demands, ``(n, m)``; where trim stays below the height
+    during the wind, those at its end.
+    """
+    knots, coefficients, rates = winds
+    marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
+    work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
+    for case in range(first, last):
+        j = which[case]
+        b1, b2, q = numbers[case, 0], numbers[case, 1], numbers[case, 2]
+        wind = (knots[j], coefficients[j], rates[j], marched, work)
+        law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        march_filter(wind, law)
+        i, u = _height_time(wind, law, heights[case], ends)
+        x, y = filter_state(wind, law, i, u)
+        for k in range(poles.shape[1]):
+            p = poles[case, k]
+            out[case, k] = demand_of_integral(law, p, remaining_integral(wind, i, u, p), x, y)
+
+
+@bare
+def _largest_demand(wind: Any, law: Any, ends: Any) -> tuple[float, float]:
+    """Return the largest demand of the wind itself, and its time [s]."""
+    knots = wind[0]
+    largest, time = -np.inf, 0.0
+    for i in range(knots.size - 1):
+        level = demand(wind, law, i, 0.0)
+        if level > largest:
+            largest, time = level, knots[i]
+        for k in range(monotone_intervals(wind, law, i, ends)):
+            a, b = ends[k], ends[k + 1]
+            top = driver(wind, law, i, b)[0]
+            before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
+            after = top - demand(wind, law, i, b)
+            if before < 0.0 < after and top > largest:
+                u = root(EXCESS, -np.inf, wind, law, i, a, before, b, after)
+                level = demand(wind, law, i, u)
+                if level > largest:
+                    largest, time = level, knots[i] + u
+    return largest, time
+
+
+@bare
+def _height_time(wind: Any, law: Any, height: float, ends: Any) -> tuple[int, float]:
+    """Return the piece and the local time at which the driver's size first reaches a height.
+
+    The end of the wind where it never does.
+    """
+    knots = wind[0]
+    for i in range(knots.size - 1):
+        for k in range(monotone_intervals(wind, law, i, ends)):
+            a, b = ends[k], ends[k + 1]
+            start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
+            if abs(start) >= height:
+                return i, a
+            if abs(stop) >= height:
+                level = height if stop > 0.0 else -height
+                return i, root(HEIGHT, level, wind, law, i, a, start - level, b, stop - level)
+    i = knots.size - 2
+    return i, knots[i + 1] - knots[i]
