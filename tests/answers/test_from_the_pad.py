@@ -10,7 +10,7 @@ from tests.small_launcher import sounding, write
 from tests.turns import usual
 from tvclin.answers.sizing import flight_mode
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations, FlightWind
+from tvclin.answers.sizing.flight_requirement import FlightWind
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.time_varying import FLIGHT_PARTS, LimitedFlights, over_steps
 
@@ -79,7 +79,6 @@ def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuratio
         costate, reach = mode.at(time)
         np.testing.assert_allclose(costate, row, rtol=1e-12, atol=1e-12)
         assert reach == pytest.approx(row @ inputs[:, 0] / values.real.max(), rel=2e-6)
-        assert mode.growth_rate(time) == pytest.approx(values.real.max(), rel=1e-9)
 
 
 def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None:
@@ -163,7 +162,7 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
     assert sized == pytest.approx(found.need[0], rel=1e-3)
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
-    motion, wind = FlightEquations(mode), FlightWind(met.wind, "pitch", met.speeds)
+    motion, wind = mode, FlightWind(met.wind, "pitch", met.speeds)
     steps = over_steps(motion, wind, FLIGHT_PARTS)
     flights = LimitedFlights(motion.over(steps[0]), *steps)
     assert not flights.diverge(found.need[0] * np.array([[1.02, 1.2, 2.0]])).any()

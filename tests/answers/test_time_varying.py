@@ -12,7 +12,7 @@ from tvclin.answers import time_varying
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.encountered_requirement import encountered_requirement
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations, flight_requirement
+from tvclin.answers.sizing.flight_requirement import flight_requirement
 from tvclin.answers.time_varying import varying_requirement
 from tvclin.answers.varying_equations import Equations, at_pressure
 from tvclin.kernels import choice
@@ -114,7 +114,7 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
 
     free, unit = component(0.0), component(1.0)
     held = abs(free / (free - unit))
-    found = varying_requirement(FlightEquations(mode), NominalWind(wind), 0.0)
+    found = varying_requirement(mode, NominalWind(wind), 0.0)
     assert found.required[0] == pytest.approx(held, abs=FOURTH_ORDER * found.trim[0])
 
 

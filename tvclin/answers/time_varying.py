@@ -80,7 +80,7 @@ _MIN_STEPS = 4
 
 
 class Motion(Protocol):
-    """What is known of vehicles over time: `Equations`, or `FlightEquations`."""
+    """What is known of vehicles over time: `Equations`, or `FlightMode`."""
 
     @property
     def fastest(self) -> FloatArray:
@@ -241,7 +241,7 @@ def varying_requirement(
 
     Parameters
     ----------
-    motion : Equations or FlightEquations
+    motion : Equations or FlightMode
         Of one vehicle, or of as many as there are winds.
     encountered : EncounteredWind, NominalWind or FlightWind
         One wind or a batch.

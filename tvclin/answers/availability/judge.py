@@ -19,7 +19,6 @@ from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.plane_march import Additions, MarchedWinds, PlaneMarch
 from tvclin.answers.availability.sounding_winds import FlightPath, LineWinds, SoundingWinds
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -383,8 +382,8 @@ def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple
     parts = []
     for part in flight.parts:
         path = FlightPath.of(part)
-        modes = {plane: FlightMode(part, model, plane, part.span) for plane in planes}
-        motions = {k: FlightEquations(mode) for k, mode in modes.items() if mode.unstable}
+        modes = [FlightMode(part, model, plane, part.span) for plane in planes]
+        motions = {mode.plane: mode for mode in modes if mode.unstable}
         fastest = max(motions.values(), key=lambda motion: motion.fastest.max(), default=None)
         marches = {
             plane: PlaneMarch(path, plane, motion, fastest)

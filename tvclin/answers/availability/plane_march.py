@@ -14,7 +14,7 @@ import numpy as np
 
 from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.sounding_winds import FlightPath, LineWinds
-from tvclin.answers.sizing.flight_requirement import FlightEquations
+from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.time_varying import (
     FLIGHT_PARTS,
     LimitedFlights,
@@ -101,16 +101,16 @@ class PlaneMarch:
         The part of the flight.
     plane : str
         Plane of the motion.
-    motion : FlightEquations
+    motion : FlightMode
         The equations of the vehicle, with an unstable mode.
-    fastest : FlightEquations
+    fastest : FlightMode
         Those of the plane whose rates set the steps of both.
     """
 
     path: FlightPath
     plane: str
-    motion: FlightEquations
-    fastest: FlightEquations
+    motion: FlightMode
+    fastest: FlightMode
 
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:

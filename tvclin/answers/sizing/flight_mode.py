@@ -17,18 +17,26 @@ of fourth order in the steps, below 1e-6 at the length taken here.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from tvclin.answers.varying_equations import unstable_end
+from tvclin.answers.varying_equations import (
+    PRESSURES,
+    Equations,
+    at_pressure,
+    has_quick_path,
+    of_pressure,
+    unstable_end,
+)
+from tvclin.answers.varying_minimum import unstable_modes_of
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
+from tvclin.boundary.limit import leading_pole
 
 _STEP = 0.1
 """Length of a step times the fastest rate of the attitude."""
@@ -40,7 +48,7 @@ _MAX_ROW_STEP = 0.5
 
 @dataclass(frozen=True, eq=False)
 class FlightMode:
-    """The fastest unstable mode of a vehicle along its flight.
+    """The linear equations of a vehicle along its flight, and its fastest unstable mode.
 
     Beyond the last time with a real unstable pole the vehicle is frozen as it is then: it is
     stable, or oscillates, and that it is unstable for ever requires no less.
@@ -75,11 +83,6 @@ class FlightMode:
         _, inputs = self.matrices(t)
         return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
 
-    def growth_rate(self, t: Any) -> FloatArray:
-        """Return the growth rate p.A p [1/s] at times [s]; the pole of constant parameters."""
-        costate = np.moveaxis(self.at(t)[0], 0, -1)
-        return np.asarray(np.einsum("...i,...ij,...j->...", costate, self.matrices(t)[0], costate))
-
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
 
@@ -109,10 +112,42 @@ class FlightMode:
         return self._last_unstable
 
     @cached_property
-    def fastest(self) -> float:
-        """Largest rate sqrt(|mu_alpha|) of the attitude [1/s] up to the last unstable time."""
+    def fastest(self) -> FloatArray:
+        """Largest rate sqrt(|mu_alpha|) [1/s] up to the last unstable time, ``(1,)``."""
         rows = self._rows[self._rows <= self.last_unstable]
-        return math.sqrt(float(np.abs(self.matrices(rows)[0][:, 1, 0]).max()))
+        return np.sqrt(np.abs(self._equations(rows)[:, 1, 0]).max(keepdims=True))
+
+    @property
+    def breakpoints(self) -> FloatArray:
+        """Times [s] of the schedule, between which the equations are smooth."""
+        return self.schedule.times
+
+    def over(self, times: FloatArray) -> Equations:
+        """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``.
+
+        The costate at the end of the wind is that of the rest of the flight.
+        """
+        inside = np.minimum(times.ravel(), self.last_unstable)
+        vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
+        plants = [
+            replace(self.schedule, vehicle=vehicle).plants(inside, self.model, self.plane)
+            for vehicle in vehicles
+        ]
+        nominal, slopes = (
+            np.broadcast_to(x, (inside.size, *x.shape[-k:])).reshape(*times.shape, *x.shape[-k:])
+            for x, k in zip(of_pressure(plants), (2, 3), strict=True)
+        )
+        plant, order = plants[0], nominal.shape[-2]
+        costate, reach = self.at(times[0, -1, 2])
+        paired = np.broadcast_to(leading_pole(plant)[1], inside.shape)
+        return Equations(
+            nominal,
+            slopes,
+            np.append(costate, reach)[np.newaxis],
+            paired.reshape(times.shape),
+            np.atleast_1d(np.any(has_quick_path(plant))),
+            unstable_modes_of(nominal[:, -1, 2, :, :order]),
+        )
 
     @cached_property
     def _rows(self) -> FloatArray:
@@ -143,7 +178,7 @@ class FlightMode:
         breakpoints = np.append(self.schedule.times, self.last_unstable)
         inside = breakpoints[(breakpoints > start) & (breakpoints < stop)]
         knots = np.unique([start, *inside, stop])
-        ends = _refined(knots, np.diff(knots) * self.fastest / _STEP)
+        ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP)
         matrices = self._step_matrices(ends[:-1], ends[1:])
         found = np.empty((ends.size, matrices.shape[-1]))
         found[-1] = unstable_end(self._equations(stop))

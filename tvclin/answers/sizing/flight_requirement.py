@@ -12,69 +12,12 @@ import numpy as np
 
 from tvclin.answers.sizing.flight_mode import FlightMode
 from tvclin.answers.time_varying import varying_requirement
-from tvclin.answers.varying_equations import (
-    PRESSURES,
-    Equations,
-    at_pressure,
-    has_quick_path,
-    of_pressure,
-)
-from tvclin.answers.varying_minimum import unstable_modes_of
 from tvclin.ascent.measured_wind import SoundingSpeeds
 from tvclin.base.arrays import FloatArray
-from tvclin.boundary.limit import leading_pole
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""
-
-
-@dataclass(frozen=True, eq=False)
-class FlightEquations:
-    """Linear equations of a vehicle along its flight.
-
-    Beyond the last time with a real unstable mode they stay as they are there. The costate at the
-    end of a wind is that of the rest of the flight.
-    """
-
-    mode: FlightMode
-
-    @property
-    def fastest(self) -> FloatArray:
-        """Largest rate [1/s] of the attitude over the flight, ``(1,)``."""
-        return np.array([self.mode.fastest])
-
-    @property
-    def breakpoints(self) -> FloatArray:
-        """Times [s] of the schedule, between which the equations are smooth."""
-        return self.mode.schedule.times
-
-    def over(self, times: FloatArray) -> Equations:
-        """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``."""
-        flight, mode = self.mode.schedule, self.mode
-        inside = np.minimum(times.ravel(), mode.last_unstable)
-        plants = [
-            replace(flight, vehicle=at_pressure(flight.vehicle, r)).plants(
-                inside, mode.model, mode.plane
-            )
-            for r in PRESSURES
-        ]
-        nominal, slopes = of_pressure(plants)
-        nominal, slopes = (
-            np.broadcast_to(x, (inside.size, *x.shape[-k:])).reshape(*times.shape, *x.shape[-k:])
-            for x, k in ((nominal, 2), (slopes, 3))
-        )
-        plant, order = plants[0], nominal.shape[-2]
-        costate, reach = mode.at(times[0, -1, 2])
-        paired = np.broadcast_to(leading_pole(plant)[1], inside.shape)
-        return Equations(
-            nominal,
-            slopes,
-            np.append(costate, reach)[np.newaxis],
-            paired.reshape(times.shape),
-            np.atleast_1d(np.any(has_quick_path(plant))),
-            unstable_modes_of(nominal[:, -1, 2, :, :order]),
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +119,7 @@ def requirement_of_parts(
         inside = mode if whole else FlightMode(part, mode.model, mode.plane, (start, stop))
         blows = wind if whole else wind.between(start, stop)
         if inside.unstable and not blows.calm:
-            found = varying_requirement(FlightEquations(inside), blows, dead_band)
+            found = varying_requirement(inside, blows, dead_band)
             if not (np.isnan(required) or found.required[0] <= required):
                 required, time = float(found.required[0]), float(found.time[0])
             minimum = max(minimum, float(found.minimum[0]))
