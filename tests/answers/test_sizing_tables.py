@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
+import tvclin as tv
 from tvclin.answers.findings import find
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.total import total_table
@@ -92,3 +93,21 @@ def test_of_one_wind_the_worst_is_that_wind(answers):
     for both in zip(worst, only, strict=True):
         first, second = ([texts(row)[:width] for row in one.rows] for one in both)
         assert first == second
+
+
+@pytest.mark.thorough
+def test_a_frozen_requirement_that_is_no_approximation_has_no_row() -> None:
+    pulse = tv.TriangularWind(peak=0.05, duration=7.5)
+    schedule = tv.load_schedule("configuration-i")
+    found = tv.size(schedule, pulse, times=[60.0, 66.0], varying=True)
+    off = {
+        key: need * [[1.0], [3.0]] if key == "K = 1" else need
+        for key, need in found.required.items()
+    }
+    whole, frozen = (
+        tables.over_time(found, "K = 1, varying"),
+        tables.over_time(replace(found, required=off), "K = 1, varying"),
+    )
+    assert [len(table.rows) for table in whole] == [2, 2]
+    assert [len(table.rows) for table in frozen] == [2, 1]
+    assert frozen[1].caption.endswith("where that is off by at most 100 % [deg]")
