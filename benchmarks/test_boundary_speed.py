@@ -4,7 +4,7 @@ from math import exp
 
 import numpy as np
 import pytest
-from peers import ratio
+from peers import PROCESSOR, ratio
 from scipy.optimize import brentq
 
 import tvclin as tv
@@ -123,5 +123,6 @@ def test_a_boundary_limit_takes_less_than_half_of_a_root_of_eq_12(benchmark, mod
         per=CASES,
         peer_per=ROOTS,
         floor="poles, and exponentials of some seven steps",
+        clock=PROCESSOR,
     )
     assert found > 2.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from peers import ratio
+from peers import PROCESSOR, ratio
 
 import tvclin as tv
 from tvclin.answers.campaign.draws import draw
@@ -72,6 +72,7 @@ def test_a_campaign_with_a_dead_band(benchmark: Any, tmp_path: Any, model: str) 
         per=10_000,
         peer_per=FEW,
         floor="a march of each case, and the weighted median of each step of its dual",
+        clock=PROCESSOR,
     )
 
 
