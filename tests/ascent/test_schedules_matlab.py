@@ -12,7 +12,7 @@ from scipy.sparse import csc_matrix
 import tvclin as tv
 from tests.turns import usual
 from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab
-from tvclin.base.files import LARGEST
+from tvclin.base.files import MAX_BYTES
 
 WHOLE = ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
 VARIABLES = {
@@ -108,7 +108,7 @@ def test_an_unknown_type_of_numbers_is_refused(tmp_path: Path, kind: int) -> Non
 @pytest.mark.parametrize(
     ("count", "most", "words"),
     [
-        (LARGEST, 1e6, "more than 100 MB when it is unpacked"),
+        (MAX_BYTES, 1e6, "more than 100 MB when it is unpacked"),
         (2 * MAX_NUMBERS, 4.5 * MAX_NUMBERS, "more than 5 million numbers"),
     ],
 )
@@ -118,7 +118,7 @@ def test_what_unpacks_to_more_than_a_text_may_hold_is_not_unpacked(
     """The second is unpacked as it is stored, a byte for each, through a buffer of its size."""
     savemat(file := tmp_path / "log.mat", {"time_s": np.zeros(count, "u1")}, do_compression=True)
     packed = file.read_bytes()
-    assert len(packed) < LARGEST / 500
+    assert len(packed) < MAX_BYTES / 500
     monkeypatch.setattr("tvclin.ascent.importers.matlab.read_bytes", lambda *_: packed)
     tracemalloc.start()
     try:

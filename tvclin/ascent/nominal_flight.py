@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import LATEST, InputError, between, finite, instance, number, single
+from tvclin.base.errors import MAX_TIME, InputError, between, finite, instance, number, single
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _RTOL = 1e-11
@@ -207,7 +207,7 @@ def nominal_flight(
     instance("condition", condition, FlightCondition, "see load_flight_condition")
     single("vehicle", vehicle.batch)
     begin, end = (
-        number(name, value, between(-LATEST, LATEST), "s")
+        number(name, value, between(-MAX_TIME, MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
     own = _time_of(vehicle)

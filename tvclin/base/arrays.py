@@ -1,4 +1,4 @@
-"""Names of arrays in annotations, by what they hold."""
+"""Types of arrays in annotations, by their elements."""
 
 from typing import Any
 

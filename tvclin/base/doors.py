@@ -1,4 +1,4 @@
-"""The doors of the package and its chapters: names that are loaded when they are first used."""
+"""Public names of the package and its chapters, which are loaded on first use."""
 
 import sys
 from collections.abc import Callable, Iterable
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import lazy_loader  # type: ignore[import-untyped]
 
-_WIDTH = 96
-"""Characters of a line of the names in the help of a module."""
+_HELP_WIDTH = 96
+"""Characters per line of the names in the help of a module."""
 
 GUESSES = {
     "tf": 'Plant.tf("attitude", "deflection")',
@@ -35,7 +35,7 @@ GUESSES = {
     "residue": "tvclin.residues",
     "savefig": "tvclin.plots.save_figure(plot, path)",
 }
-"""Public names for what users of python-control and matplotlib try first."""
+"""Public names for those that users of python-control and matplotlib try first."""
 
 CHAPTERS = (
     "vehicle",
@@ -61,7 +61,7 @@ def door(
     module, public = sys.modules[package], [name for name in names if name not in CHAPTERS]
     if module.__doc__:
         words = f"Names, each with its own help: {', '.join(sorted(public, key=str.lower))}."
-        broken = fill(words, _WIDTH, break_on_hyphens=False)
+        broken = fill(words, _HELP_WIDTH, break_on_hyphens=False)
         module.__doc__ = f"{module.__doc__.rstrip()}\n\n{broken}\n"
 
     def names_for(caller: str) -> list[str]:

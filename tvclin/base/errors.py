@@ -1,7 +1,7 @@
-"""Checks of arguments, and what goes wrong with them, said in one sentence each.
+"""Checks of arguments, whose errors are one sentence each.
 
-Every check names the argument, the rule it breaks, and what came, so that the
-reader knows which argument to change.
+Every check names the argument, the rule that it violates, and the value, so that the reader knows
+which argument to change.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 
-MOST_AXES = 16
-"""Axes of an array; numpy broadcasts at most 32, and some are ours."""
-LATEST = 1e9
-"""Times [s] beyond this can no longer be added to each other without loss."""
+MAX_AXES = 16
+"""Largest number of axes of an array; numpy broadcasts at most 32, and some are added here."""
+MAX_TIME = 1e9
+"""Largest time [s]: later times can no longer be added without loss of digits."""
 _Check = Callable[..., FloatArray]
-_WIDEST = 60
-"""Characters of what came that a message quotes."""
-_LONGEST_NAME = 255
-"""Characters in the name of a file, at most."""
+_MAX_QUOTED_CHARACTERS = 60
+"""Largest number of characters of a value that a message quotes."""
+_MAX_FILE_NAME = 255
+"""Largest number of characters of a file name."""
 
 
 class InputError(ValueError):
-    """An argument, a key or a file that cannot be used; the message says how to mend it."""
+    """Error of an argument, a key or a file that cannot be used; the message says the remedy."""
 
 
 class NotKnownError(InputError):
-    """What nothing is known of for one case, as where a wind is too steep; others go on."""
+    """Error of a case without a known answer, as for a wind that is too steep; others continue."""
 
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Let each line of an `InputError` within begin with the file, table or row it is about."""
+    """Prefix each line of an `InputError` raised inside with a file, table or row."""
     try:
         yield
     except InputError as error:
@@ -50,7 +50,7 @@ def naming(what: str) -> Iterator[None]:
 
 
 class Faults:
-    """Faults of a file that are told at once, a line for each.
+    """Collection of faults of a file, which are reported together, a line for each.
 
     Examples
     --------
@@ -69,27 +69,27 @@ class Faults:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep the `InputError` of what is within, each line once."""
+        """Collect the `InputError` raised inside, each line once."""
         try:
             yield
         except InputError as error:
             self.lines += [line for line in str(error).split("\n") if line not in self.lines]
 
     def tell(self) -> None:
-        """Raise an `InputError` of all that was kept, if anything was."""
+        """Raise an `InputError` of all collected lines, if there are any."""
         if self.lines:
             raise InputError("\n".join(self.lines))
 
 
 def missing(needs: str, extra: str) -> InputError:
-    """Return the error that says what needs a package that is not installed, of an extra."""
+    """Return the error about a package of an extra that is not installed."""
     return InputError(f"{needs}, which is not installed: {install(extra)}")
 
 
 def imported(package: str, needs: str, extra: str) -> Any:
-    """Return a package of an extra; `InputError` where it is not installed, with what `needs` it.
+    """Return a package of an extra; `InputError` naming `needs` if it is not installed.
 
-    It is imported when it is needed and not before: many of them take half a second.
+    It is imported on demand: many packages take half a second.
     """
     try:
         return import_module(package)
@@ -106,7 +106,7 @@ def install(*extras: str) -> str:
 
 
 def real(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array, which may be infinite; `InputError` for all else."""
+    """Return `value` as a float array, which may be infinite; `InputError` for NaN."""
     array = numbers(name, value, unit)
     _require(name, "a number", array, ~np.isnan(array), unit)
     return array
@@ -118,17 +118,17 @@ def finite(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array, whatever its numbers; `InputError` if it is none."""
+    """Return `value` as a float array of any numbers; `InputError` if it is not numeric."""
     array = array_of(name, value, "iuf", f"a number in {unit}" if unit else "a number")
-    if array.ndim > MOST_AXES:
-        raise InputError(f"{name} must have at most {MOST_AXES} axes; got {array.ndim}")
+    if array.ndim > MAX_AXES:
+        raise InputError(f"{name} must have at most {MAX_AXES} axes; got {array.ndim}")
     array = np.array(array, dtype=float)
     array.flags.writeable = False
     return array
 
 
 def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
-    """Return `value` as an array of one of numpy's kinds; `InputError` by the rule for all else."""
+    """Return `value` as an array of some numpy kinds; `InputError` with `rule` otherwise."""
     try:
         array = np.asarray(value)
         if array.dtype.kind not in kinds:
@@ -139,7 +139,7 @@ def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
 
 
 def _finite(name: str, value: ArrayLike, unit: str) -> tuple[FloatArray, float, float]:
-    """The array, its smallest and its largest element; of none, numbers that pass every check."""
+    """Return the array, its minimum and maximum; infinities that pass all checks if empty."""
     array = numbers(name, value, unit)
     if not array.size:
         return array, np.inf, -np.inf
@@ -184,37 +184,37 @@ def within(
 
 
 def between(lowest: float, highest: float) -> Callable[..., FloatArray]:
-    """Return `within` for these ends, as a check for `number`."""
+    """Return the check `within` for given bounds, for `number`."""
     return lambda name, value, unit="": within(name, value, lowest, highest, unit)
 
 
 def one_of(name: str, value: object, choices: Iterable[str]) -> str:
-    """Return `value` if it is among `choices`; otherwise raise `InputError` with the near ones."""
+    """Return `value` if it is among `choices`; `InputError` with similar choices otherwise."""
     names = list(choices)
     if isinstance(value, str) and value in names:
         return value
-    word = isinstance(value, str) and len(value) <= _WIDEST
-    near = get_close_matches(str(value), names, n=2, cutoff=0.5) if word else []
-    hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
+    word = isinstance(value, str) and len(value) <= _MAX_QUOTED_CHARACTERS
+    similar = get_close_matches(str(value), names, n=2, cutoff=0.5) if word else []
+    hint = f" (did you mean {' or '.join(map(repr, similar))}?)" if similar else ""
     raise InputError(f"{name} must be one of {', '.join(names)}; got {shown(value)}{hint}")
 
 
 def instance(name: str, value: object, kind: type, maker: str) -> None:
-    """Raise `InputError` unless `value` is of the kind asked for; `maker` says how to get one."""
+    """Raise `InputError` unless `value` is of a type; `maker` says how to make one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {shown(value)}")
 
 
 def each(name: str, values: object, kind: type, maker: str) -> tuple[Any, ...]:
-    """Return a tuple or list as a tuple; `InputError` unless it holds nothing but this kind."""
-    if isinstance(values, tuple | list) and all(isinstance(one, kind) for one in values):
+    """Return a tuple or list as a tuple; `InputError` unless all elements are of a type."""
+    if isinstance(values, tuple | list) and all(isinstance(value, kind) for value in values):
         return tuple(values)
     raise InputError(f"{name} must be a tuple of {kind.__name__} ({maker}); got {shown(values)}")
 
 
 def different(name: str, values: object) -> tuple[Any, ...]:
-    """Return the tuple; `InputError` unless it holds one or more values, no two of them alike."""
+    """Return the tuple; `InputError` unless it has one or more values, all different."""
     try:
         if isinstance(values, tuple) and 0 < len(values) == len(set(values)):
             return values
@@ -231,30 +231,30 @@ def text(name: str, value: object) -> str:
 
 
 def flag(name: str, value: object) -> bool:
-    """Return `value`, numpy's too; `InputError` unless it is True or False."""
+    """Return `value` as a bool, also from numpy; `InputError` unless it is True or False."""
     if isinstance(value, bool | np.bool_):
         return bool(value)
     raise InputError(f"{name} must be True or False; got {shown(value)}")
 
 
 def callable_for(name: str, value: object, what: str) -> None:
-    """Raise `InputError` unless `value` can be called; `what` says for what."""
+    """Raise `InputError` unless `value` can be called; `what` describes the function."""
     if not callable(value):
         raise InputError(f"{name} must be a function {what}; got {shown(value)}")
 
 
 def path(name: str, value: object, what: str = "a path that a file can have") -> Path:
-    """Return `value` as a path; `InputError` unless a file can have it."""
+    """Return `value` as a path; `InputError` unless it is a valid path of a file."""
     given = fspath(value) if isinstance(value, str | PathLike) else None
     if isinstance(given, str) and given and "\0" not in given:
         found = Path(given)
-        if all(len(part) <= _LONGEST_NAME for part in found.parts):
+        if all(len(part) <= _MAX_FILE_NAME for part in found.parts):
             return found
     raise InputError(f"{name} must be {what}; got {shown(value)}")
 
 
 def single(name: str, batch: tuple[int, ...]) -> None:
-    """Raise `InputError` if what is named is a batch."""
+    """Raise `InputError` if the argument is a batch."""
     if batch:
         raise InputError(f"{name} must be one {name}; got a batch of shape {batch}")
 
@@ -262,7 +262,7 @@ def single(name: str, batch: tuple[int, ...]) -> None:
 def number(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = finite, unit: str = ""
 ) -> float:
-    """Return `value` as a float; `InputError` unless it passes the check and is no array."""
+    """Return `value` as a float; `InputError` unless it is a scalar and passes the check."""
     array = np.asarray(check(name, value, unit))
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
@@ -272,38 +272,39 @@ def number(
 def unlimited(
     name: str, value: ArrayLike, check: Callable[..., FloatArray] = positive, unit: str = ""
 ) -> float:
-    """Return a limit as a float: infinite, or one number that passes the check."""
+    """Return a limit as a float: infinite, or a number that passes the check."""
     if isinstance(value, float) and value == np.inf:
         return np.inf
     return number(name, value, check, unit)
 
 
 def directions(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
-    """Return directions, in rad or deg; `InputError` beyond one turn, where degrees were meant."""
-    turn = 360.0 if unit == "deg" else 2.0 * np.pi
-    return within(name, value, -turn, turn, unit)
+    """Return directions in rad or deg; `InputError` beyond a full turn (confused units)."""
+    full_turn = 360.0 if unit == "deg" else 2.0 * np.pi
+    return within(name, value, -full_turn, full_turn, unit)
 
 
 def bearing(name: str, value: ArrayLike) -> float:
-    """Return one direction [rad]; `InputError` as of `directions`."""
+    """Return a direction [rad]; `InputError` as in `directions`."""
     return number(name, value, directions, "rad")
 
 
 def small_angle(what: str, check: _Check = finite) -> _Check:
-    """Return a check of angles, for `number` too: within 90 degrees; in radians, or "deg".
+    """Return a check of angles within 90 degrees, in radians or "deg", also for `number`.
 
-    `what`: what the angle is, as "a deflection". `check`: what else it must pass.
+    `what`: name of the angle, as "a deflection". `check`: a further check.
     """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
         array = check(name, value, unit)
-        most = np.abs(array).max(initial=0.0)
-        if unit == "deg" and most >= 90.0:
-            raise InputError(f"{name} must be {what} within 90 degrees; got {most:.6g} deg")
-        if unit != "deg" and most >= np.pi / 2:
-            degrees = f" ({np.degrees(most):.4g} deg)" if most < LATEST else ""
+        largest = np.abs(array).max(initial=0.0)
+        if unit == "deg" and largest >= 90.0:
+            raise InputError(f"{name} must be {what} within 90 degrees; got {largest:.6g} deg")
+        if unit != "deg" and largest >= np.pi / 2:
+            degrees = f" ({np.degrees(largest):.4g} deg)" if largest < MAX_TIME else ""
             raise InputError(
-                f"{name} must be {what} within 90 degrees, in radians; got {most:.6g} rad{degrees}"
+                f"{name} must be {what} within 90 degrees, in radians; got {largest:.6g}"
+                f" rad{degrees}"
             )
         return array
 
@@ -319,7 +320,7 @@ def fraction(name: str, value: ArrayLike, unit: str = "") -> float:
 
 
 def one_row(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as a float array ``(n,)``; `InputError` unless it is one row, not empty."""
+    """Return `value` as a float array ``(n,)``; `InputError` for other shapes."""
     array = finite(name, value, unit)
     if array.ndim != 1 or not array.size:
         raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
@@ -327,30 +328,30 @@ def one_row(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def times_row(name: str, value: ArrayLike) -> FloatArray:
-    """Return times [s] as `one_row`; `InputError` for any beyond 1e9 s, which no flight lasts."""
-    return within(name, one_row(name, value, "s"), -LATEST, LATEST, "s")
+    """Return times [s] ``(n,)`` as `one_row`; `InputError` beyond 1e9 s."""
+    return within(name, one_row(name, value, "s"), -MAX_TIME, MAX_TIME, "s")
 
 
 def whole_number(name: str, value: object) -> int:
-    """Return a whole number, zero or positive, numpy's too; `InputError` otherwise."""
+    """Return a nonnegative integer, also from numpy; `InputError` otherwise."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
         raise InputError(f"{name} must be an integer, zero or positive; got {shown(value)}")
     return int(value)
 
 
 def ending(name: str, end: ArrayLike) -> None:
-    """Raise `InputError` unless a history that is zero from `end` [s] on ends, having begun."""
+    """Raise `InputError` unless a history ends, at `end` [s], and is not zero throughout."""
     if not np.all(np.isfinite(end)):
         raise InputError(f"{name} must end, and be other than zero")
 
 
 def plain(array: FloatArray | np.float64) -> float | FloatArray:
-    """Return a Python float for an array of shape ``()``, and any other array as it is."""
+    """Return a Python float for an array of shape ``()``, and other arrays unchanged."""
     return float(array) if array.ndim == 0 else array
 
 
 def together(**arrays: AnyArray) -> None:
-    """Raise `InputError` unless the named arrays broadcast with each other."""
+    """Raise `InputError` unless the named arrays broadcast."""
     broadcast(**{name: array.shape for name, array in arrays.items()})
 
 
@@ -361,9 +362,9 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        given = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(
-            f"arguments must have shapes that broadcast together; got {given}"
+            f"arguments must have shapes that broadcast together; got {listed}"
         ) from None
 
 
@@ -372,20 +373,24 @@ def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str
         return
     where = np.unravel_index(int(np.argmin(good)), good.shape)
     index = where[0] if len(where) == 1 else tuple(int(i) for i in where)
-    place = f" at index {index}" if where else ""
+    position = f" at index {index}" if where else ""
     unit = f" {unit}" if unit else ""
-    raise InputError(f"{name} must be {rule}; got {array[where]:.6g}{unit}{place}")
+    raise InputError(f"{name} must be {rule}; got {array[where]:.6g}{unit}{position}")
 
 
 def shown(value: object) -> str:
-    """Return what came, as a message quotes it: one short line, whatever the value is."""
+    """Return the text by which a message quotes a value: one short line."""
     try:
         text = " ".join(_BRIEF.repr(value).split())
     except Exception:  # a value that cannot be written down
         text = f"something of type {type(value).__name__}"
-    return text if len(text) <= _WIDEST else f"{text[: _WIDEST - 3]}..."
+    return (
+        text if len(text) <= _MAX_QUOTED_CHARACTERS else f"{text[: _MAX_QUOTED_CHARACTERS - 3]}..."
+    )
 
 
 _BRIEF = Repr()
-_BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 4 * _WIDEST
-_BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxdict = _BRIEF.maxset = _BRIEF.maxfrozenset = _WIDEST
+_BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 4 * _MAX_QUOTED_CHARACTERS
+_BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxdict = _BRIEF.maxset = _BRIEF.maxfrozenset = (
+    _MAX_QUOTED_CHARACTERS
+)

@@ -18,39 +18,41 @@ from typing import Any
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 
-_DEEPEST = 8
-"""Of tables and lists in each other: no file that is read here needs more than four levels."""
-_LONGEST = 160
-"""Of a name that messages quote whole."""
-_PREFIX = 60
-"""So much of its name a file carries while it is written, at most four bytes for each letter."""
-LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
-"""Bytes of a file that is read at once, and letters of one of tables: no real one has so many."""
-_LONGEST_LINE = 1_000_000
+_MAX_DEPTH = 8
+"""Largest depth of nested tables and lists; real files have at most four levels."""
+_MAX_QUOTED_NAME = 160
+"""Largest number of characters of a name that messages quote in full."""
+_MAX_TEMPORARY_PREFIX = 60
+"""Characters of its name in the temporary file, at most four bytes each."""
+MAX_BYTES, _MAX_TABLE_CHARACTERS = 100_000_000, 4_000_000
+"""Largest number of bytes of a file that is read at once, and of characters of its tables."""
+_MAX_LINE_CHARACTERS = 1_000_000
+"""Largest number of characters of a line."""
 UTF_8 = ("utf-8-sig",)
 ENCODINGS = (*UTF_8, "utf-16", "cp1252")
 """Encodings of tables, in the order in which they are tried."""
-_MOST_DOTS = 100
-"""In one key; what parses it takes the square of their number."""
+_MAX_DOTS = 100
+"""Largest number of dots in a key; parsing takes the square of their number."""
 _CONTROL = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
 )
 """Control characters but tab and line feed, those that change the direction of writing, and bytes
 in the name of a file that are no letters."""
 _FORMULA = ("=", "+", "-", "@", "\t")
-"""How a cell begins that a spreadsheet takes for a formula."""
+"""First characters of a cell that a spreadsheet takes for a formula."""
 _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
-    """Call `write` with a temporary path and move the result into place when it is on the disk.
+    """Call `write` with a temporary path, and move the complete file to its place.
 
-    A file that is there already is replaced, and lends its mode; of a link the file that it leads
-    to is written.
+    An existing file is replaced, with its mode; a link is followed.
     """
     path = place_of(path)
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:_PREFIX]}.")
+        handle, temporary = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.name[:_MAX_TEMPORARY_PREFIX]}."
+        )
         os.close(handle)
     except (OSError, ValueError) as error:
         raise _unwritable(path, error) from None
@@ -67,7 +69,7 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
 
 
 def place_of(path: Path) -> Path:
-    """Return where a file is written, behind links; `InputError` where none can be."""
+    """Return the path to write, behind links; `InputError` where no file can be written."""
     name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():
         raise InputError(f"{name} is a directory; name a file in it")
@@ -85,14 +87,14 @@ def place_of(path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text as UTF-8; see `write_whole`."""
+    """Write a text as UTF-8, as `write_whole`."""
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
 
 
 def write_rows(rows: Iterable[Iterable[Any]], path: str | PathLike[str] | None = None) -> str:
-    """Return rows of cells as CSV, and write it where a path is given; see `write_whole`.
+    """Return rows of cells as CSV, and write it if there is a path, as `write_whole`.
 
-    A text that a spreadsheet would take for a formula begins with an apostrophe.
+    A text that a spreadsheet would take for a formula gets a leading apostrophe.
     """
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
@@ -131,20 +133,20 @@ def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...]
 
 
 def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
-    """Return the bytes of a file, at most `LARGEST`; `kind` and `start` as of `read_text`."""
+    """Return the bytes of a file, at most `MAX_BYTES`; `kind` and `start` as in `read_text`."""
     name = called(path)
     _check_ordinary(path)
     try:
         with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
+            content = file.read(MAX_BYTES + 1)
     except IsADirectoryError:
         raise InputError(f"{name} is a directory; name {kind} in it") from None
     except FileNotFoundError:
         raise InputError(f"{name} does not exist{_hint(start)}") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{name} cannot be read: {reason(error)}") from None
-    if len(content) > LARGEST:
-        raise InputError(f"{name} has more than {LARGEST // 1_000_000} MB; name {kind}")
+    if len(content) > MAX_BYTES:
+        raise InputError(f"{name} has more than {MAX_BYTES // 1_000_000} MB; name {kind}")
     return content
 
 
@@ -181,7 +183,7 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
 
 
 def exists(path: str | os.PathLike[str]) -> bool:
-    """Whether there is a file or directory of a name; not where no file can have that name."""
+    """Return whether a file or directory of a name exists; False for an invalid name."""
     try:
         return Path(path).exists()
     except (OSError, ValueError):
@@ -194,19 +196,19 @@ def printable(text: str) -> str:
 
 
 def called(path: object) -> str:
-    """Return a name of a file as messages quote it: on one line, and shortened where very long."""
+    """Return a file name as messages quote it: on one line, shortened if very long."""
     name = "".join(letter if letter.isprintable() else "?" for letter in str(path))
-    half = _LONGEST // 2
-    return name if len(name) <= _LONGEST else f"{name[:half]}...{name[3 - half :]}"
+    half = _MAX_QUOTED_NAME // 2
+    return name if len(name) <= _MAX_QUOTED_NAME else f"{name[:half]}...{name[3 - half :]}"
 
 
 def reason(error: Exception) -> str:
-    """Return in words why the system would not open a file."""
+    """Return the text of why the system cannot open a file."""
     return getattr(error, "strerror", None) or str(error)
 
 
 def make_directory(path: Path) -> None:
-    """Make a directory, and those above it, unless it is there."""
+    """Make a directory, and its parents, unless it exists."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
@@ -216,7 +218,7 @@ def make_directory(path: Path) -> None:
 
 
 def _behind_links(path: Path) -> Path:
-    """Return the file that a link leads to; a path that is no link as it is."""
+    """Return the target of a link; any other path unchanged."""
     try:
         linked = path.is_symlink()
     except (OSError, ValueError):  # no file can have this name
@@ -230,7 +232,7 @@ def _behind_links(path: Path) -> Path:
 
 
 def _mode(path: Path) -> int:
-    """Return the mode of a file, or that of a new one."""
+    """Return the mode of an existing file, or the default mode of a new one."""
     if path.exists():
         return stat.S_IMODE(path.stat().st_mode)
     mask = os.umask(0)
@@ -255,12 +257,14 @@ def _check_ordinary(path: Path) -> None:
 def _check_lines(text: str, name: str) -> None:
     """Raise `InputError` for a line that no file of words and numbers has."""
     begin = 0
-    while len(text) - begin > _LONGEST_LINE:
-        last = begin + _LONGEST_LINE + 1
+    while len(text) - begin > _MAX_LINE_CHARACTERS:
+        last = begin + _MAX_LINE_CHARACTERS + 1
         end = max(text.rfind("\n", begin, last), text.rfind("\r", begin, last))
         if end < 0:
             line = text.count("\n", 0, begin) + 1
-            raise InputError(f"{name}, line {line}: it has more than {_LONGEST_LINE} letters")
+            raise InputError(
+                f"{name}, line {line}: it has more than {_MAX_LINE_CHARACTERS} letters"
+            )
         begin = end + 1
 
 
@@ -270,24 +274,26 @@ def _unwritable(path: Path, error: Exception) -> InputError:
 
 def _check_text(text: str, name: str) -> None:
     """Raise `InputError` for what would take minutes to be parsed."""
-    if len(text) > _LARGEST_TABLES:
-        raise InputError(f"{name} has more than {_LARGEST_TABLES // 1_000_000} million letters")
+    if len(text) > _MAX_TABLE_CHARACTERS:
+        raise InputError(
+            f"{name} has more than {_MAX_TABLE_CHARACTERS // 1_000_000} million letters"
+        )
     for piece in re.split(r"[\n,=\[\]{}]", _QUOTED.sub("quoted", text)):
-        if piece.count(".") > _MOST_DOTS and not piece.lstrip().startswith("#"):
+        if piece.count(".") > _MAX_DOTS and not piece.lstrip().startswith("#"):
             key = shown(piece.rsplit(".", 1)[1].strip())
-            raise InputError(f"{name}: {key} is nested more than {_DEEPEST} levels deep")
+            raise InputError(f"{name}: {key} is nested more than {_MAX_DEPTH} levels deep")
 
 
 def _check(document: dict[str, Any], name: str) -> None:
-    """Raise `InputError` for levels and numbers that no message could show; without recursion."""
-    left: list[tuple[object, str, int]] = [(document, "", 0)]
-    while left:
-        value, key, depth = left.pop()
-        if depth > _DEEPEST:
-            raise InputError(f"{name}: {key} is nested more than {_DEEPEST} levels deep")
+    """Raise `InputError` for nesting and integers beyond the limits; without recursion."""
+    queue: list[tuple[object, str, int]] = [(document, "", 0)]
+    while queue:
+        value, key, depth = queue.pop()
+        if depth > _MAX_DEPTH:
+            raise InputError(f"{name}: {key} is nested more than {_MAX_DEPTH} levels deep")
         if isinstance(value, dict):
-            left += [(item, shown(inner), depth + 1) for inner, item in value.items()]
+            queue += [(item, shown(inner), depth + 1) for inner, item in value.items()]
         elif isinstance(value, list):
-            left += [(item, key, depth + 1) for item in value]
+            queue += [(item, key, depth + 1) for item in value]
         elif isinstance(value, int) and abs(value) > sys.float_info.max:
             raise InputError(f"{name}: {key} holds a whole number beyond {sys.float_info.max:.2g}")

@@ -1,4 +1,4 @@
-"""Tables as other programs write them: a line of column names, and the cells below it.
+"""Tables of other programs: a line of column names, and rows of cells below it.
 
 One reader for winds, soundings and schedules: any separator, decimal commas, quoted cells, comments
 and lines of other text above the names. Units are those of `written_units`.
@@ -22,30 +22,29 @@ from tvclin.base.written_units import WRITTEN, Unit, unit_of
 Cells = tuple[str, ...]
 
 MAX_COLUMNS, MAX_HEAD_LINE = 1000, 1000
-"""Columns of a table, and number of the line with their names: no real table has more."""
+"""Largest number of columns, and of the line of the names."""
 _SEPARATORS = ",;\t"
 _AFTER_UNITS, _BLANKS = "units", "blanks"
-"""Separated by blanks, where names hold blanks too and end in units, and where they do not."""
-_MARKS = "#%!' \ufeff"
-"""What may stand before the first name: marks of comments, a byte order mark."""
+"""Separation by blanks: with names that contain blanks and end in units, and without."""
+_LEADING_MARKS = "#%!' \ufeff"
+"""Characters before the first name: marks of comments, a byte order mark."""
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)(e[+-]?\d+)?", flags=re.IGNORECASE)
 _FIRST_NUMBER = re.compile(rf"[\s\"]*{_NUMBER.pattern}[\s\"]*([,;\t ]|$)", flags=re.IGNORECASE)
 _DECIMAL = re.compile(r"[+-]?\d*([.,])\d+([eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _SYMBOL = re.compile(r"\s*\((?![a-z ]{2,}\))[^()]*\)$")
-"""A symbol in parentheses behind a name; words in small letters are part of the name."""
+"""Symbol in parentheses after a name; lower-case words belong to the name."""
 _MAX_NAME_LENGTH = 200
-_SURE = 3
-"""Known columns of a line that is the head beyond doubt, if the next row has as many cells."""
+_CERTAIN_COLUMNS = 3
+"""Known columns of a line that is certainly the head, if the next row has as many cells."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """The name of a column.
+    """Name of a column.
 
-    `index`: which column. `text`: as it stands in the file, without letters that cannot be seen.
-    `name`, `unit`: what stands before and in its last parentheses or brackets; a unit of None
-    without.
+    `index`: of the column. `text`: as in the file, without invisible characters. `name`, `unit`:
+    text before and inside its last parentheses or brackets; a unit of None without them.
     """
 
     index: int
@@ -55,18 +54,18 @@ class Heading:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The letters and digits of its name, and without a symbol in parentheses behind it."""
+        """Letters and digits of the name, with and without a symbol in parentheses after it."""
         return letters(self.name), letters(_SYMBOL.sub("", self.name))
 
     @property
     def words(self) -> list[str]:
-        """The words of name and unit in lower case, split at blanks, underscores and brackets."""
+        """Words of name and unit in lower case, split at blanks, underscores and brackets."""
         return [word for word in re.split(r"[\s_()\[\]]+", self.text.lower()) if word]
 
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """Numbers in SI units ``(n,)``, NaN where there is none, and where they came from."""
+    """Numbers in SI units ``(n,)``, NaN where missing, and their origin."""
 
     values: FloatArray
     origin: str
@@ -74,9 +73,9 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The rows of a file below its line of names: of each its line and its cells.
+    """Rows of a file below its line of names: line numbers and cells.
 
-    `head`: index of the line of names. `notes`: which lines above it were skipped.
+    `head`: index of the line of names. `notes`: lines above it that were skipped.
     """
 
     text: Text
@@ -88,7 +87,7 @@ class Sheet:
 
     @property
     def places(self) -> tuple[str, ...]:
-        """What each row is called in messages."""
+        """Name of each row in messages."""
         return tuple(f"{self.text.source}, line {n}" for n in self.line)
 
     def error(self, message: str) -> InputError:
@@ -96,19 +95,22 @@ class Sheet:
         return self.text.error(self.head + 1, message)
 
     def find(self, *names: str) -> Heading | None:
-        """Return the one column that has the first of some names that is there.
+        """Return the column of the first available one of several names; None without any.
 
-        A column of the very name counts before those that have a symbol behind it.
+        A column of exactly that name precedes columns with a symbol after it.
         """
         for name in names:
-            named = [one for one in self.headings if letters(name) in one.names]
-            found = [one for one in named if letters(name) == one.names[0]] or named
-            if len(found) > 1:
+            candidates = [heading for heading in self.headings if letters(name) in heading.names]
+            matching = [
+                heading for heading in candidates if letters(name) == heading.names[0]
+            ] or candidates
+            if len(matching) > 1:
                 raise InputError(
-                    f"{self.text.source}: the column {name} is there {len(found)} times; keep one"
+                    f"{self.text.source}: the column {name} is there {len(matching)} times; keep"
+                    " one"
                 )
-            if found:
-                return found[0]
+            if matching:
+                return matching[0]
         return None
 
     def column(self, heading: Heading) -> list[str]:
@@ -120,20 +122,21 @@ class Sheet:
     ) -> Column:
         """Return the numbers of a column in SI units.
 
-        `dimension`: what it measures, of `WRITTEN`. `known`: units in place of those of `WRITTEN`.
-        `InputError` for a unit that is missing or unknown, and for a cell that is no number.
+        `dimension`: quantity of the column, of `WRITTEN`. `known`: units in place of those of
+        `WRITTEN`. `InputError` for a unit that is missing or unknown, and for a cell that is no
+        number.
         """
         unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
         cells = self.column(heading)
         values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
         damaged = unit.mangled and unit.spelling
-        told = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
-        return Column(values, f"column {heading.text}{told}")
+        remark = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
+        return Column(values, f"column {heading.text}{remark}")
 
     def need(
         self, name: str, dimension: str, mend: str, known: dict[str, float] | None = None
     ) -> Column:
-        """Return the numbers of a column by name; `InputError` without it, with a way to mend."""
+        """Return the numbers of a column by name; `InputError` with the remedy without it."""
         heading = self.find(name)
         if heading is None:
             raise InputError(f"{self.text.source} has no column {name}; {mend}")
@@ -153,7 +156,7 @@ class Sheet:
             return {}
 
     def factor(self, heading: Heading, dimension: str) -> float:
-        """Return the factor of a column's unit to SI; `InputError` where it is not known."""
+        """Return the factor of a column's unit to SI; `InputError` for an unknown unit."""
         return self._unit(heading, WRITTEN[dimension]).factor
 
     def _unit(self, heading: Heading, known: dict[str, float]) -> Unit:
@@ -172,14 +175,14 @@ Fit = Callable[[Headings], float]
 
 
 def read_sheet(path: str | PathLike[str], kind: str, fit: Fit, missing: str) -> Sheet:
-    """Return the table of a file; `kind` is what the file should be, the rest as `sheet_in`."""
+    """Return the table of a file; `kind` names the expected file; see `sheet_in`."""
     return sheet_in(read_lines(path, kind), fit, missing)
 
 
 def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
-    """Return the table of a text below its line of names, which is the one that fits best.
+    """Return the table of a text below its line of names, the line that fits best.
 
-    `fit`: the number of known columns of a line. `missing`: what no line is, for the message.
+    `fit`: number of known columns of a line. `missing`: description of the line for the message.
     """
     head = head_of(text, fit)
     if head is not None:
@@ -193,51 +196,51 @@ def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
 def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
     """Return index, names and separator of the line of names that fits best; None without one.
 
-    Of lines that fit alike it is the first above a row with as many cells.
+    Of equal lines it is the first above a row with as many cells.
     """
-    best, found = (0.0, False), None
+    best, head = (0.0, False), None
     for i, headings, separator in _candidates(text):
-        count = fit(headings)
-        if not count or (count, True) <= best:
+        score = fit(headings)
+        if not score or (score, True) <= best:
             continue
         below = text.lines[i + 1 : i + 1 + MAX_HEAD_LINE]
-        row = next((one for one in below if one.strip() and not is_comment(one)), "")
+        row = next((line for line in below if line.strip() and not is_comment(line)), "")
         matches = len(_split(row, separator)) == len(headings)
-        if (count, matches) > best:
-            best, found = (count, matches), (i, headings, separator)
-        if matches and count >= _SURE:
+        if (score, matches) > best:
+            best, head = (score, matches), (i, headings, separator)
+        if matches and score >= _CERTAIN_COLUMNS:
             break
-    return found
+    return head
 
 
 def letters(name: str) -> str:
-    """Return the letters and digits of a name, which no encoding damages, in lower case."""
+    """Return the letters and digits of a name in lower case, which no encoding damages."""
     return "".join(c for c in name.lower() if c.isascii() and c.isalnum())
 
 
 def is_comment(content: str) -> bool:
-    """Whether a line is a comment: by its mark, or an event where the mark was taken off."""
+    """Return whether a line is a comment: by its mark, or an event without its mark."""
     bare = content.lstrip("\"' \t\ufeff")
     return bare.startswith(("#", "%", "!", "//")) or bare.startswith("Event ")
 
 
 def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
-    """Yield index, names and separator of lines of which no cell is a number."""
+    """Yield index, names and separator of lines without a number among their cells."""
     for i, content in enumerate(text.lines[:MAX_HEAD_LINE]):
         if len(content) > MAX_COLUMNS * _MAX_NAME_LENGTH or _FIRST_NUMBER.match(content):
             continue
         for separator in (*_SEPARATORS, _AFTER_UNITS, _BLANKS):
-            cells = _split(content.lstrip(_MARKS), separator)
+            cells = _split(content.lstrip(_LEADING_MARKS), separator)
             while cells and not cells[-1].strip():
                 cells.pop()
             if cells:
-                cells[0] = cells[0].lstrip(_MARKS)
+                cells[0] = cells[0].lstrip(_LEADING_MARKS)
             if 1 < len(cells) <= MAX_COLUMNS and not any(map(_NUMBER.fullmatch, cells)):
                 yield i, tuple(_heading(k, cell) for k, cell in enumerate(cells)), separator
 
 
 def _split(content: str, separator: str) -> list[str]:
-    """Return the cells of a line; those of a line that is quoted as a whole as well."""
+    """Return the cells of a line, also of a line that is quoted entirely."""
     if separator == _AFTER_UNITS:
         return re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content.strip())
     if separator == _BLANKS:
@@ -253,8 +256,8 @@ def _split(content: str, separator: str) -> list[str]:
 
 def _heading(index: int, cell: str) -> Heading:
     text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
-    found = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
-    name, unit = (found[1], found[2].strip()) if found else (text, None)
+    match = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
+    name, unit = (match[1], match[2].strip()) if match else (text, None)
     return Heading(index, text, name, unit)
 
 
@@ -293,9 +296,9 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
 
 
 def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
-    """Notes on lines above the names, but for comments and markup."""
-    above = [one.strip() for one in lines if one.strip() and not is_comment(one)]
-    above = [one for one in above if not one.startswith("<")]
+    """Return notes on lines above the names, except comments and markup."""
+    above = [line.strip() for line in lines if line.strip() and not is_comment(line)]
+    above = [line for line in above if not line.startswith("<")]
     if not above:
         return ()
     count = f"{len(above)} line{'s' * (len(above) != 1)}"
@@ -303,19 +306,23 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
-    """Cells with decimal points: without any point, commas are decimal."""
-    found = [[(one[1], cell) for cell in row if (one := _DECIMAL.fullmatch(cell))] for row in rows]
-    commas = [cell for row in found for mark, cell in row if mark == ","]
+    """Return cells with decimal points: without any point, commas are decimal."""
+    decimals = [
+        [(match[1], cell) for cell in row if (match := _DECIMAL.fullmatch(cell))] for row in rows
+    ]
+    commas = [cell for row in decimals for mark, cell in row if mark == ","]
     if not commas:
         return rows
-    why = ""
-    if any(mark == "." for row in found for mark, _ in row):
-        why = "numbers have decimal commas, others points"
+    problem = ""
+    if any(mark == "." for row in decimals for mark, _ in row):
+        problem = "numbers have decimal commas, others points"
     elif all(map(_THOUSANDS.fullmatch, commas)):
-        why = f"the comma of {commas[0]} may be that of decimals or of thousands"
-    if why:
-        at = next(n for n, row in zip(line, found, strict=True) if any(m == "," for m, _ in row))
-        raise text.error(at, f"{why}; export the file with points")
+        problem = f"the comma of {commas[0]} may be that of decimals or of thousands"
+    if problem:
+        line_number = next(
+            n for n, row in zip(line, decimals, strict=True) if any(m == "," for m, _ in row)
+        )
+        raise text.error(line_number, f"{problem}; export the file with points")
     return [
         tuple(cell.replace(",", ".") if _DECIMAL.fullmatch(cell) else cell for cell in row)
         for row in rows

@@ -1,4 +1,4 @@
-"""Text files: their lines, the numbers in them, and errors that name the line."""
+"""Lines of text files, the numbers in them, and errors that name the line."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import ENCODINGS, called, read_text
 
 MISSING_NUMBERS = (-8888.0, -9999.0, -32768.0, -99999.0)
-"""Numbers that stand for a missing value in every column."""
+"""Numbers that mark a missing value in every column."""
 _MISSING_WORDS = {"", "-", "--", "---", "nan", "na", "n/a", "m", "null", "none"}
 
 
 @dataclass(frozen=True)
 class Text:
-    """The lines of a file without their ends, and what to call it; line numbers count from 1."""
+    """Lines of a file without their ends, and its name in messages; line numbers start at 1."""
 
     source: str
     lines: tuple[str, ...]
@@ -36,7 +36,7 @@ class Text:
             values = np.array(cells, dtype=float)
         except ValueError:
             values = np.array([np.inf])
-        if np.any(np.isinf(values)):  # empty cells, or worse: look at each
+        if np.any(np.isinf(values)):  # empty or invalid cells: parse each
             pairs = zip(cells, line.tolist(), strict=True)
             values = np.array([self._number(column, *pair) for pair in pairs], dtype=float)
         return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
@@ -55,7 +55,7 @@ class Text:
         return value
 
     def require(self, good: BoolArray, line: IntArray, say: Callable[[int], str]) -> None:
-        """Raise an error about the first line that is not good; `say` gets its index."""
+        """Raise an error about the first line that is not good; `say` makes it from the index."""
         if not np.all(good):
             first = int(np.argmin(good))
             raise self.error(int(line[first]), say(first))
@@ -68,7 +68,7 @@ def read_lines(path: str | PathLike[str], kind: str = "a file of winds") -> Text
 
 
 def lines_of(content: str, source: str) -> Text:
-    """Return the lines of a text, whatever their ends; `source` names it in messages."""
+    """Return the lines of a text, with any line ends; `source` names it in messages."""
     if "\0" in content:
         raise InputError(f"{called(source)} is not a text file")
     return Text(called(source), tuple(re.split(r"\r\n|\r|\n", content)))

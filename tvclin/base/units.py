@@ -61,41 +61,41 @@ UNITS: dict[str, dict[str, float]] = {
     "number": {"": 1.0},
 }
 """For each kind of quantity the suffixes of its keys and their factors to SI."""
-_PARTS = ("percent", "part", "hundredths")
-"""Parts of something, which have no unit."""
+_DIMENSIONLESS_KINDS = ("percent", "part", "hundredths")
+"""Kinds of fractions, which have no unit."""
 
 
 def written(suffix: str) -> str:
-    """Return the suffix of a key as tables show it: lbf/deg, slug ft2."""
+    """Return the suffix of a key as a unit of tables: lbf/deg, slug ft2."""
     return suffix.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
 
 
 def si_unit(kind: str) -> str:
-    """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2; none of a part."""
+    """Return the SI unit of a kind of quantity in tables, as N/rad; "" for a fraction."""
     first = next(iter(UNITS[kind]))
-    return "" if kind in _PARTS else written(first)
+    return "" if kind in _DIMENSIONLESS_KINDS else written(first)
 
 
-_OF_OPTIONS = {
+_OPTION_UNITS = {
     "angle": "deg",
     "angular rate": "deg_per_s",
     "angular acceleration": "deg_per_s2",
     "delay": "ms",
 }
-"""The units of options where they are not those of SI."""
-_SUFFIXES = {
+"""Units of options that are not SI units, by kind of quantity."""
+_OPTION_SUFFIXES = {
     "angle": "_deg",
     "angular rate": "_deg",
     "angular acceleration": "_deg",
     "delay": "_ms",
     "length": "_m",
 }
-"""What options of a kind have at the end of their names."""
+"""Suffixes of the names of options, by kind of quantity."""
 
 
 def optional_unit(kind: str) -> tuple[str, str, float]:
-    """Return the unit of an option: the suffix of its name, in words, and its factor to SI."""
-    suffix = _OF_OPTIONS.get(kind, "")
+    """Return the unit of an option: suffix of its name, text, and factor to SI."""
+    suffix = _OPTION_UNITS.get(kind, "")
     if not suffix:
-        return _SUFFIXES.get(kind, ""), si_unit(kind), 1.0
-    return _SUFFIXES[kind], written(suffix), UNITS[kind][suffix]
+        return _OPTION_SUFFIXES.get(kind, ""), si_unit(kind), 1.0
+    return _OPTION_SUFFIXES[kind], written(suffix), UNITS[kind][suffix]

@@ -1,4 +1,4 @@
-"""What the package warns of, each sentence once, and no warning of the packages below it."""
+"""Warnings of this package, each sentence once, without those of other packages."""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -6,9 +6,9 @@ from contextlib import contextmanager
 
 
 class MachineWarning(UserWarning):
-    """A warning of the machine that computes: a kernel is compiled, or numba is missing.
+    """Warning about the computer: a kernel is compiled, or numba is missing.
 
-    It concerns the time of an answer and not its numbers, so that no page and no notes have it.
+    It concerns the time of an answer and not its numbers, so that pages and notes omit it.
     """
 
 
@@ -16,11 +16,11 @@ class MachineWarning(UserWarning):
 def warned(
     say: Callable[[str], object], machine: Callable[[str], object] | None = None
 ) -> Iterator[None]:
-    """Hand each sentence that is warned of meanwhile to `say`, once.
+    """Pass each sentence that is warned of inside to `say`, once.
 
-    `machine`: receives the sentences of `MachineWarning`; without it they are passed to whoever
-    handles warnings outside. Other warnings of this package are plain `UserWarning`; those of all
-    other kinds, deprecations above all, are of what other packages do, and for their authors.
+    `machine`: receives the sentences of `MachineWarning`; by default they go to the outer handler
+    of warnings. Other warnings of this package are plain `UserWarning`; those of other categories,
+    deprecations above all, concern other packages.
     """
     said: set[str] = set()
     outside = warnings.showwarning

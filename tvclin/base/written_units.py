@@ -1,4 +1,4 @@
-"""Units as other tools write them behind a column's name, and as they look when mangled."""
+"""Units as other programs write them after a column's name, also with damaged characters."""
 
 import re
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ WRITTEN: dict[str, dict[str, float]] = {
     "temperature": {"K": 1.0, "°C": 1.0, "°F": 5.0 / 9.0},
     "number": {"": 1.0},
 }
-"""For each quantity the units that are known, and their factors to SI; `lb` is a mass."""
+"""Known units of each quantity, and their factors to SI; `lb` is a mass."""
 
 _WORDS = {
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
@@ -71,19 +71,19 @@ _WORDS = {
     **dict.fromkeys(("pound", "pounds", "lbs"), "lb"),
     **{"mps": "m/s", "fps": "ft/s", "kph": "km/h", "kmh": "km/h", "kmph": "km/h"},
 }
-"""Other spellings of parts of a unit."""
+"""Alternative spellings of components of a unit."""
 _SPEEDS = {"ms1": "m/s", "fts1": "ft/s", "kmh1": "km/h", "kms1": "km/s", "mi/h": "mph"}
-"""Other spellings of whole units, without signs: of m s-1."""
+"""Alternative spellings of complete units, without signs: of m s-1."""
 _ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
-"""What their zeros are in SI, of units that do not start there."""
+"""Zero points in SI of units with an offset."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit that was recognised.
+    """Recognised unit.
 
-    `factor`: to SI. `spelling`: as it is properly written. `mangled`: whether it had lost letters,
-    and was told by the quantity.
+    `factor`: to SI. `spelling`: its correct spelling. `mangled`: whether characters were damaged,
+    and the unit was identified by the quantity.
     """
 
     factor: float
@@ -92,29 +92,29 @@ class Unit:
 
     @property
     def zero(self) -> float:
-        """Its zero in SI."""
+        """Zero point of the unit in SI."""
         return _ZERO.get(self.spelling, 0.0)
 
 
-def unit_of(written: str, known: dict[str, float]) -> Unit | None:
-    """Return the unit that was written; None where none of the known ones fits, or two do.
+def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
+    """Return the unit of a text; None where no candidate fits, or two do.
 
-    All but letters, digits and strokes is dropped, since that is what other encodings damage; then
-    other spellings of its parts are tried: m/sec, feet, m s-1, m_per_s. Where nothing fits so,
-    powers are dropped as well: within one quantity the rest tells.
+    All but letters, digits and strokes is ignored, since other encodings damage it; then
+    alternative spellings of its components are tried: m/sec, feet, m s-1, m_per_s. If none fits,
+    powers are ignored as well: within a quantity the remainder identifies the unit.
     """
     written = written.translate(_SIGNS)
     key = _key(written)
-    other = _respelled(written)
-    for spelling, factor in known.items():
+    respelled = _respelled(written)
+    for spelling, factor in candidates.items():
         if key == _key(spelling):
             return Unit(factor, spelling, _bare(written) != _bare(spelling))
-    for spelling, factor in known.items():
-        if other == _key(spelling):
+    for spelling, factor in candidates.items():
+        if respelled == _key(spelling):
             return Unit(factor, spelling, False)
     fits = [
         Unit(factor, spelling, True)
-        for spelling, factor in known.items()
+        for spelling, factor in candidates.items()
         if _powerless(key) == _powerless(_key(spelling))
     ]
     return fits[0] if len(fits) == 1 else None
@@ -124,15 +124,15 @@ _SIGNS = str.maketrans("¹²³⁻\u2212º˚", "123--°°")
 
 
 def _key(unit: str) -> str:
-    kept = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
-    return "".join(c for c in kept if c.isalnum() or c == "/")
+    ascii_characters = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
+    return "".join(c for c in ascii_characters if c.isalnum() or c == "/")
 
 
 def _respelled(unit: str) -> str:
-    """The key of a unit of which each part has its usual spelling."""
+    """Return the key of a unit whose components have their usual spelling."""
     text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
-    parts = (_WORDS.get(part, part) for part in re.split(r"([^a-z]+)", text))
-    key = _key("".join(parts))
+    words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
+    key = _key("".join(words))
     return _SPEEDS.get(key, key)
 
 
@@ -141,5 +141,5 @@ def _powerless(key: str) -> str:
 
 
 def _bare(unit: str) -> str:
-    """A unit without what may stand between its parts: kg m^2 is as good as kg·m²."""
+    """Return a unit without separators of its components: kg m^2 equals kg·m²."""
     return "".join(c for c in unit.translate(_SIGNS).lower() if c not in " *^._-·")

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import (
-    MOST_AXES,
+    MAX_AXES,
     InputError,
     array_of,
     between,
@@ -48,7 +48,7 @@ def vectors(name: str, value: ArrayLike) -> Vectors:
     rule = f"numbers up to {_LARGEST:g} in size, pitch + 1j*yaw"
     array = array_of(name, value, "iufc", rule).astype(complex)
     good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST
-    if array.ndim > MOST_AXES or not np.all(good):
+    if array.ndim > MAX_AXES or not np.all(good):
         raise InputError(f"{name} must be {rule}; got {shown(value)}")
     return array
 

@@ -17,12 +17,12 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray
 from tvclin.base.errors import InputError
-from tvclin.base.files import LARGEST, called, read_bytes
+from tvclin.base.files import MAX_BYTES, called, read_bytes
 
 Value = AnyArray | dict[str, AnyArray] | None
 """Real numbers without axes of length one, a structure's fields of such numbers, or neither."""
 
-MAX_NUMBERS = LARGEST // 20
+MAX_NUMBERS = MAX_BYTES // 20
 """Numbers in all: those of a text of the largest size with all their digits."""
 _HEADER, _TAG = 128, 8
 """Bytes of the header of a file, and of the tag of an element."""
@@ -50,7 +50,7 @@ def read_matlab(path: Path) -> dict[str, Value]:
     ------
     InputError
         For a file that cannot be read, is of another version, is damaged, or holds more than
-        `LARGEST` bytes or `MAX_NUMBERS` numbers when it is unpacked.
+        `MAX_BYTES` bytes or `MAX_NUMBERS` numbers when it is unpacked.
     """
     name, content = called(path), read_bytes(path, "the log of a simulation")
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER])
@@ -74,7 +74,7 @@ def too_large(name: str, what: str) -> InputError:
 
 def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str, Value]]:
     """Yield the named variables of a file."""
-    at, remaining, count = _HEADER, LARGEST, 0
+    at, remaining, count = _HEADER, MAX_BYTES, 0
     while at < len(content):
         kind, size = _tag(content, at, order)
         end = at + _TAG + size
@@ -101,7 +101,7 @@ def _unpacked(packed: memoryview, order: str, most: int, name: str) -> tuple[int
     stream = zlib.decompressobj()
     kind, size = _tag(memoryview(stream.decompress(packed, _TAG)), 0, order)
     if size > most:
-        raise too_large(name, f"{LARGEST // 1_000_000} MB when it is unpacked")
+        raise too_large(name, f"{MAX_BYTES // 1_000_000} MB when it is unpacked")
     body = stream.decompress(stream.unconsumed_tail, size) if size else b""
     beyond = stream.decompress(stream.unconsumed_tail, 1)  # reads the checksum at the end
     if len(body) != size or beyond or not stream.eof:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
-from tvclin.base.errors import MOST_AXES, InputError
+from tvclin.base.errors import MAX_AXES, InputError
 from tvclin.control.autopilot.actuator import INPUTS, Actuator, plant_with_actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
@@ -261,7 +261,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
 
 def _array(law: Any) -> AnyArray:
     laws = np.asarray(law, dtype=object)
-    if not laws.size or laws.ndim > MOST_AXES or not all(isinstance(one, Law) for one in laws.flat):
+    if not laws.size or laws.ndim > MAX_AXES or not all(isinstance(one, Law) for one in laws.flat):
         raise InputError(
             "law must be a Law such as TrimLaw, an array of them, or an Autopilot with a batch of"
             f" gains; got {type(law).__name__}"

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
-    LATEST,
+    MAX_TIME,
     InputError,
     between,
     broadcast,
@@ -256,7 +256,7 @@ def fly_many(
         gain=factor.shape,
     )
     laws = law_batch(law, shape)
-    stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
+    stop = np.inf if until is None else number("until", until, between(-MAX_TIME, MAX_TIME), "s")
     if until is not None:
         end = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
         if stop < end:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import (
-    LATEST,
+    MAX_TIME,
     InputError,
     bearing,
     between,
@@ -465,7 +465,7 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     single("vehicle", vehicle.batch)
     begin, end = (
-        number(name, value, between(-LATEST, LATEST), "s")
+        number(name, value, between(-MAX_TIME, MAX_TIME), "s")
         for name, value in (("start", start), ("stop", stop))
     )
     if not begin < end:
