@@ -38,7 +38,7 @@ def _what_plain_python_can_carry(monkeypatch):
     """
     if choice.available():
         return
-    asked, swiftest = [], choice.swiftest
+    asked, swiftest = [], choice.fastest
 
     def counted(function, seconds):
         asked.append(seconds)
@@ -46,7 +46,7 @@ def _what_plain_python_can_carry(monkeypatch):
             pytest.skip(f"needs numba: plain Python takes more than {LONGEST:g} s")
         return swiftest(function, seconds)
 
-    monkeypatch.setattr(choice, "swiftest", counted)
+    monkeypatch.setattr(choice, "fastest", counted)
 
 
 @pytest.fixture(autouse=True)

@@ -123,9 +123,9 @@ def without_numba(monkeypatch):
 @pytest.mark.usefixtures("without_numba")
 def test_without_a_compiler_plain_python_runs():
     with choice.pinned(True):
-        assert choice.swiftest(small_roots, 1.0) is small_roots
+        assert choice.fastest(small_roots, 1.0) is small_roots
     with pytest.warns(UserWarning, match=r"takes about 81 s or more without numba.*pip .*fast"):
-        assert choice.swiftest(small_roots, 80.0) is small_roots
+        assert choice.fastest(small_roots, 80.0) is small_roots
 
 
 @pytest.mark.usefixtures("without_numba")
@@ -133,11 +133,11 @@ def test_many_short_calls_without_a_compiler_are_warned_of_once_when_they_come_t
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for _ in range(499):
-            choice.swiftest(small_roots, 0.01)
+            choice.fastest(small_roots, 0.01)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         for _ in range(1000):
-            choice.swiftest(small_roots, 0.01)
+            choice.fastest(small_roots, 0.01)
     assert len(said) == 1
     assert said[0].category is MachineWarning
 
@@ -145,7 +145,7 @@ def test_many_short_calls_without_a_compiler_are_warned_of_once_when_they_come_t
 @pytest.mark.usefixtures("without_numba")
 def test_calls_alike_without_a_compiler_are_warned_of_at_the_first():
     with pytest.warns(UserWarning, match="about 20 s"), choice.repeated(2000):
-        choice.swiftest(small_roots, 0.01)
+        choice.fastest(small_roots, 0.01)
     assert choice._plain_work.seconds == 0.01
 
 
@@ -158,9 +158,9 @@ def test_numba_told_to_compile_nothing_is_as_if_it_were_not_installed(monkeypatc
     assert choice.available() is not disabled
     if disabled:
         with choice.pinned(True):
-            assert choice.swiftest(small_roots, 1.0) is small_roots
+            assert choice.fastest(small_roots, 1.0) is small_roots
         with pytest.warns(UserWarning, match=r"without numba.* with it: unset NUMBA_DISABLE_JIT"):
-            assert choice.swiftest(small_roots, 80.0) is small_roots
+            assert choice.fastest(small_roots, 80.0) is small_roots
 
 
 def test_a_law_flies_where_numba_compiles_nothing():
@@ -189,16 +189,16 @@ def test_a_law_flies_where_numba_compiles_nothing():
 def test_what_runs_does_not_depend_on_what_was_called_before(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: True)
     for _ in range(1000):
-        assert choice.swiftest(small_roots, 0.01) is small_roots
+        assert choice.fastest(small_roots, 0.01) is small_roots
 
 
 def test_calls_alike_are_worth_together_what_one_is_not(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: True)
     monkeypatch.setattr(choice, "machine_code", lambda _: "compiled")
     with choice.repeated(1000):
-        assert choice.swiftest(small_roots, 0.01) == "compiled"
-        assert choice.swiftest(small_roots, 1e-6) is small_roots
-    assert choice.swiftest(small_roots, 0.01) is small_roots
+        assert choice.fastest(small_roots, 0.01) == "compiled"
+        assert choice.fastest(small_roots, 1e-6) is small_roots
+    assert choice.fastest(small_roots, 0.01) is small_roots
 
 
 def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatch):
@@ -208,9 +208,9 @@ def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatc
     plain = [small_roots, small_roots, small_roots]
     for _ in range(2):  # each command by itself
         with choice.in_a_command():
-            assert [choice.swiftest(small_roots, 0.13) for _ in range(4)] == [*plain, "compiled"]
-            assert choice.swiftest(small_roots, 0.001) is small_roots
-    assert choice.swiftest(small_roots, 0.13) == "compiled"
+            assert [choice.fastest(small_roots, 0.13) for _ in range(4)] == [*plain, "compiled"]
+            assert choice.fastest(small_roots, 0.001) is small_roots
+    assert choice.fastest(small_roots, 0.13) == "compiled"
 
 
 def test_little_work_does_not_load_the_compiler():

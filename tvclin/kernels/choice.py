@@ -1,9 +1,9 @@
-"""How a kernel runs: as plain Python, or as machine code of the same where that pays.
+"""Choice of how a kernel runs: as plain Python, or as machine code of the same source.
 
-Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
-on a machine, and half a second to load from then on. It is taken where the work of the call, or of
-all that are alike, is worth that, whatever was called before; in a command, whose calls are the
-same in each run, where all calls together are worth it. Nobody above the kernels knows.
+Machine code needs numba (extra `fast`), some ten seconds per kernel to compile for the first time
+on a computer, and half a second to load from then on. It is chosen where the work of the call, or
+of all similar calls, is worth that, independently of earlier calls. The callers of kernels do not
+depend on the choice.
 """
 
 import os
@@ -26,22 +26,22 @@ from tvclin.base.warned import MachineWarning
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
-_LOADING, _COMPILING = 0.02, 2.0
-"""Seconds of plain Python in one call for which machine code is loaded, and compiled where it is
-not kept."""
-_IMPORTING = 0.4
-"""Seconds of plain Python in a command from which numba is imported, which takes as long."""
+_MIN_LOADING_SECONDS, _MIN_COMPILING_SECONDS = 0.02, 2.0
+"""Time of a call in plain Python [s] above which cached machine code is loaded, and above which
+it is compiled."""
+_MIN_IMPORTING_SECONDS = 0.4
+"""Time of a command in plain Python [s] from which numba is imported, which takes as long."""
 _LONG = 5.0
-"""Seconds of plain Python, of all calls of a process together, from which numba is missed."""
+"""Time of all calls of a process in plain Python [s] above which a warning names numba."""
 
 DISABLING = "NUMBA_DISABLE_JIT"
-"""Environment variable that tells numba to compile nothing."""
+"""Environment variable with which numba does not compile."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
-_waits: ContextVar[bool] = ContextVar("_waits", default=True)
-"""Whether somebody waits until a kernel is compiled."""
-_alike: ContextVar[int] = ContextVar("_alike", default=1)
-"""How many calls there are of each, about."""
+_may_wait: ContextVar[bool] = ContextVar("_waits", default=True)
+"""Whether a call may wait for compilation."""
+_similar_calls: ContextVar[int] = ContextVar("_alike", default=1)
+"""Approximate number of similar calls."""
 
 
 @dataclass
@@ -58,34 +58,37 @@ _command: ContextVar[_PlainWork | None] = ContextVar("_command", default=None)
 """Plain work of the command that runs, if one does."""
 
 
-def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
-    """Return a kernel as it is, or as machine code where that pays.
+def fastest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
+    """Return a kernel itself, or its machine code where that pays.
 
-    `function`: marked by `kernels.source.kernel`. `seconds`: about what it would take in plain
-    Python. Without numba the process warns once, when its calls come to `_LONG` seconds together.
+    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time in plain Python.
+    Without numba the process warns once, when its calls take `_LONG` seconds together.
     """
     if not available():
         _count(seconds)
-    taken, command = chosen(function, seconds), _command.get()
-    if command is not None and taken is function:
+    selected, command = fastest_uncounted(function, seconds), _command.get()
+    if command is not None and selected is function:
         command.seconds += seconds
-    return taken
+    return selected
 
 
-def chosen(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
-    """Return the same as `swiftest`, for work that is counted already."""
-    wanted = _pinned.get()
-    if wanted is None:
-        every, command = seconds * _alike.get(), _command.get()
-        compiles = _waits.get() and every > _COMPILING
-        loads = command is None or command.seconds + every > _IMPORTING
-        wanted = compiles or (loads and every > _LOADING and _is_kept(function))
-    return machine_code(function) if wanted and available() else function
+def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
+    """Return a kernel itself, or its machine code where that pays, for work already counted.
+
+    Same parameters as `fastest`.
+    """
+    compiled = _pinned.get()
+    if compiled is None:
+        total, command = seconds * _similar_calls.get(), _command.get()
+        compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
+        loads = command is None or command.seconds + total > _MIN_IMPORTING_SECONDS
+        compiled = compile_now or (loads and total > _MIN_LOADING_SECONDS and _is_kept(function))
+    return machine_code(function) if compiled and available() else function
 
 
 def _count(seconds: float) -> None:
     """Add a call to the plain work of this process, and warn as soon as it will be long."""
-    expected = _plain_work.seconds + seconds * _alike.get()
+    expected = _plain_work.seconds + seconds * _similar_calls.get()
     _plain_work.seconds += seconds
     if expected > _LONG and not _plain_work.announced:
         _plain_work.announced = True
@@ -104,40 +107,40 @@ def run(
     seconds: float,
     compiled_seconds: float,
 ) -> None:
-    """Call a kernel that does the cases from a first up to a last one, its last two arguments.
+    """Call a kernel for all cases; its last two arguments are the first and the last of a slice.
 
-    `function`: marked by `kernels.source.kernel`. `cases`: how many there are. `seconds`,
-    `compiled_seconds`: about what all of them take in plain Python, and as machine code in one
+    `function`: marked by `kernels.source.kernel`. `cases`: number of cases. `seconds`,
+    `compiled_seconds`: approximate time of all cases in plain Python, and as machine code in one
     thread.
     """
-    taken = swiftest(function, seconds)
-    if taken is function:
+    selected = fastest(function, seconds)
+    if selected is function:
         with np.errstate(all="ignore"):  # as machine code, which does not warn
             function(*arguments, 0, cases)
     else:
-        in_slices(lambda first, last: taken(*arguments, first, last), cases, compiled_seconds)
+        in_slices(lambda first, last: selected(*arguments, first, last), cases, compiled_seconds)
 
 
 def _is_kept(function: Callable[..., Any]) -> bool:
-    """Whether machine code of a kernel is kept."""
+    """Return whether machine code of a kernel is cached on disk."""
     file = Path(function.__code__.co_filename)
-    kept = cache_folder(file.parent).glob(
+    cached = cache_folder(file.parent).glob(
         f"{file.stem}.{function.__name__}_{digest(function)}*.nbc"
     )
-    return next(kept, None) is not None
+    return next(cached, None) is not None
 
 
 def cache_folder(sources: Path) -> Path:
-    """Return where numba keeps machine code of the files of a folder, without importing it.
+    """Return the folder in which numba caches machine code of a folder's files.
 
-    As in numba/core/caching.py: where ``NUMBA_CACHE_DIR`` says, beside the sources, or in the
-    user's cache, whichever is the first that can be written.
+    numba is not imported. The rule is that of numba/core/caching.py: the first writable folder of
+    ``NUMBA_CACHE_DIR``, that of the sources, and the user's cache.
     """
-    apart = f"{sources.name}_{sha1(str(sources).encode()).hexdigest()}"
-    asked = os.environ.get("NUMBA_CACHE_DIR")
-    places = [Path(asked) / apart] if asked else []
-    places += [sources / "__pycache__", _users_cache() / apart]
-    return next((place for place in places if _writable(place)), places[-1])
+    subfolder = f"{sources.name}_{sha1(str(sources).encode()).hexdigest()}"
+    configured = os.environ.get("NUMBA_CACHE_DIR")
+    folders = [Path(configured) / subfolder] if configured else []
+    folders += [sources / "__pycache__", _users_cache() / subfolder]
+    return next((folder for folder in folders if _writable(folder)), folders[-1])
 
 
 def _users_cache() -> Path:
@@ -149,13 +152,13 @@ def _users_cache() -> Path:
 
 
 def _writable(folder: Path) -> bool:
-    """Whether a folder can be written, or made."""
-    there = next((one for one in (folder, *folder.parents) if one.exists()), folder)
-    return there.is_dir() and os.access(there, os.W_OK)
+    """Return whether a folder is writable, or can be made."""
+    existing = next((path for path in (folder, *folder.parents) if path.exists()), folder)
+    return existing.is_dir() and os.access(existing, os.W_OK)
 
 
 def available() -> bool:
-    """Whether numba is installed, and may compile."""
+    """Return whether numba is installed and may compile."""
     return _installed() and not compiling_disabled()
 
 
@@ -165,7 +168,7 @@ def _installed() -> bool:
 
 
 def compiling_disabled() -> bool:
-    """Whether ``NUMBA_DISABLE_JIT`` is set, with which numba returns functions as they are."""
+    """Return whether ``NUMBA_DISABLE_JIT`` is set, with which numba does not compile."""
     try:
         return bool(int(os.environ.get(DISABLING, "0")))
     except ValueError:  # which numba ignores
@@ -173,21 +176,21 @@ def compiling_disabled() -> bool:
 
 
 def remedy() -> str:
-    """Return what makes numba available: a variable to unset, or the command that installs it."""
+    """Return how to make numba available: a variable to unset, or a command to install it."""
     return f"unset {DISABLING}" if compiling_disabled() else install("fast")
 
 
 def pinned(compiled: bool) -> AbstractContextManager[None]:
-    """Take the one or the other whatever the size: for campaigns, and for tests."""
+    """Choose plain Python or machine code for all calls inside, whatever their work."""
     return _within(_pinned, compiled)
 
 
 def repeated(calls: int) -> AbstractContextManager[None]:
-    """Choose for so many calls alike, which together are worth what one is not.
+    """Choose as for a number of similar calls, which together may be worth machine code.
 
-    Within others that are repeated it is so many times as many.
+    Nested numbers multiply.
     """
-    return _within(_alike, _alike.get() * calls)
+    return _within(_similar_calls, _similar_calls.get() * calls)
 
 
 def in_a_command() -> AbstractContextManager[None]:
@@ -196,8 +199,8 @@ def in_a_command() -> AbstractContextManager[None]:
 
 
 def compiling_nothing() -> AbstractContextManager[None]:
-    """Take machine code only where it is there already: for whom nobody waits until it is."""
-    return _within(_waits, False)
+    """Choose only machine code that is cached: for work whose result must not wait."""
+    return _within(_may_wait, False)
 
 
 @contextmanager

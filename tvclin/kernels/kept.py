@@ -1,8 +1,8 @@
-"""Machine code on disk: what another process runs is, bit for bit, what was written, or nothing.
+"""Cache of machine code on disk, verified by hashes: what is loaded is what was written.
 
-numba's own cache trusts its files: one that was cut short fails at every call, one in which bits
-have flipped may end the interpreter, and on a full disk the answer is lost after the wait for it.
-Here each file begins with the hash of what follows.
+numba's own cache trusts its files: a truncated file fails at every call, a file with flipped bits
+may end the interpreter, and on a full disk the result is lost after compilation. Here each file
+begins with the hash of its content.
 """
 
 import pickle
@@ -22,17 +22,17 @@ from tvclin.base.files import called, write_whole
 from tvclin.base.warned import MachineWarning
 
 _HASH = sha256().digest_size
-_LONG = 2.0
-"""Seconds of compiling of which somebody is told."""
+_MIN_REPORTED_SECONDS = 2.0
+"""Time of compilation [s] above which a warning reports it."""
 
 
-class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Files of one function, one for each signature and processor, where numba has its own."""
+class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """Cache files of a function, one per signature and processor, in numba's cache folder."""
 
     _begun = np.inf
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return the machine code that is kept; None where there is none that is whole."""
+        """Return the cached machine code; None where there is none, or it is damaged."""
         target_context.refresh()
         file = self._file(signature, target_context.codegen())
         try:
@@ -47,10 +47,10 @@ class Kept(FunctionCache):  # type: ignore[misc]  # numba has no types
         return self._impl.rebuild(target_context, pickle.loads(content[_HASH:]))
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Keep machine code; where that fails this process goes on with what it has."""
-        took = monotonic() - self._begun
-        if took > _LONG:
-            compiled_once = f"a kernel was compiled in {took:.0f} s, once on this machine"
+        """Write machine code to the cache; warn and continue where that fails."""
+        seconds = monotonic() - self._begun
+        if seconds > _MIN_REPORTED_SECONDS:
+            compiled_once = f"a kernel was compiled in {seconds:.0f} s, once on this machine"
             warn(compiled_once, MachineWarning, stacklevel=2)
         if not self._impl.check_cachable(compiled):
             return

@@ -64,12 +64,12 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     import numba  # late: it takes half a second to import
 
-    from tvclin.kernels.kept import Kept
+    from tvclin.kernels.kept import VerifiedCache
 
     linked = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
     compiled: Any = numba.njit(**_options(function))(linked)
     with suppress(RuntimeError):  # no place for it
-        compiled._cache = Kept(linked)
+        compiled._cache = VerifiedCache(linked)
     return compiled
 
 

@@ -52,11 +52,11 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _AmplitudeRows(shape, 2 + len(structure.bending), len(structure.slosh))
     mass, damping, stiffness = _mass_damping_stiffness(vehicle, structure, rows)
-    deflection, swinging = _engine_forces(vehicle, structure, rows, mass)
+    deflection, engine_forces = _engine_forces(vehicle, structure, rows, mass)
     modes = structure.bending
     displacements = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
-    air = rows.of(vehicle.normal_force_slope)[..., :1] * displacements
-    forces = [force[..., np.newaxis] for force in (deflection, swinging, air)]
+    aerodynamic_forces = rows.of(vehicle.normal_force_slope)[..., :1] * displacements
+    forces = [force[..., np.newaxis] for force in (deflection, engine_forces, aerodynamic_forces)]
     scale = _diagonal_scaling(mass)[..., np.newaxis]
     right_hand_side = scale * np.concatenate([-stiffness, -damping, *forces], axis=-1)
     accelerations = scale * np.linalg.solve(
@@ -142,14 +142,14 @@ def _engine_forces(
     s, J = engine.static_moment, engine.inertia_about_gimbal
     a = axial_acceleration(v)
     deflection -= rows.of(*(s * a * slope for slope in sigma))
-    swinging = rows.of(
+    inertia_forces = rows.of(
         *(s * displacement - J * slope for displacement, slope in zip(phi, sigma, strict=True))
     )
     # The kinetic energy of vehicle and engine, with delta' as a motion of its own.
-    coupling = swinging[..., np.newaxis]
+    coupling = inertia_forces[..., np.newaxis]
     inertia = rows.of(J)[..., :1, np.newaxis]
     _diagonal_scaling(np.block([[mass, -coupling], [-np.swapaxes(coupling, -1, -2), inertia]]))
-    return deflection, swinging
+    return deflection, inertia_forces
 
 
 def _tank_value(values: tuple[Any, ...], k: int) -> Any:

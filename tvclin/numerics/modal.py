@@ -125,19 +125,18 @@ def responses(
     out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
     indistinct = np.zeros(len(out), dtype=bool)
     seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
-    kernel = choice.swiftest(respond, seconds)
+    kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
         memory = workspace(dtype, plants[2].shape[1:], first, second)
-        with np.errstate(all="ignore"):  # what is beyond all numbers is infinite
+        with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
 
     in_slices(work, len(out), 0.0 if kernel is respond else COMPILED * seconds)
     if order is not None:
         out[..., order] = out.copy()
-    return out.reshape(*shape, *out.shape[1:]), indistinct.reshape(
-        shape
-    ) if indistinct.any() else None
+    outputs = out.reshape(*shape, *out.shape[1:])
+    return outputs, indistinct.reshape(shape) if indistinct.any() else None
 
 
 def _case_rows(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:

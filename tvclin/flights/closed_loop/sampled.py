@@ -48,11 +48,11 @@ def finish(f: Flights, laws: LawBatch) -> None:
     samples, first = float(_last(f).sum()), 0
     seconds = samples * kernel.PLAIN
     with np.errstate(all="ignore"):  # a lost flight may overflow
-        fly = choice.swiftest(kernel.fly, seconds)
+        fly = choice.fastest(kernel.fly, seconds)
         while first < cases and fly is kernel.fly:
             start = perf_counter()  # an undecided flight takes longer than the estimate
             fly(f, first, first + 1)
-            fly, first = choice.chosen(kernel.fly, perf_counter() - start), first + 1
+            fly, first = choice.fastest_uncounted(kernel.fly, perf_counter() - start), first + 1
     if first < cases:
         compact = _compact(f)
         work = samples * kernel.COMPILED
@@ -82,8 +82,8 @@ class Stepper:
 
     def __init__(self, f: Flights) -> None:
         seconds = float(_last(f).sum()) * kernel.PLAIN / 2.0
-        self._look = choice.swiftest(kernel.look, seconds)
-        self._advance = choice.swiftest(kernel.advance, seconds)
+        self._look = choice.fastest(kernel.look, seconds)
+        self._advance = choice.fastest(kernel.advance, seconds)
         self._flights = f if self._look is kernel.look else _compact(f)
 
     def look(self, k: int) -> int:

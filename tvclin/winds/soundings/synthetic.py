@@ -193,9 +193,8 @@ def synthetic_profile(
         )
     peak = float(np.interp(centre, z, w))
     layer, drop = np.append(0.0, layer), np.append(0.0, drop)
-    distance_to_calm = np.interp(
-        peak, drop, layer
-    )  # the last layer, where the table does not reach zero
+    # the last layer, where the table does not reach zero
+    distance_to_calm = np.interp(peak, drop, layer)
     distances = np.append(layer[layer < distance_to_calm], distance_to_calm)
     speeds = np.maximum(peak - np.interp(distances, layer, drop), 0.0)
     heights = np.concatenate([centre - distances[:0:-1], centre + distances])
