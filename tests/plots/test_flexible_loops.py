@@ -131,7 +131,7 @@ def test_nyquist_turns_as_often_as_the_poles_say(name):
 
 
 def test_criteria_of_modes_are_judged_in_the_title():
-    for limit, words in ((10.0, "criteria bands met"), (18.0, "criteria bands not met")):
+    for limit, words in ((10.0, "criteria bands MET"), (18.0, "criteria bands NOT MET")):
         asked = tv.control.Criteria.custom(
             "bands", mode_gain_margin_dB=limit, phase_margin_deg=30.0
         )

@@ -58,12 +58,11 @@ STATES = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed", "a
 
 @dataclass(frozen=True, eq=False)
 class PlanarMotion:
-    """The motion of one vehicle in one plane.
+    """Equations of motion of one vehicle in one plane.
 
-    `vehicle`: the vehicle. `plane`: "pitch" or "yaw". `drift`: whether the path turns and the speed
-    changes; without it the attitude moves alone. `nominal`: the nominal flight along which all
-    parameters vary; without one they are frozen, and the wind is an angle that does not depend on
-    the motion.
+    `vehicle`: one vehicle. `plane`: "pitch" or "yaw". `drift`: whether the path turns and the speed
+    changes; without it only the attitude does. `nominal`: nominal flight along which all parameters
+    vary; without it they are frozen, and the wind angle does not depend on the motion.
     """
 
     vehicle: Vehicle
@@ -77,12 +76,12 @@ class PlanarMotion:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states; the altitude counts where parameters vary."""
+        """Names of the states; the altitude is one if parameters vary."""
         return STATES[: 4 if self.nominal is None else 5]
 
     @property
     def scales(self) -> FloatArray:
-        """Size of each state where an angle has the size 1: an altitude changes by the speed."""
+        """Magnitude of each state that corresponds to an angle of one: altitude, the speed."""
         scales = np.ones(len(self.states))
         scales[4:] = self.vehicle.velocity
         return scales
@@ -91,37 +90,39 @@ class PlanarMotion:
         """Return the derivatives of the states `x`.
 
         `t`: time [s]. `x`: deviations from the nominal flight [rad, rad/s, rad, 1, m].
-        `deflection`: deflection beyond the nominal one [rad]. `gust`: wind angle of attack [rad],
-        seen from the nominal flight.
+        `deflection`: deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad]
+        relative to the nominal flight.
         """
         now = self._now(t)
         alpha, speed = self._air(now, x, gust)
         ratio = self._ratio(speed, now.altitude + x[-1])
         v = self.vehicle
-        found = np.zeros(len(self.states))
-        found[0] = x[1]
-        found[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
-        found[1] -= v.control_force * v.control_arm * np.sin(deflection)
-        found[1] -= v.pitch_damping * x[1]
-        found[1] /= v.moment_of_inertia
+        derivatives = np.zeros(len(self.states))
+        derivatives[0] = x[1]
+        derivatives[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
+        derivatives[1] -= v.control_force * v.control_arm * np.sin(deflection)
+        derivatives[1] -= v.pitch_damping * x[1]
+        derivatives[1] /= v.moment_of_inertia
         if self.drift:
             actual = self._path(now, x[0], x[2], now.speed * (1.0 + x[3]), alpha, ratio, deflection)
-            calm = self._ratio(now.speed, now.altitude)
-            rest = self._path(now, 0.0, 0.0, now.speed, 0.0, calm, 0.0)
-            found[2] = actual[0] - rest[0]
+            nominal_ratio = self._ratio(now.speed, now.altitude)
+            nominal_path = self._path(now, 0.0, 0.0, now.speed, 0.0, nominal_ratio, 0.0)
+            derivatives[2] = actual[0] - nominal_path[0]
             # V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
-            found[3] = (actual[1] - rest[1] - rest[1] * self._moving * x[3]) / now.speed
+            derivatives[3] = (
+                actual[1] - nominal_path[1] - nominal_path[1] * self._moving * x[3]
+            ) / now.speed
         if self.nominal is not None and self.plane == "pitch":
             climb = now.speed * (1.0 + x[3]) * np.sin(now.path + x[2])
-            found[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
-        return found
+            derivatives[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
+        return derivatives
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
         """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
         return self._air(self._now(t), x, gust)[0]
 
     def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
-        """The angle of attack [rad], and the air speed [m/s]."""
+        """Return the angle of attack [rad] and the air speed [m/s]."""
         if self.nominal is None:
             return x[0] - x[2] - gust, now.speed
         speed = now.speed * (1.0 + x[3])
@@ -129,29 +130,29 @@ class PlanarMotion:
             path = now.path + x[2]
             wind = now.speed * np.sin(gust) / np.sin(now.path + gust)
             along, across = speed * np.cos(path) - wind, speed * np.sin(path)
-            turned = np.arctan2(across, along) - now.path
+            path_angle = np.arctan2(across, along) - now.path
         else:
             wind = now.speed * np.tan(gust)
             along, across = speed * np.cos(x[2]), speed * np.sin(x[2]) + wind
-            turned = np.arctan2(across, along)
-        return x[0] - turned, np.hypot(along, across)
+            path_angle = np.arctan2(across, along)
+        return x[0] - path_angle, np.hypot(along, across)
 
     @property
     def _moving(self) -> float:
-        """Whether the nominal speed changes; frozen, its change is left out."""
+        """One if the nominal speed changes, else zero: frozen, its change is neglected."""
         return 0.0 if self.nominal is None else 1.0
 
     def _path(
         self, now: _Now, theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
     ) -> tuple[Any, Any]:
-        """The rates of the path and of the speed, nominal ones included."""
+        """Return the total rates of the path [rad/s] and of the speed [m/s^2]."""
         v, lean = self.vehicle, theta - gamma
         weight = now.mass * STANDARD_GRAVITY
         normal, axial = v.normal_force_slope * ratio * alpha, v.axial_force * ratio
-        side = v.control_force * np.sin(delta)
-        push = v.thrust - v.control_force * (1.0 - np.cos(delta))
-        across = (push - axial) * np.sin(lean) + (side + normal) * np.cos(lean)
-        along = (push - axial) * np.cos(lean) - (side + normal) * np.sin(lean)
+        lateral = v.control_force * np.sin(delta)
+        axial_thrust = v.thrust - v.control_force * (1.0 - np.cos(delta))
+        across = (axial_thrust - axial) * np.sin(lean) + (lateral + normal) * np.cos(lean)
+        along = (axial_thrust - axial) * np.cos(lean) - (lateral + normal) * np.sin(lean)
         if self.plane == "pitch":
             across = across - weight * np.cos(now.path + gamma)
             along = along - weight * np.sin(now.path + gamma)
@@ -161,7 +162,7 @@ class PlanarMotion:
         return across / (now.mass * speed), along / now.mass
 
     def _ratio(self, speed: Any, altitude: Any) -> Any:
-        """The dynamic pressure over that of the vehicle."""
+        """Return the dynamic pressure over that of the vehicle's coefficients."""
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
     def _now(self, t: Any) -> _Now:
@@ -186,22 +187,23 @@ def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
 
 
 _latest = lru_cache(maxsize=1)(_nominal_at)
-"""The same at one time [s]: a law and the equations of motion ask for it in turn."""
+"""Nominal flight at one time [s], cached: a law and the equations of motion call it in turn."""
 
 
 _RTOL, _ATOL = 1e-9, 1e-12
-"""Of the solver, for each step of a flight without a law; angles [rad] are some hundredths."""
-_FURTHER = 1e-6
-"""A flight is followed so little further than its end, over the attitude there."""
+"""Relative and absolute tolerance of a solver step of a flight without a law; angles are some
+hundredths of a rad."""
+_END_MARGIN = 1e-6
+"""Distance beyond the largest attitude at which a flight ends, over that attitude."""
 
 
 @dataclass(frozen=True, eq=False)
-class Flown:
-    """A flight.
+class Solution:
+    """Solution of a flight.
 
-    `rows`: takes times [s] ``(m,)`` and gives the states and the deflection, ``(states + 1, m)``;
-    NaN after the end. `end`: when the attitude left the range of the model [s]; infinite if it did
-    not.
+    `rows`: function from times [s] ``(m,)`` to states and deflection, ``(states + 1, m)``; NaN
+    after the end. `end`: time [s] at which the attitude leaves the range of the model; infinite if
+    it does not.
     """
 
     rows: Callable[[FloatArray], FloatArray]
@@ -210,9 +212,9 @@ class Flown:
 
 @dataclass(frozen=True, eq=False)
 class PlanarCase:
-    """What is flown, checked; make it with `planar_case`.
+    """Equations, wind and time span of a flight, checked; made by `planar_case`.
 
-    `motion`: the equations. `wind`: one wind that ends. `span`: beginning and end of the flight
+    `motion`: equations of motion. `wind`: one wind that ends. `span`: start and end of the flight
     [s].
     """
 
@@ -220,8 +222,8 @@ class PlanarCase:
     wind: History
     span: tuple[float, float]
 
-    def flown(self, command: Command, limit: float) -> Flown:
-        """Return the flight of a command from rest, within a limit [rad].
+    def flown(self, command: Command, limit: float) -> Solution:
+        """Return the flight of a command from equilibrium, within a limit [rad].
 
         `InputError` for noise, and a rate limit without an actuator.
         """
@@ -241,7 +243,7 @@ class PlanarCase:
         arcs = flight.arcs(*self.span)
         return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
-    def _by_history(self, control: History, limit: float) -> Flown:
+    def _by_history(self, control: History, limit: float) -> Solution:
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -250,7 +252,7 @@ class PlanarCase:
         state, arcs = np.zeros(len(self.motion.states)), []
         for first, last in pairwise(np.unique([start, *inside, max(stop, start + 1e-9)])):
             inputs = smooth_piece(control, float(first)), smooth_piece(self.wind, float(first))
-            found = solve_ivp(
+            result = solve_ivp(
                 self._rates,
                 (first, last),
                 state,
@@ -258,12 +260,12 @@ class PlanarCase:
                 rtol=_RTOL,
                 atol=_ATOL,
                 dense_output=True,
-                events=_far,
+                events=_attitude_end,
                 args=(limit, *inputs),
             )
-            arcs.append(Arc(float(first), found.sol, 0.0))
-            state = found.y[:, -1]
-            if found.status:
+            arcs.append(Arc(float(first), result.sol, 0.0))
+            state = result.y[:, -1]
+            if result.status:
                 break
         starts = np.array([arc.start for arc in arcs])
 
@@ -277,12 +279,12 @@ class PlanarCase:
     def _rates(self, t: float, x: FloatArray, limit: float, turned: Any, gust: Any) -> FloatArray:
         return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
 
-    def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Flown:
+    def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
         solution: Any = arcs[-1].solution
         last = float(solution.t_max)
         if last >= self.span[1]:
-            return Flown(rows, np.inf)
-        return Flown(lambda times: np.where(times > last, np.nan, rows(times)), last)
+            return Solution(rows, np.inf)
+        return Solution(lambda times: np.where(times > last, np.nan, rows(times)), last)
 
 
 def planar_case(
@@ -294,39 +296,39 @@ def planar_case(
     drift: bool,
     condition: FlightCondition | None,
 ) -> PlanarCase:
-    """Return the case of a vehicle in a wind over a span of time [s]; as of `fly_planar`."""
+    """Return the case of a vehicle in a wind over a time span [s]; parameters: see `fly_planar`."""
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     check_span(*span)
     check_history("wind", wind, span[0])
     ending("wind", wind.end)
     nominal = None
     if condition is not None:
-        own = 0.0 if vehicle.time is None else float(vehicle.time)
-        first, last = min(span[0], own), max(span[1], own) + 1e-3
+        vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
+        first, last = min(span[0], vehicle_time), max(span[1], vehicle_time) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)
 
 
 @dataclass(frozen=True)
 class _TrimThenHold(TrimLaw):
-    """The report's control: trim until K times the limit is asked for, then the limit for ever."""
+    """The report's control: trim until K times the limit, then the limit for ever."""
 
     dead_band: float = 1.0
     release = -np.inf
 
     @property
     def engage(self) -> float:  # type: ignore[override]
-        """K, or the first sign of a wind."""
+        """Dead band K, at least the demand that marks the onset of a wind."""
         return max(self.dead_band, ONSET_OVER_LIMIT)
 
 
-def _far(t: float, x: FloatArray, *inputs: Any) -> float:
-    """What falls through zero where the attitude leaves the range of the model."""
+def _attitude_end(t: float, x: FloatArray, *inputs: Any) -> float:
+    """Return the event function that is zero where the attitude leaves the range of the model."""
     del t, inputs
-    return MAX_ATTITUDE * (1.0 + _FURTHER) - abs(float(x[0]))
+    return MAX_ATTITUDE * (1.0 + _END_MARGIN) - abs(float(x[0]))
 
 
-_far.terminal = True  # type: ignore[attr-defined]
+_attitude_end.terminal = True  # type: ignore[attr-defined]
 
 
 def fly_planar(

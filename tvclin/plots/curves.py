@@ -1,4 +1,4 @@
-"""The numbers of a figure: one record, from which the figure is drawn and its CSV written."""
+"""Curves of a figure: the record from which the figure is drawn and its CSV written."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -11,25 +11,25 @@ from tvclin.base.errors import InputError, array_of, each, instance, shown
 from tvclin.base.files import printable, write_rows
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)
-"""Of a sum of few terms, over the largest number in sight."""
+"""Rounding of a sum of few terms, over the largest number of the sum."""
 
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One curve.
+    """Curve of a figure.
 
     Attributes
     ----------
     label : str
-        What the legend calls it.
+        Entry of the legend.
     values : ndarray
-        Ordinates, ``(n,)``; NaN where the curve is broken.
+        Ordinates, ``(n,)``; NaN where the curve is interrupted.
     unit : str
         Unit of the ordinates; "-" for a pure number.
     panel : str
-        Heading of the panel that it is drawn in; empty where there is one panel only.
+        Heading of its panel; empty for a figure of one panel.
     note : str
-        What must be known about this curve in this panel, in a few words.
+        Short warning about this curve in its panel.
     """
 
     label: str
@@ -46,20 +46,20 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """The curves of one figure over one abscissa.
+    """Curves of one figure over one abscissa.
 
     Attributes
     ----------
     name : str
-        Name of the figure, as of its files.
+        Name of the figure and of its files.
     parameters : str
-        What the figure is drawn for, in one line.
+        Parameters of the figure, in one line.
     abscissa_label : str
-        What the abscissa is, with its unit in brackets.
+        Label of the abscissa, with its unit in brackets.
     abscissa : ndarray
-        ``(n,)``.
+        Abscissas, ``(n,)``.
     columns : tuple of Column
-        The curves, each of ``n`` values.
+        Curves, each of ``n`` values.
     """
 
     name: str
@@ -81,22 +81,22 @@ class Curves:
 
     @property
     def panels(self) -> dict[str, list[Column]]:
-        """The columns of each panel, in their order."""
-        found: dict[str, list[Column]] = {}
+        """Columns of each panel, in their order."""
+        panels: dict[str, list[Column]] = {}
         for column in self.columns:
-            found.setdefault(column.panel, []).append(column)
-        return found
+            panels.setdefault(column.panel, []).append(column)
+        return panels
 
     @property
     def headings(self) -> list[str]:
-        """What stands above the columns in the CSV, with the panel where a label is not enough."""
-        times = Counter(column.label for column in self.columns)
-        found = []
+        """Headings of the columns in the CSV, with the panel if the label is not unique."""
+        count_of = Counter(column.label for column in self.columns)
+        headings = []
         for column in self.columns:
-            panel = f"{column.panel}: " if times[column.label] > 1 else ""
+            panel = f"{column.panel}: " if count_of[column.label] > 1 else ""
             note = f" ({column.note})" if column.note else ""
-            found.append(f"{panel}{column.label}{note} [{column.unit}]")
-        return found
+            headings.append(f"{panel}{column.label}{note} [{column.unit}]")
+        return headings
 
     def column(self, label: str, panel: str = "") -> FloatArray:
         """Return the values of one curve.
@@ -104,7 +104,7 @@ class Curves:
         Raises
         ------
         InputError
-            When there is no such curve in this panel.
+            If this panel has no such curve.
         """
         instance("label", label, str, "a text")
         instance("panel", panel, str, "a text")
@@ -119,17 +119,17 @@ class Curves:
     def csv(self) -> str:
         """Return the numbers as CSV: a comment, a line of headings, and a row for each abscissa.
 
-        Every number is written so that it reads back as the same one; what the rounding of the
-        largest number of its column leaves in place of a zero is zero.
+        Every number is written in full precision; numbers within the rounding of the largest one
+        of their column are zero.
         """
         values = (self.abscissa, *(column.values for column in self.columns))
-        table = np.stack([without_rounding(one) for one in values], axis=-1)
+        table = np.stack([without_rounding(numbers) for numbers in values], axis=-1)
         comment = printable(" ".join(f"# {self.name}: {self.parameters}".split("\n")))
         return f"{comment}\n{write_rows([[self.abscissa_label, *self.headings], *table.tolist()])}"
 
 
 def row_of(name: str, value: object) -> FloatArray:
-    """Return one row of numbers, of which some may be NaN; `InputError` for all else."""
+    """Return a row of numbers ``(n,)``, NaN included; `InputError` for another shape or type."""
     array = array_of(name, value, "iuf", "a row of numbers")  # type: ignore[arg-type]
     if array.ndim != 1:
         raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
@@ -137,9 +137,9 @@ def row_of(name: str, value: object) -> FloatArray:
 
 
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
-    """Return numbers with zero, without a minus, for what rounding leaves in its place.
+    """Return numbers with those that are rounding of the largest one replaced by zero.
 
-    `size`: the largest number in sight, if it is larger than all of them.
+    `size`: largest number of the computation, if it is larger than all of `values`.
     """
     sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
     return np.where(sizes <= _ROUNDING * sizes.max(initial=size), 0.0 * values, values) + 0.0
@@ -151,14 +151,14 @@ def curves_of(plot: Any) -> Curves:
     Parameters
     ----------
     plot : control.ControlPlot
-        What a figure function returned.
+        Figure of a function of this chapter.
 
     Raises
     ------
     InputError
-        For a plot that was not drawn from such numbers.
+        For a plot that was not drawn from `Curves`.
     """
-    found = getattr(plot, "curves", None)
-    if not isinstance(found, Curves):
+    curves = getattr(plot, "curves", None)
+    if not isinstance(curves, Curves):
         raise InputError("plot must be a figure drawn from curves by tvclin; this one was not")
-    return found
+    return curves

@@ -1,4 +1,4 @@
-"""Flown margins over the limit, and the boundary over gain and delay that they are read from."""
+"""Flown margins over the deflection limit, and the boundary over gain and delay."""
 
 from __future__ import annotations
 
@@ -36,29 +36,27 @@ _GROWS: Style = {"color": "0.88"}
 
 
 def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
-    """Draw flown margins over the limit: from the boundary to what linear theory says.
-
-    Dotted lines are the changes of gain and delay with which the loop grows near rest.
+    """Draw flown margins over the limit, with the margins of the linear loop as dotted lines.
 
     Parameters
     ----------
     found : sequence of FlownMargins
-        Of one law in one wind with two or more limits.
+        Margins of one law in one wind with two or more limits.
 
     Raises
     ------
     InputError
         For fewer than two different limits.
     """
-    every = sorted(each("found", found, FlownMargins, "see flown_margins"), key=lambda m: m.spare)
-    spare = np.array([one.spare for one in every])
+    ordered = sorted(each("found", found, FlownMargins, "see flown_margins"), key=lambda m: m.spare)
+    spare = np.array([m.spare for m in ordered])
     columns, styles = [], {}
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
-        margins = [getattr(one, name) for one in every]
+        margins = [getattr(m, name) for m in ordered]
         unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
         kinds = [("value", "", 2.0), ("linear", _NEAR_REST, 1.0)]
         for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
-            values = np.array([getattr(one, field) for one in margins])
+            values = np.array([getattr(margin, field) for margin in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)
             label = name.replace("_", " ") + suffix
             columns.append(Column(label, np.where(np.isinf(shown), np.nan, shown), unit, panel))
@@ -79,14 +77,14 @@ def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
 
 
 def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
-    """Draw the boundary of a law over gain and delay as contours, with a limit among them.
+    """Draw the boundary of a law over gain and delay as contours, and a limit as one of them.
 
-    A flight with the limit survives on that side of its line on which boundaries are below it.
+    A flight with the limit survives where the boundary is below it.
 
     Parameters
     ----------
     found : BoundaryMap
-        Of two or more gains and two or more delays.
+        Map of two or more gains and two or more delays.
     limit : float, optional
         Deflection limit [rad].
 
@@ -108,18 +106,18 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
         if limit is None
         else number("limit", limit, small_angle("a deflection", positive), "rad") / found.full_trim
     )
-    axes, place = new_axes(), (found.gains, found.delays)
+    axes, coordinates = new_axes(), (found.gains, found.delays)
     values = np.ma.masked_invalid(found.limit.T)
-    lines = axes.contour(*place, values, levels=12, colors=COLOURS[0], linewidths=0.9)
+    lines = axes.contour(*coordinates, values, levels=12, colors=COLOURS[0], linewidths=0.9)
     handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
     if level is not None:
         handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))
         if values.min() < level < values.max():
-            axes.contour(*place, values, levels=[level], colors=WARM, linewidths=2.4)
+            axes.contour(*coordinates, values, levels=[level], colors=WARM, linewidths=2.4)
     if found.growth.max() > 0.0:
         handles.append(Patch(label="grows near rest", **_GROWS))
         ends = [0.0, 2.0 * found.growth.max()]
-        axes.contourf(*place, found.growth.T, levels=ends, colors=_GROWS["color"], zorder=3)
+        axes.contourf(*coordinates, found.growth.T, levels=ends, colors=_GROWS["color"], zorder=3)
     axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)
@@ -134,7 +132,7 @@ def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> Contro
 
 
 def _numbers(found: BoundaryMap) -> Curves:
-    """What the map shows, with a column for each delay."""
+    """Return the numbers of the map, with a column for each delay."""
     columns = [
         Column(f"{name}, delay {delay:g} s", row, unit)
         for name, table, unit in (("boundary", found.limit, "-"), ("growth", found.growth, "1/s"))
@@ -146,7 +144,7 @@ def _numbers(found: BoundaryMap) -> Curves:
 
 
 def _by_ratio(axes: Axes) -> None:
-    """Let the abscissa go by ratio, with plain numbers."""
+    """Set a logarithmic abscissa with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")

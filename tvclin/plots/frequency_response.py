@@ -47,10 +47,10 @@ _CURVE: dict[str, Any] = {"color": INK, "lw": 1.8}
 _LINE: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
 _GRID_DECIBELS = np.array([-12.0, -6.0, -3.0, 0.0, 3.0, 6.0, 12.0])
 _CONTOURS = "|T| = " + ", ".join(f"{size:g}" for size in _GRID_DECIBELS[::-1]) + " dB"
-_LOUDEST = 60.0
-"""Magnitudes above this many dB leave the Bode diagram: poles on the imaginary axis have no end."""
-_QUIET, _ROOM = 40.0, 15.0
-"""With modes, so many dB below the least peak and above the highest are shown."""
+_MAX_DECIBELS = 60.0
+"""Largest magnitude of the Bode diagram [dB]: poles on the imaginary axis have infinite peaks."""
+_BELOW_MODES, _ABOVE_MODES = 40.0, 15.0
+"""Range below the smallest peak of a mode and above the largest magnitude [dB]."""
 _SIDES = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
 
 
@@ -69,7 +69,7 @@ def nichols_chart(
     autopilot : Autopilot or Loop
         One autopilot, or one loop, whose modes have no names.
     plant : Plant or FlexiblePlant, optional
-        One plant of any model; left out beside a loop.
+        One plant of any model; omitted with a loop.
     criteria : Criteria
         Their aero and gain-increase margins are the half heights of the box around -1, up and
         down, and their phase margin is its half width. Other requirements are not drawn.
@@ -77,11 +77,11 @@ def nichols_chart(
     Raises
     ------
     InputError
-        For a batch, a loop with a plant beside it, and what `Autopilot.exact_loop` refuses.
+        For a batch, a loop with a plant, and in the same cases as `Autopilot.exact_loop`.
 
     Notes
     -----
-    The criteria speak of the axes of the box alone: a curve may cut a corner and meet them.
+    Criteria limit the axes of the box alone: a curve through a corner may satisfy them.
     """
     instance("criteria", criteria, Criteria, 'such as CRITERIA["classic"]')
     samples = sampled("nichols_chart", autopilot, plant)
@@ -91,12 +91,12 @@ def nichols_chart(
     box = box_sides(criteria)
     _frame_nichols(axes, samples, marks, box)
     _draw_box(axes, box, criteria.name)
-    more = ""
+    verdict = ""
     if samples.margins.stable and any(box):
         met = satisfaction(criteria.are_satisfied(samples.judged))
-        more = f", criteria {criteria.name} {met}"
+        verdict = f", criteria {criteria.name} {met}"
     axes.set(
-        title=title("Nichols chart of the loop", samples, more),
+        title=title("Nichols chart of the loop", samples, verdict),
         xlabel="phase of L [deg]",
         ylabel="magnitude of L [dB]",
     )
@@ -111,29 +111,32 @@ def nichols_chart(
 
 
 def box_sides(criteria: Criteria) -> tuple[float, float, float]:
-    """Return how far the box of criteria goes up and down [dB] and to each side [deg]."""
-    asked = {one.margin: one.limit for one in criteria.requirements}
-    up, down, aside = (asked.get(name, 0.0) for name in _SIDES)
-    return up, down, aside
+    """Return the heights of the criteria box above and below -1 [dB], and its half width [deg]."""
+    limits = {r.margin: r.limit for r in criteria.requirements}
+    up, down, half_width = (limits.get(name, 0.0) for name in _SIDES)
+    return up, down, half_width
 
 
 def _draw_box(axes: "Axes", box: tuple[float, float, float], name: str) -> None:
+    """Draw the criteria box around each point -1 of a Nichols chart."""
     from matplotlib.patches import Rectangle
 
-    up, down, aside = box
+    up, down, half_width = box
     if not any(box):
         return
-    label = f"criteria {literal(name)}: +{up:g}/-{down:g} dB, {aside:g} deg"
+    label = f"criteria {literal(name)}: +{up:g}/-{down:g} dB, {half_width:g} deg"
     style: dict[str, Any] = {"ec": WARM, "fc": WARM, "lw": 1.6, "ls": "--", "zorder": 1.2}
     for point in _critical(*axes.get_xlim()):
-        shown = label if point == -180.0 else ""
-        patch = Rectangle((point - aside, -down), 2.0 * aside, up + down, label=shown, **style)
+        entry = label if point == -180.0 else ""
+        patch = Rectangle(
+            (point - half_width, -down), 2.0 * half_width, up + down, label=entry, **style
+        )
         patch.set_facecolor((*patch.get_facecolor()[:3], 0.1))
         axes.add_patch(patch)
 
 
 def _critical(left: float, right: float) -> list[float]:
-    """The phases [deg] in a frame at which L is negative: -180, and whole turns from it."""
+    """Return the phases [deg] of L = -1 in a frame: -180 and whole turns from it."""
     turns = np.arange(np.ceil((left + 180.0) / 360.0), np.floor((right + 180.0) / 360.0) + 1.0)
     return (360.0 * turns - 180.0).tolist()
 
@@ -141,19 +144,19 @@ def _critical(left: float, right: float) -> list[float]:
 def _frame_nichols(
     axes: "Axes", samples: LoopSamples, marks: list[Mark], box: tuple[float, float, float]
 ) -> None:
-    """Show the marks, the box and the curve beside them, with the lines of equal |T|."""
-    up, down, aside = box
+    """Set the frame around marks, box and curve, with the contours of |T|."""
+    up, down, half_width = box
     heights = [mark.y for mark in marks if np.isfinite(mark.y)]
     size = samples.decibels
     top = max([up, *heights, min(12.0, float(size.max()))]) + 6.0
     bottom = min([-down, *heights, -12.0]) - 6.0
-    seen = samples.phase[(size < top) & (size > bottom)]
-    near = [-180.0 - max(aside, 30.0), -180.0 + max(aside, 30.0), *(m.x for m in marks)]
-    near += [float(v) for v in np.clip(seen, -540.0, 180.0)]
-    left, right = np.nanmin(near), np.nanmax(near)
-    for point in _critical(left - aside, right + aside):
-        left, right = min(left, point - aside), max(right, point + aside)
-    axes.set_xlim(30.0 * np.floor(left / 30.0 - 0.2), 30.0 * np.ceil(right / 30.0 + 0.2))
+    visible = samples.phase[(size < top) & (size > bottom)]
+    phases = [-180.0 - max(half_width, 30.0), -180.0 + max(half_width, 30.0), *(m.x for m in marks)]
+    phases += [float(v) for v in np.clip(visible, -540.0, 180.0)]
+    first, last = np.nanmin(phases), np.nanmax(phases)
+    for point in _critical(first - half_width, last + half_width):
+        first, last = min(first, point - half_width), max(last, point + half_width)
+    axes.set_xlim(30.0 * np.floor(first / 30.0 - 0.2), 30.0 * np.ceil(last / 30.0 + 0.2))
     axes.set_ylim(3.0 * np.floor(bottom / 3.0), 3.0 * np.ceil(top / 3.0))
     axes.xaxis.set_major_locator(_degrees(axes.get_xlim()))
     _draw_contours(axes)
@@ -163,12 +166,12 @@ def _frame_nichols(
 
 
 def _draw_contours(axes: "Axes") -> None:
-    """Draw the lines of equal |T|, the closed loop T = L/(1 + L), in each turn of the frame.
+    """Draw the contours of |T|, T = L/(1 + L), in each turn of the frame.
 
-    python-control has them as well, but takes a second to load.
+    Those of python-control take a second to import.
     """
-    turn = np.radians(np.linspace(-359.75, -0.25, 2000))[:, np.newaxis]
-    closed = 10.0 ** (_GRID_DECIBELS / 20.0) * np.exp(1j * turn)
+    angle = np.radians(np.linspace(-359.75, -0.25, 2000))[:, np.newaxis]
+    closed = 10.0 ** (_GRID_DECIBELS / 20.0) * np.exp(1j * angle)
     loop = closed / (1.0 - closed)
     phase, size = np.mod(np.degrees(np.angle(loop)), -360.0), 20.0 * np.log10(np.abs(loop))
     turns = np.array(axes.get_xlim()) / 360.0
@@ -187,7 +190,7 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "C
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`.
+        Same as in `nichols_chart`.
     """
     import matplotlib.pyplot as plt
 
@@ -206,10 +209,10 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "C
         **_CURVE,
     )
     lines = [line for panel in drawn.lines.flat for line in panel]
-    left = _frame_bode(axes, samples)
-    upper = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[1]))
-    lower = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[0]))
-    _hold_bode(axes, upper, lower)
+    edge = _frame_bode(axes, samples)
+    upper = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[1]))
+    lower = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[0]))
+    _draw_levels(axes, upper, lower)
     in_phase = [*upper[2:3], *lower[2:3]]  # the phase margin: its number stands in the lower panel
     upper += mode_marks(samples, lambda w: (w, samples.at(w)[1]))
     lower += mode_marks(samples, lambda w: (w, samples.at(w)[0]))
@@ -225,40 +228,40 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "C
 
 
 def _frame_bode(axes: Any, samples: LoopSamples) -> float:
-    """Show a decade on both sides of what matters; return the left edge."""
+    """Return the left edge [rad/s] after setting the frame: a decade around all corners."""
     decisive = decisive_frequencies(samples.margins)
     modes = [mode_frequency(mode) for mode in samples.modes]
-    known = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop), modes])
-    known = known if known.size else samples.omega
-    left, right = 0.1 * known.min(), 10.0 * known.max()
-    loud = samples.omega[samples.decibels > -40.0]
-    if loud.size:
+    corners = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop), modes])
+    corners = corners if corners.size else samples.omega
+    low_edge, high_edge = 0.1 * corners.min(), 10.0 * corners.max()
+    large = samples.omega[samples.decibels > -40.0]
+    if large.size:
         marked = np.max([*decisive, *(w for w in modes if np.isfinite(w))], initial=0.0)
-        right = min(right, max(float(loud.max()), 2.0 * float(marked)))
+        high_edge = min(high_edge, max(float(large.max()), 2.0 * float(marked)))
     highest = float(samples.loop.max_frequency()[0, 0])
-    right = min(right, 1.1 * highest)
-    axes[0].set_xlim(left, right)
+    high_edge = min(high_edge, 1.1 * highest)
+    axes[0].set_xlim(low_edge, high_edge)
     for panel in axes:
-        if right > highest:
+        if high_edge > highest:
             panel.axvline(highest, color="0.35", lw=1.2, ls=":", zorder=1.5)
-    seen = (samples.omega >= left) & (samples.omega <= right)
-    if not seen.any():
+    visible = (samples.omega >= low_edge) & (samples.omega <= high_edge)
+    if not visible.any():
         raise InputError(
             "autopilot and plant must make a loop with a gain to be drawn; its is none"
         )
     for panel, values, step in ((axes[0], samples.decibels, 5.0), (axes[1], samples.phase, 15.0)):
-        low, high = np.min(values[seen]), np.max(values[seen])
+        low, high = np.min(values[visible]), np.max(values[visible])
         panel.set_ylim(step * np.floor(low / step - 0.3), step * np.ceil(high / step + 0.3))
     low, high = axes[0].get_ylim()
     if modes:  # room for their names; notches and the fall beyond the last mode have no end
         quiet = float(np.nanmin([0.0, *(samples.at(w)[1] for w in modes if np.isfinite(w))]))
-        low, high = max(low, quiet - _QUIET), high + _ROOM
-    axes[0].set_ylim(min(low, -10.0), np.clip(high, 10.0, _LOUDEST))
-    return float(left)
+        low, high = max(low, quiet - _BELOW_MODES), high + _ABOVE_MODES
+    axes[0].set_ylim(min(low, -10.0), np.clip(high, 10.0, _MAX_DECIBELS))
+    return float(low_edge)
 
 
-def _hold_bode(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
-    """Labels, grid, the lines 0 dB and -180 deg, and each margin as a line to the one it has."""
+def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
+    """Draw labels, grid, the levels 0 dB and -180 deg, and each margin as a line to its level."""
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
     axes[1].yaxis.set_major_locator(_degrees(axes[1].get_ylim()))
@@ -275,7 +278,7 @@ def _hold_bode(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
 
 
 def _degrees(frame: tuple[float, float]) -> Any:
-    """Ticks at whole parts of a turn, ten or so of them."""
+    """Return the locator of about ten ticks at integer fractions of a turn."""
     from matplotlib.ticker import MultipleLocator
 
     span = abs(frame[1] - frame[0])
@@ -285,39 +288,39 @@ def _degrees(frame: tuple[float, float]) -> Any:
 
 
 _ARC = 181
-"""Points of the contour on the way round a pole."""
+"""Number of points of the contour around a pole on the axis."""
 
 
 def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "ControlPlot":
     """Draw the Nyquist curve of the loop, the whole of it and the surroundings of -1.
 
-    The delay is exact. Around poles of the loop on the imaginary axis the contour is indented to
-    the right, and what lies far out is drawn nearer, dash-dotted. The disk is the one of the disk
-    margin: the curve touches it and does not enter.
+    The delay is exact. The contour is indented to the right around poles of the loop on the
+    imaginary axis; distant parts of the curve are drawn compressed, dash-dotted. The disk is that
+    of the disk margin: the curve touches it from outside.
 
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`.
+        Same as in `nichols_chart`.
     """
     import matplotlib.pyplot as plt
 
     samples = sampled("nyquist_chart", autopilot, plant)
-    found = _nyquist(samples)
+    response = _nyquist(samples)
     figure, panels = plt.subplots(1, 2, figsize=(12.0, 6.6), layout="constrained")
 
-    def place(omega: float) -> tuple[float, float]:
+    def point(omega: float) -> tuple[float, float]:
         value = complex(samples.loop.response(omega))
         return value.real, value.imag
 
-    marks = [*margin_marks(samples, place), *mode_marks(samples, place)]
-    reach = _reach(samples)
+    marks = [*margin_marks(samples, point), *mode_marks(samples, point)]
+    max_magnitude = _max_magnitude(samples)
     lines: list[Any] = []
     for axes in panels:
         # python-control shrinks the far parts of a response where they are kept: plot a copy
-        drawn = deepcopy(found).plot(
+        drawn = deepcopy(response).plot(
             ax=axes,
-            max_curve_magnitude=reach,
+            max_curve_magnitude=max_magnitude,
             primary_style=["-", "-."],
             mirror_style=["--", ":"],
             start_marker="",
@@ -326,7 +329,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
             show_legend=False,
             **_CURVE,
         )
-        lines += [line for part in drawn.lines.flat for line in part if line is not None]
+        lines += [line for group in drawn.lines.flat for line in group if line is not None]
         axes.set(xlabel="real part of L [-]", ylabel="imaginary part of L [-]")
         axes.margins(0.08)
         axes.set_aspect("equal", adjustable="datalim" if axes is panels[0] else "box")
@@ -336,18 +339,18 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     for axes in panels:
         fine_grid(axes)
         lines += draw_marks(axes, [*marks, Mark(-1.0, 0.0, shape="X", name="L = -1")])
-    figure.suptitle(literal(f"Nyquist diagram: {_counted(found, samples)}\n{samples.words}"))
+    figure.suptitle(literal(f"Nyquist diagram: {_counted(response, samples)}\n{samples.words}"))
     handles, labels = panels[1].get_legend_handles_labels()
     figure.legend(handles[1:], labels[1:], loc="outside lower center", ncols=2)
-    far = [numbered(mark, not mark.inside(panels[1])) for mark in marks]
-    write_numbers((panels[0], far), (panels[1], marks))
-    return control_plot(lines, panels, _nyquist_curves(found, samples))
+    distant = [numbered(mark, not mark.inside(panels[1])) for mark in marks]
+    write_numbers((panels[0], distant), (panels[1], marks))
+    return control_plot(lines, panels, _nyquist_curves(response, samples))
 
 
 def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
-    """The response along the contour, indented to the right of the poles on the axis.
+    """Return the response along the contour, indented to the right of poles on the axis.
 
-    Of a sampled loop the contour is that of its variable w, told at frequencies of the s plane.
+    The contour of a sampled loop is that of its variable w, at frequencies of the s plane.
     """
     import control
 
@@ -358,10 +361,10 @@ def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
     corners = np.unique(np.abs(poles[(np.abs(poles.real) <= slack) & (poles.imag >= 0.0)].imag))
     radius = 1e-2 * float(axis[0])
     arc = radius * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ARC))
-    near = (corners[:, np.newaxis] + arc).ravel()
-    nu = np.unique(np.concatenate([[0.0], near[near > 0.0], axis]))
-    apart = np.abs(nu[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
-    contour = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) + 1j * nu
+    around_corners = (corners[:, np.newaxis] + arc).ravel()
+    nu = np.unique(np.concatenate([[0.0], around_corners[around_corners > 0.0], axis]))
+    distances = np.abs(nu[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
+    contour = np.sqrt(np.maximum(radius**2 - distances**2, 0.0)) + 1j * nu
     values = loop.form.value(contour[np.newaxis])[0]
     omega = np.imag(loop.w_to_s(1j * nu[np.newaxis]))[0]
     clockwise = -np.sum(np.diff(np.unwrap(np.angle(1.0 + values)))) / np.pi
@@ -379,19 +382,19 @@ def _counted(found: Any, samples: LoopSamples) -> str:
     return f"{times}, {poles}: {samples.verdict}"
 
 
-def _reach(samples: LoopSamples) -> float:
-    """How far out the curve is drawn to scale."""
+def _max_magnitude(samples: LoopSamples) -> float:
+    """Return the magnitude up to which the curve is drawn to scale."""
     sizes = np.abs(samples.response)
     crossings = samples.margins.crossings
     factors = crossings.gain_factors[np.isfinite(crossings.gain_factors)]
     peaks = [mode.peak for mode in samples.modes if np.isfinite(mode.peak)]
-    far = float(np.max([*(1.0 / factors[factors > 0.0]), *peaks], initial=2.0))
+    scale = float(np.max([*(1.0 / factors[factors > 0.0]), *peaks], initial=2.0))
     largest = float(sizes.max())
-    return 1.25 * largest if largest < 4.0 * far else 2.0 * far
+    return 1.25 * largest if largest < 4.0 * scale else 2.0 * scale
 
 
 def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
-    """Show the surroundings of -1: the unit circle, and the disk that the loop stays out of."""
+    """Set the frame around -1, with the unit circle and the disk of the disk margin."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
 
@@ -404,10 +407,10 @@ def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
         label = f"disk margin {alpha:.2f}"
         style = {"ec": WARM, "ls": "--", "lw": 1.6, "zorder": 1.2}
         axes.add_patch(Circle((middle, 0.0), radius, label=label, fc=to_rgba(WARM, 0.1), **style))
-    far = [-mark.x for mark in marks if np.isfinite(mark.x) and mark.x > -4.0]
-    left = max([2.2, *(1.2 * x for x in far)])
-    axes.set_xlim(-left, 1.2)
-    axes.set_ylim(-0.5 * (left + 1.2), 0.5 * (left + 1.2))
+    distances = [-mark.x for mark in marks if np.isfinite(mark.x) and mark.x > -4.0]
+    width = max([2.2, *(1.2 * x for x in distances)])
+    axes.set_xlim(-width, 1.2)
+    axes.set_ylim(-0.5 * (width + 1.2), 0.5 * (width + 1.2))
 
 
 def _nyquist_curves(found: Any, samples: LoopSamples) -> Curves:

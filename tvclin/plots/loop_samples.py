@@ -26,30 +26,31 @@ if TYPE_CHECKING:
 
 
 ON_AXIS = 1e-9
-"""Poles nearer to the imaginary axis than this part of the largest one are on it."""
+"""Distance from the imaginary axis at which a pole counts as on it, over the largest pole."""
 _PER_DECADE = 400
+"""Number of frequencies in a decade."""
 VERDICTS = {
     "ok": "stable closed loop",
     "unstable": "unstable closed loop",
     "marginal": "closed loop with a pole on the imaginary axis",
 }
-_LIGHT, _TURN = 0.2, np.tan(np.radians(np.arange(-88.0, 89.0, 2.0)))
-"""Around roots of less damping than the first, frequencies in half-widths between which the term of
-the root turns by equal angles, 4 degrees."""
-_ORDER = 4
-"""Of the approximation of the delay of a loop that no autopilot comes with."""
+_LIGHT_DAMPING = 0.2
+"""Largest damping ratio of roots with further frequencies around them."""
+_OFFSETS = np.tan(np.radians(np.arange(-88.0, 89.0, 2.0)))
+"""Distances of these frequencies, in half-widths of the root: its term turns by 4 degrees each."""
+_PADE_ORDER = 4
+"""Order of the Pade approximation for a loop without autopilot."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoopSamples:
-    """One loop with its exact delay, sampled finely enough to be drawn.
+    """Frequency response of one loop with its exact delay, dense enough for figures.
 
-    `bands`: those of each mode of structure and liquid, where there are any. `airframe`: poles of
-    the rigid vehicle [1/s], as far as they are known. `omega`: frequencies [rad/s], rising, above
-    zero, ``(n,)``; those of the margins are among them. `response`: L at these, ``(n,)``. `phase`:
-    its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a turn of
-    -180 deg. `words`: what the loop is made of, in one line. `pade_order`: order of the
-    approximation that stands for the delay in a root locus.
+    `bands`: margins by band, if the vehicle has modes. `airframe`: poles of the rigid vehicle
+    [1/s], if known. `omega`: rising positive frequencies [rad/s], ``(n,)``, including those of the
+    margins. `response`: L, ``(n,)``. `phase`: continuous phase [deg], ``(n,)``, within half a turn
+    of -180 deg where L is nearest to -1. `words`: description of the loop, in one line.
+    `pade_order`: order of the delay's approximation in a root locus.
     """
 
     loop: Loop
@@ -64,30 +65,32 @@ class LoopSamples:
 
     @property
     def decibels(self) -> FloatArray:
-        """Magnitude [dB], ``(n,)``."""
+        """Magnitude of L [dB], ``(n,)``."""
         return 20.0 * np.log10(np.abs(self.response))
 
     @property
     def judged(self) -> Margins | BandMargins:
-        """What criteria are asked of: with the margins of the modes, where there are any."""
+        """Margins that criteria judge: by band if the vehicle has modes."""
         return self.margins if self.bands is None else self.bands
 
     @property
     def modes(self) -> tuple[ModeBand, ...]:
-        """Those of each mode of structure and liquid; empty where none is known."""
+        """Bands of the bending and slosh modes; empty without."""
         return () if self.bands is None else self.bands.modes
 
     @property
     def verdict(self) -> str:
-        """What the closed loop is."""
+        """Verdict on the closed loop in words."""
         return VERDICTS[self.margins.status]
 
     def at(self, omega: float) -> tuple[float, float]:
         """Return phase [deg], on the branch of the curve, and magnitude [dB] at one frequency."""
         value = complex(self.loop.response(omega))
-        near = float(np.interp(omega, self.omega, self.phase))
+        interpolated = float(np.interp(omega, self.omega, self.phase))
         phase = float(np.degrees(np.angle(value)))
-        return phase + 360.0 * round((near - phase) / 360.0), 20.0 * float(np.log10(abs(value)))
+        return phase + 360.0 * round((interpolated - phase) / 360.0), 20.0 * float(
+            np.log10(abs(value))
+        )
 
     def data(self) -> "control.FrequencyResponseData":
         """Return the samples as python-control's frequency response."""
@@ -111,24 +114,26 @@ class LoopSamples:
         return Curves(name, words, "frequency [rad/s]", self.omega, columns)
 
 
-def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
+def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
-    `what`: name of the figure, for the refusals. `autopilot`, `plant`: as of `nichols_chart`.
+    `figure`: name of the figure, for messages. `autopilot`, `plant`: same as in `nichols_chart`.
     """
     if isinstance(autopilot, Loop):
         if plant is not None:
-            raise InputError(f"plant must be left out: {what} was given a Loop, which has its own")
+            raise InputError(
+                f"plant must be left out: {figure} was given a Loop, which has its own"
+            )
         if autopilot.batch:
             raise InputError(
-                f"{what} draws one loop; got a batch of shape {autopilot.batch} (see Loop.take)"
+                f"{figure} draws one loop; got a batch of shape {autopilot.batch} (see Loop.take)"
             )
-        words = _own_words(autopilot)
-        return _samples(autopilot, loop_margins(autopilot), None, np.zeros(0), words, _ORDER)
+        words = _loop_description(autopilot)
+        return _samples(autopilot, loop_margins(autopilot), None, np.zeros(0), words, _PADE_ORDER)
     instance("autopilot", autopilot, Autopilot, "see design_gains, or a Loop")
     check_plant(plant)
     assert plant is not None
-    _require_single(what, autopilot, plant)
+    _require_single(figure, autopilot, plant)
     loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
     bands, rigid, order = None, plant, autopilot.pade_order
     if plant.structure is not None:
@@ -145,6 +150,7 @@ def _samples(
     words: str,
     order: int,
 ) -> LoopSamples:
+    """Return the samples of a loop, from its margins and bands."""
     modes = () if bands is None else bands.modes
     omega = _frequencies(loop, margins, modes)
     response = loop.response(omega)
@@ -156,107 +162,110 @@ def _samples(
     return LoopSamples(loop, margins, bands, airframe, omega, response, phase, words, order)
 
 
-def require_one(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` unless there is one autopilot, one plant, and one of all others."""
+def require_one(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
+    """Raise `InputError` unless autopilot, plant and all others are single."""
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     check_plant(plant)
-    _require_single(what, autopilot, plant, **others)
+    _require_single(figure, autopilot, plant, **others)
 
 
-def _require_single(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
+def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: other.batch for name, other in others.items()}
     if any(shapes.values()):
         shown = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(
-            f"{what} draws one autopilot around one plant; got batches of shape {shown}"
+            f"{figure} draws one autopilot around one plant; got batches of shape {shown}"
             " (take one element at a time)"
         )
 
 
 def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
-    """Return what a loop is made of, in one line."""
-    parts = [f"a0 = {autopilot.attitude_gain:.4g}", f"a1 = {autopilot.rate_gain:.4g} s"]
+    """Return the description of a loop, in one line."""
+    terms = [f"a0 = {autopilot.attitude_gain:.4g}", f"a1 = {autopilot.rate_gain:.4g} s"]
     if autopilot.alpha_gain:
-        parts.append(f"b0 = {autopilot.alpha_gain:.4g}")
+        terms.append(f"b0 = {autopilot.alpha_gain:.4g}")
     if autopilot.integral_gain:
-        parts.append(f"aI = {autopilot.integral_gain:.4g} 1/s")
+        terms.append(f"aI = {autopilot.integral_gain:.4g} 1/s")
     filters = sum(len(getattr(autopilot, name)) for name in CHAINS)
     if filters:
-        parts.append(f"{filters} filter{'s' * (filters > 1)}")
+        terms.append(f"{filters} filter{'s' * (filters > 1)}")
     if autopilot.actuator is not None:
-        parts.append(f"actuator {autopilot.actuator.natural_frequency:.4g} rad/s")
+        terms.append(f"actuator {autopilot.actuator.natural_frequency:.4g} rad/s")
     if autopilot.delay:
-        parts.append(f"delay {autopilot.delay:.4g} s")
+        terms.append(f"delay {autopilot.delay:.4g} s")
     if autopilot.sample_rate is not None:
-        parts.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
+        terms.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
     name = plant.rigid.coefficients.name
-    return f"{name and name + ', '}model {plant.model}, {', '.join(parts)}"
+    return f"{name and name + ', '}model {plant.model}, {', '.join(terms)}"
 
 
-def _own_words(loop: Loop) -> str:
-    late = f", delay {float(loop.delay):.4g} s" if loop.delay > 0.0 else ""
-    return f"loop of order {loop.poles.shape[-1]}{late}"
+def _loop_description(loop: Loop) -> str:
+    delay = f", delay {float(loop.delay):.4g} s" if loop.delay > 0.0 else ""
+    return f"loop of order {loop.poles.shape[-1]}{delay}"
 
 
-def title(what: str, samples: LoopSamples, more: str = "") -> str:
-    """Return the title of a figure: what it is, the verdict, and what the loop is made of."""
-    return literal(f"{what}: {samples.verdict}{more}\n{broken(samples.words)}")
+def title(name: str, samples: LoopSamples, more: str = "") -> str:
+    """Return the title of a figure: its name, the verdict, and the description of the loop."""
+    return literal(f"{name}: {samples.verdict}{more}\n{broken(samples.words)}")
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:
     """Return the frequencies [rad/s] of aero, gain-increase and phase margin that exist."""
-    found = (margins.aero_frequency, margins.gain_increase_frequency, margins.crossover_frequency)
-    return np.array([frequency for frequency in found if np.isfinite(frequency)])
+    frequencies = (
+        margins.aero_frequency,
+        margins.gain_increase_frequency,
+        margins.crossover_frequency,
+    )
+    return np.array([frequency for frequency in frequencies if np.isfinite(frequency)])
 
 
 def mode_frequency(mode: ModeBand) -> float:
-    """Return where a mode is seen [rad/s]: at its peak, or at its pole if it has none."""
-    known = (mode.peak_frequency, mode.alias, abs(np.imag(mode.pole)))
-    return float(next((frequency for frequency in known if np.isfinite(frequency)), np.nan))
+    """Return the frequency of a mode's peak [rad/s]; without a peak that of its alias or pole."""
+    candidates = (mode.peak_frequency, mode.alias, abs(np.imag(mode.pole)))
+    return float(next((frequency for frequency in candidates if np.isfinite(frequency)), np.nan))
 
 
 def corner_frequencies(loop: Loop) -> FloatArray:
-    """Return the sizes [rad/s] of the poles of the loop, rising, those at the origin left out.
+    """Return the rising magnitudes [rad/s] of the poles of the loop except those at the origin.
 
-    Of a sampled loop those up to half its rate.
+    Those of a sampled loop end at half its rate.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(loop.w_to_s(loop.form.open_poles().astype(complex))[0])
     size = size[np.isfinite(size)]
-    kept = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.max_frequency()[0, 0])
-    return np.sort(size[kept])
+    relevant = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.max_frequency()[0, 0])
+    return np.sort(size[relevant])
 
 
 def unstable_poles(loop: Loop) -> int:
-    """Return how many poles of the loop lie in the right half plane, those on the axis not."""
+    """Return the number of poles of the loop in the right half plane, without those on the axis."""
     poles = loop.form.open_poles()[0]
     return int(np.sum(np.real(poles) > ON_AXIS * np.abs(poles).max()))
 
 
 def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> FloatArray:
-    """Frequencies [rad/s] that miss no crossing and no mode, and the marked ones."""
-    one = loop.form
-    found = grid_frequencies(one, stability(one))[0]
-    found = np.concatenate([found, _around_light_roots(loop)])
-    found = np.imag(loop.w_to_s(1j * found[np.newaxis]))[0]
-    found = np.sort(
-        found[np.isfinite(found) & (found > 0.0) & (found < loop.max_frequency()[0, 0])]
+    """Return frequencies [rad/s] that resolve all crossings and modes, with the marked ones."""
+    omega = grid_frequencies(loop.form, stability(loop.form))[0]
+    omega = np.concatenate([omega, _around_light_roots(loop)])
+    omega = np.imag(loop.w_to_s(1j * omega[np.newaxis]))[0]
+    omega = np.sort(
+        omega[np.isfinite(omega) & (omega > 0.0) & (omega < loop.max_frequency()[0, 0])]
     )
-    decades = np.log10(found[-1] / found[0])
-    even = np.geomspace(found[0], found[-1], int(np.ceil(_PER_DECADE * decades)))
+    decades = np.log10(omega[-1] / omega[0])
+    even = np.geomspace(omega[0], omega[-1], int(np.ceil(_PER_DECADE * decades)))
     marked = np.array([*decisive_frequencies(margins), *map(mode_frequency, modes)])
-    every = np.concatenate([found, even, marked[marked > 0.0]])
-    return np.unique(np.minimum(every, loop.max_frequency()[0, 0]))
+    frequencies = np.concatenate([omega, even, marked[marked > 0.0]])
+    return np.unique(np.minimum(frequencies, loop.max_frequency()[0, 0]))
 
 
 def _around_light_roots(loop: Loop) -> FloatArray:
-    """Frequencies in the variable of the loop around its lightly damped poles and zeros."""
+    """Return frequencies, in the variable of the loop, around lightly damped poles and zeros."""
     poles = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
-    roots = np.concatenate([part[0].astype(complex) for part in poles])
+    roots = np.concatenate([root_set[0].astype(complex) for root_set in poles])
     with np.errstate(invalid="ignore"):
-        light = roots[(roots.imag > 0.0) & (np.abs(roots.real) < _LIGHT * roots.imag)]
-    return np.ravel(light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _TURN)
+        light = roots[(roots.imag > 0.0) & (np.abs(roots.real) < _LIGHT_DAMPING * roots.imag)]
+    return np.ravel(light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _OFFSETS)
 
 
 AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
@@ -265,11 +274,11 @@ MODE = ("d", COLOURS[2])
 """Marker and colour of the modes."""
 
 Places = Callable[[float], tuple[float, float]]
-"""From a frequency [rad/s] to the coordinates of its point in the figure."""
+"""Function from a frequency [rad/s] to the coordinates of its point in the figure."""
 
 
 def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
-    """Return the marks of the three margins; none for a loop that is not stable."""
+    """Return the marks of the three margins; an empty list for an unstable loop."""
     if not samples.margins.stable:
         return []
     marks = []
@@ -293,7 +302,7 @@ def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
         if not np.isfinite(frequency):
             continue
         value = _value(mode) if samples.margins.stable else ""
-        words = ", ".join(part for part in (mode.name, value) if part)
+        words = ", ".join(label for label in (mode.name, value) if label)
         entry = f"{mode.name} at {_at(frequency)}: {_words(mode, value)}"
         marks.append(Mark(*places(frequency), words, shape, entry, colour))
     return marks
@@ -304,13 +313,15 @@ def _at(frequency: float) -> str:
 
 
 def _value(mode: ModeBand) -> str:
+    """Return the margin of a gain- or phase-stabilised mode as text; empty for others."""
     margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
-    held = margins.get(mode.stabilised)
-    return "" if held is None else text(margin("", *held))
+    value = margins.get(mode.stabilised)
+    return "" if value is None else text(margin("", *value))
 
 
 def _words(mode: ModeBand, value: str) -> str:
+    """Return the kind of stabilisation of a mode and its margin, for the legend."""
     if mode.stabilised == UNSTABLE:
         return "unstable"
     by = "-stabilised" if mode.stabilised in (BY_GAIN, BY_PHASE) else ""
-    return ", ".join(part for part in (f"{mode.stabilised}{by}", value) if part)
+    return ", ".join(word for word in (f"{mode.stabilised}{by}", value) if word)

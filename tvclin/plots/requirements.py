@@ -24,19 +24,19 @@ _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the 
 
 
 def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> "ControlPlot":
-    """Draw the required deflections over the flight, and the available one.
+    """Draw the required deflections over the flight time, and the available deflection.
 
-    Lines are for parameters that are frozen at each flight time; rings, where the sizing has them,
-    for parameters that vary while the wind blows; triangles for head and tail winds.
+    Lines are for parameters frozen at each flight time; rings, if the sizing has them, for
+    parameters that vary during the wind; triangles for head and tail winds.
 
     Parameters
     ----------
     sizing : Sizing
-        Of two or more flight times; of several winds the worst counts at each.
+        Sizing at two or more flight times; of several winds the worst counts at each.
     limit : float, optional
         Available deflection [rad].
     name : str
-        What a vehicle without a name of its own is called.
+        Name of a vehicle without one.
 
     Raises
     ------
@@ -86,17 +86,17 @@ _STEPS: Style = {"drawstyle": "steps-post"}
 
 
 def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
-    """Draw which part of an archive's soundings flies, against the limit.
+    """Draw the fraction of an archive's soundings with which the vehicle flies, over the limit.
 
-    With its interval for one azimuth, and a line for each of several. A line upright is the limit
-    that was asked for. Soundings of which it is not known are in no part.
+    One azimuth is drawn with its confidence interval, several with a line each. A vertical line is
+    the specified limit. Soundings without a verdict are not counted.
 
     Parameters
     ----------
     found : Availability
-        Of one judged sounding or more.
+        Availability with one judged sounding or more.
     name : str
-        What a vehicle without a name of its own is called.
+        Name of a vehicle without one.
 
     Raises
     ------
@@ -109,9 +109,9 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
         raise InputError("found must hold a sounding that asks for deflection, to be drawn")
     limits = np.linspace(0.0, _WIDER * max(float(most), found.limit), _LIMITS)
     azimuths = np.degrees(np.atleast_1d(found.azimuth)).tolist()
-    several = len(azimuths) > 1
+    multiple = len(azimuths) > 1
     parts = [part if isinstance(part, tuple) else (part,) for part in found.curve(limits)]
-    if several:
+    if multiple:
         values = {
             f"{azimuth:.4g} deg": [part[a].part for part in parts]
             for a, azimuth in enumerate(azimuths)
@@ -123,14 +123,14 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
             _LOWER: [part[0].lower for part in parts],
         }
     columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
-    where = found.soundings.station or "an archive"
+    station = found.soundings.station or "an archive"
     planes = PLANE_TEXTS[found.plane]
-    if not several:
+    if not multiple:
         planes += f", towards {azimuths[0]:.4g} deg"
-    words = f"{plural(len(found.soundings), 'sounding')} of {where}, {planes}"
+    words = f"{plural(len(found.soundings), 'sounding')} of {station}, {planes}"
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
     title = called(found.judge.flight.vehicle.name or name, f"launch availability: {words}")
-    heading = "flown, towards" if several else ""
+    heading = "flown, towards" if multiple else ""
     look = Look(
         title,
         "soundings that fly [%]",
@@ -152,13 +152,13 @@ def availability_chart(found: Availability, name: str = "") -> "ControlPlot":
 
 
 def _availability_styles(names: list[str]) -> dict[str, Style]:
-    """Flown by a full line, with the ends of its interval beside it; or each azimuth by its own."""
+    """Return the line styles: a full line with its interval, or a style for each azimuth."""
     if _FLOWN not in names:
         kinds = zip(names, cycle(_COLOURS), cycle(LINES), strict=False)
         return {name: _STEPS | {"color": c, "ls": line, "lw": 1.6} for name, c, line in kinds}
-    beside = _STEPS | {"color": _COLOURS[0], "lw": 1.1}
+    interval = _STEPS | {"color": _COLOURS[0], "lw": 1.1}
     return {
         _FLOWN: _STEPS | {"color": INK, "lw": 1.8},
-        _LOWER: beside | {"ls": "--"},
-        _UPPER: beside | {"ls": ":"},
+        _LOWER: interval | {"ls": "--"},
+        _UPPER: interval | {"ls": ":"},
     }

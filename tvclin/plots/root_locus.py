@@ -51,14 +51,14 @@ if TYPE_CHECKING:
 
 
 def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> ControlPlot:
-    """Draw the poles of the models, with the residue from deflection to attitude beside each.
+    """Draw the poles of the models, each with its residue from deflection to attitude.
 
-    The right panel shows the poles near the origin, which the whole map cannot separate.
+    The right panel enlarges the origin.
 
     Parameters
     ----------
     coefficients : Coefficients
-        Of one vehicle.
+        Coefficients of one vehicle.
     models : sequence of str
         Models to draw.
     """
@@ -67,18 +67,21 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> Cont
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     single("coefficients", coefficients.batch)
     models = different("models", tuple(models) if isinstance(models, list) else models)
-    models = [one_of("model", one, MODELS) for one in models]
+    models = [one_of("model", model, MODELS) for model in models]
     _, panels = plt.subplots(1, 2, figsize=(10.4, 5.6), layout="constrained")
-    found = {model: all_modes(Plant(coefficients, model)) for model in models}
-    everywhere = np.concatenate([modes.poles for modes in found.values()])
-    reach = float(np.abs(everywhere).max()) or 1.0
-    small = np.abs(everywhere)[np.abs(everywhere) < reach / 5]
-    near = 1.6 * float(small.max(initial=0.0)) or reach / 5
+    modes_of = {model: all_modes(Plant(coefficients, model)) for model in models}
+    poles = np.concatenate([modes.poles for modes in modes_of.values()])
+    radius_of_all = float(np.abs(poles).max()) or 1.0
+    small = np.abs(poles)[np.abs(poles) < radius_of_all / 5]
+    inner_radius = 1.6 * float(small.max(initial=0.0)) or radius_of_all / 5
     lines: list[Any] = []
-    for axes, radius, least in ((panels[0], 1.5 * reach, near), (panels[1], near, -1.0)):
+    for axes, radius, min_size in (
+        (panels[0], 1.5 * radius_of_all, inner_radius),
+        (panels[1], inner_radius, -1.0),
+    ):
         _prepare(axes, radius)
         for row, model in enumerate(models):
-            lines += _mark_poles(axes, found[model], model, row, (least, radius))
+            lines += _mark_poles(axes, modes_of[model], model, row, (min_size, radius))
     panels[0].set_title("Poles, and residues of attitude per deflection [1/s]")
     panels[1].set_title("Near the origin")
     panels[1].locator_params(axis="x", nbins=6)  # small numbers are long
@@ -237,7 +240,7 @@ class LocusPoles:
             poles = self.closed(factors)
             steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
             sizes = np.abs(poles[1:])
-            least = np.minimum(_STEP * np.maximum(sizes, near), _APART * _apart(poles[1:]))
+            least = np.minimum(_STEP * np.maximum(sizes, near), _APART * _pole_distances(poles[1:]))
             coarse = (steps > np.maximum(least, 0.02 * _STEP * near)) & (sizes < 2.0 * far)
             places = np.flatnonzero(np.any(coarse, axis=-1))
             between = np.linspace(factors[places], factors[places + 1], _PARTS + 1)
@@ -247,76 +250,76 @@ class LocusPoles:
         return factors
 
     def _with_meetings(self, factors: FloatArray) -> FloatArray:
-        """The factors, and those at which the number of real poles changes, by bisection."""
+        """Return the factors with those at which the number of real poles changes, by bisection."""
         count = self._real(factors)
-        places = np.flatnonzero(count[1:] != count[:-1])
-        low, high, before = factors[places], factors[places + 1], count[places]
+        intervals = np.flatnonzero(count[1:] != count[:-1])
+        low, high, before = factors[intervals], factors[intervals + 1], count[intervals]
         ends = low, high
-        if not places.size:
+        if not intervals.size:
             return factors
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             same = self._real(middle) == before
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        beside = [low[:, np.newaxis] + (end - low)[:, np.newaxis] * _BESIDE for end in ends]
-        return np.unique(np.concatenate([factors, low, *(part.ravel() for part in beside)]))
+        close = [low[:, np.newaxis] + (end - low)[:, np.newaxis] * _BESIDE for end in ends]
+        return np.unique(np.concatenate([factors, low, *(row.ravel() for row in close)]))
 
     def _real(self, factors: FloatArray) -> IndexArray:
         return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
 
     def branches(self, factors: FloatArray) -> AnyArray:
-        """Return the poles ``(k, n)`` at rising factors, each column one pole on its way.
+        """Return the poles ``(k, n)`` at rising factors, each column one branch of the locus.
 
-        The poles at one factor are given to those at the one before so that they go least far,
-        squared and in sum.
+        Poles of successive factors are assigned with the smallest sum of squared distances.
         """
         from scipy.optimize import linear_sum_assignment  # late: it takes 0.2 s to import
 
         poles = self.closed(factors)
         for k in range(1, len(poles)):
-            apart = np.abs(poles[k - 1][:, np.newaxis] - poles[k])
-            poles[k] = poles[k][linear_sum_assignment(apart**2)[1]]
+            distances = np.abs(poles[k - 1][:, np.newaxis] - poles[k])
+            poles[k] = poles[k][linear_sum_assignment(distances**2)[1]]
         return poles
 
 
-def _apart(poles: AnyArray) -> FloatArray:
-    """The distance of each pole from the next one."""
-    apart = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
-    return np.min(apart + np.where(np.eye(poles.shape[-1]) > 0.0, np.inf, 0.0), axis=-1)
+def _pole_distances(poles: AnyArray) -> FloatArray:
+    """Return the distance of each pole from the nearest other one, ``(..., n)``."""
+    distances = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
+    return np.min(distances + np.where(np.eye(poles.shape[-1]) > 0.0, np.inf, 0.0), axis=-1)
 
 
 _END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}
-_LEFT = 1.2
-"""Poles of a sampled loop farther than so many times half its rate are left out of the frame."""
-_TALL = 1.15
-"""The frame of the modes is so many times as high as the fastest of them is fast."""
+_MAX_OVER_NYQUIST = 1.2
+"""Largest pole of a sampled loop in the frame, over half its rate."""
+_HEIGHT_OVER_MODE = 1.15
+"""Height of the frame of the modes, over the frequency of the fastest one."""
 
 
 def root_locus_chart(
     autopilot: Autopilot | Loop, plant: AnyPlant | None = None, gains: ArrayLike | None = None
 ) -> ControlPlot:
-    """Draw where the closed-loop poles go when a factor multiplies the loop gain.
+    """Draw the root locus: the closed-loop poles over a factor on the loop gain.
 
-    Each pole is one line from a pole of the loop towards a zero, or far out. Around a flexible
-    vehicle a panel of its own shows the modes, by their names, with a stretched real axis.
+    Each branch leads from a pole of the loop to a zero or to infinity. For a flexible vehicle a
+    further panel shows the modes, by their names, with a stretched real axis.
 
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`. Of a sampled loop the discrete poles z are drawn as s = ln(z)/h, up
+        Same as in `nichols_chart`. Discrete poles z of a sampled loop are drawn as s = ln(z)/h, up
         to half the sample rate: the unit circle is the imaginary axis.
     gains : array_like, optional
-        Factors on the loop gain, zero or positive, ``(n,)``; from zero to beyond the
-        gain-increase margin where not given. The factor 1 is the loop as it is.
+        Factors on the loop gain, zero or positive, ``(n,)``; by default from zero to beyond the
+        gain-increase margin. The factor 1 is the loop itself.
 
     Raises
     ------
     InputError
-        As `nichols_chart`, and for factors that are no row of numbers above or at zero.
+        In the same cases as `nichols_chart`, and for factors that are not a row of numbers from
+        zero on.
 
     Notes
     -----
-    A delay is its Pade approximation, whose own poles lie far out and are left out of the frame.
+    A delay is its Pade approximation, whose poles are outside the frame.
     """
     import matplotlib.pyplot as plt
 
@@ -369,7 +372,7 @@ def root_locus_chart(
 
 
 def _within(branches: AnyArray, loop: Loop) -> AnyArray:
-    """The branches, broken where a sampled pole steps over half the rate and comes back below."""
+    """Return the branches, interrupted where a sampled pole wraps around half the rate."""
     if not isinstance(loop, SampledLoop):
         return branches
     steps = np.abs(np.diff(branches.imag, axis=0, prepend=branches.imag[:1]))
@@ -377,6 +380,7 @@ def _within(branches: AnyArray, loop: Loop) -> AnyArray:
 
 
 def _given(gains: ArrayLike) -> FloatArray:
+    """Return the rising factors of the user; `InputError` unless they are a row from zero on."""
     factors = nonnegative("gains", gains)
     if factors.ndim != 1 or factors.size < 2:
         raise InputError(
@@ -387,50 +391,50 @@ def _given(gains: ArrayLike) -> FloatArray:
 
 
 def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]) -> FloatArray:
-    """Factors from zero to beyond where the loop becomes unstable; if it is so, stable and back."""
-    known = samples.margins.crossings.gain_factors
-    known = np.sort(known[np.isfinite(known) & (known > 0.0)])
-    above = known[known > 1.0][: 1 if samples.margins.stable else 2]
+    """Return factors from zero to beyond the first change of stability, of an unstable loop two."""
+    crossings = samples.margins.crossings.gain_factors
+    crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])
+    above = crossings[crossings > 1.0][: 1 if samples.margins.stable else 2]
     top = float(np.clip(2.0 * above.max(initial=5.0), 3.0, 1e4))
     steps = np.concatenate([np.geomspace(1e-6 * top, top, 400), np.linspace(0.0, top, 200)])
-    steps = np.unique(np.concatenate([steps, [1.0], known[known < top]]))
+    steps = np.unique(np.concatenate([steps, [1.0], crossings[crossings < top]]))
     return locus.refined(steps, radii[-1], radii[0])
 
 
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
-    """How far the panels go: all poles but those of the delay, and those close to the origin."""
+    """Return the radii of the panels: around all poles but the delay's, and around the origin."""
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
     if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
-        sizes = sizes[sizes <= _LEFT * float(samples.loop.max_frequency()[0, 0])]
+        sizes = sizes[sizes <= _MAX_OVER_NYQUIST * float(samples.loop.max_frequency()[0, 0])]
     highest = np.array([samples.margins.gain_increase_frequency])
-    known = [*corner_frequencies(samples.loop), *sizes]
-    whole = 1.2 * float(np.nanmax([*known, *highest]))
-    slow = [*np.abs(samples.airframe), *sizes[sizes < 0.25 * whole]]
+    corners = [*corner_frequencies(samples.loop), *sizes]
+    outer = 1.2 * float(np.nanmax([*corners, *highest]))
+    slow = [*np.abs(samples.airframe), *sizes[sizes < 0.25 * outer]]
     if samples.modes:  # these have their own panel
         slow = [*np.abs(samples.airframe), *highest[np.isfinite(highest)]]
-    near = 1.5 * float(max(slow, default=whole))
-    return [whole, near] if near < 0.35 * whole else [whole]
+    inner = 1.5 * float(max(slow, default=outer))
+    return [outer, inner] if inner < 0.35 * outer else [outer]
 
 
 def _pole_mark(pole: complex) -> Mark:
-    """A closed-loop pole, with a number beside one of each pair."""
+    """Return the mark of a closed-loop pole, with a number for one of each pair."""
     text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} ± {pole.imag:.3g}j"
     text = text if pole.imag >= 0.0 else ""
     return Mark(pole.real, pole.imag, text, "D", "closed-loop poles (factor 1)", COLOURS[1])
 
 
 def _axis_marks(samples: LoopSamples) -> list[Mark]:
-    """Where the locus crosses the axis at the margins that decide."""
+    """Return the marks of the locus on the imaginary axis at the gain margins."""
     marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]
     m = samples.margins
     factors = (1.0 / m.aero_margin if m.aero_margin else np.inf, m.gain_increase)
-    found = []
+    axis_marks = []
     for mark, factor in zip(marks, factors, strict=False):
-        found.append(replace(mark, text=f"factor {factor:.3g}" if mark.text else ""))
+        axis_marks.append(replace(mark, text=f"factor {factor:.3g}" if mark.text else ""))
         if mark.y > 0.0:
-            found.append(replace(mark, y=-mark.y, text="", name=""))
-    return found
+            axis_marks.append(replace(mark, y=-mark.y, text="", name=""))
+    return axis_marks
 
 
 def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
@@ -452,12 +456,12 @@ def _frame_round(axes: Axes, radius: float, poles: AnyArray) -> None:
 
 
 def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
-    """Show the upper half plane to above the fastest mode, as wide as the modes go at factor 1."""
+    """Set the frame to the upper half plane up to the fastest mode, as wide as for factor 1."""
     poles = np.array([mode.pole for mode in samples.modes])
     ends = np.array([mode.closed_pole for mode in samples.modes])
-    known = np.concatenate([poles, ends])
-    wide = 2.0 * float(np.nanmax(np.abs(known.real)))
-    _frame(axes, (-wide, 0.6 * wide), (0.0, _TALL * float(np.nanmax(known.imag))))
+    both = np.concatenate([poles, ends])
+    width = 2.0 * float(np.nanmax(np.abs(both.real)))
+    _frame(axes, (-width, 0.6 * width), (0.0, _HEIGHT_OVER_MODE * float(np.nanmax(both.imag))))
     axes.set_title("modes, real axis stretched", fontsize="medium")
 
 
@@ -469,7 +473,7 @@ def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> 
 
 
 def _locus_curves(factors: FloatArray, branches: AnyArray, samples: LoopSamples) -> Curves:
-    """The branches; those that set out from a mode, in a row of factors from zero, by its name."""
+    """Return the curves of the branches; a branch that starts at a mode has its name."""
     names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
     for mode in samples.modes:
         if factors[0] == 0.0 and np.isfinite(mode.pole):

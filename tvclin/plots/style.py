@@ -1,4 +1,4 @@
-"""The one style of all figures: colours, lines that stay apart in grey print, grid and panels.
+"""Style of all figures: colours, line styles that differ in grey print, grid, panels, and marks.
 
 pyplot is imported when the first figure is drawn, not before.
 
@@ -37,7 +37,7 @@ COLOURS = ("#1b4f9c", "#2a8a8a", "#7a6a12", WARM, "#8a2255")
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), ":")
 MARKS = ("o", "s", "^", "D")
 _WIDE, _NARROW = 90, 64
-"""Letters in a line of a title over several panels, and over one with its legend beside it."""
+"""Characters in a line of a title over several panels, and over one panel with its legend."""
 
 Style = dict[str, Any]
 QUANTITIES: dict[str, Style] = {
@@ -48,7 +48,7 @@ QUANTITIES: dict[str, Style] = {
     "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
 }
-"""How what varies over time is drawn in every figure."""
+"""Line styles of quantities over time, in every figure."""
 ANGLES = ("attitude", "flight_path_angle", "angle_of_attack")
 
 _SYMBOLS = {
@@ -65,17 +65,16 @@ _SYMBOLS = {
 
 
 _MAX_PANELS = 16
-"""Panels in one row of a figure."""
+"""Largest number of panels in one row of a figure."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """How the curves of a figure are drawn.
+    """Layout of a figure.
 
     `title`: title of the figure. `ordinate`: label of the ordinate with its unit, for all panels or
-    for each. `styles`: for each label of a curve, what matplotlib is to draw it with. `legend`:
-    heading of the legend. `limits`: for each panel, the ends of the ordinate. `across`: panels in
-    one row.
+    by panel. `styles`: line style in matplotlib's terms, by label of the curve. `legend`: heading
+    of the legend. `limits`: ends of the ordinate, by panel. `across`: number of panels in one row.
     """
 
     title: str
@@ -92,30 +91,30 @@ class Look:
 
 
 def draw(curves: Curves, look: Look) -> "ControlPlot":
-    """Draw curves, a panel for each heading, and one legend beside them all.
+    """Return the figure of curves, a panel for each heading, with one legend.
 
-    `curves`: the numbers; nothing else is drawn. `look`: how they look. `InputError` for an
-    abscissa of fewer than two values, which has no width.
+    `curves`: the numbers. `look`: the layout. `InputError` for an abscissa of fewer than two
+    values.
     """
     instance("curves", curves, Curves, "the numbers of a figure")
     finite = curves.abscissa[np.isfinite(curves.abscissa)]
     if not finite.size or not np.ptp(finite) > 0.0:
-        what, came = pretty(curves.abscissa_label), shown(curves.abscissa)
-        raise InputError(f"{what} must hold two different values or more; got {came}")
+        label, came = pretty(curves.abscissa_label), shown(curves.abscissa)
+        raise InputError(f"{label} must hold two different values or more; got {came}")
     for column in curves.columns:
         if column.label not in look.styles:
-            known = ", ".join(look.styles)
-            raise InputError(f"curves must be among {known}; got {shown(column.label)}")
+            labels = ", ".join(look.styles)
+            raise InputError(f"curves must be among {labels}; got {shown(column.label)}")
     panels = curves.panels
     shape, axes = new_panels(len(panels), look.across)
     lines: list[Any] = []
-    for one, (heading, columns) in zip(axes, panels.items(), strict=False):
+    for panel, (heading, columns) in zip(axes, panels.items(), strict=False):
         for column in columns:
             style = look.styles[column.label]
             label = pretty(literal(column.label))
-            lines += one.plot(curves.abscissa, column.values, label=label, **style)
-        _label_panel(one, curves, look, heading)
-        _write_notes(one, columns)
+            lines += panel.plot(curves.abscissa, column.values, label=label, **style)
+        _label_panel(panel, curves, look, heading)
+        _write_notes(panel, columns)
     for empty in axes[len(panels) :]:
         empty.set_axis_off()
     if len(panels) > 1:
@@ -129,6 +128,7 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
 
 
 def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None:
+    """Set labels, limits, heading and grid of a panel."""
     ordinate = look.ordinate if isinstance(look.ordinate, str) else look.ordinate[heading]
     ends = curves.abscissa[np.isfinite(curves.abscissa)]
     axes.set(
@@ -144,6 +144,7 @@ def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None
 
 
 def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
+    """Write the notes of curves in the lower right corner of a panel."""
     notes: dict[str, list[str]] = {}
     for column in columns:
         if column.note:
@@ -151,24 +152,24 @@ def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
     text = "\n".join(f"{', '.join(labels)}:\n{note}" for note, labels in notes.items())
     if text:
         box = {"facecolor": "white", "edgecolor": "0.6", "boxstyle": "round,pad=0.3"}
-        place: Style = {"ha": "right", "va": "bottom", "transform": axes.transAxes, "bbox": box}
-        axes.text(0.97, 0.04, pretty(text), fontsize=9, **place)
+        position: Style = {"ha": "right", "va": "bottom", "transform": axes.transAxes, "bbox": box}
+        axes.text(0.97, 0.04, pretty(text), fontsize=9, **position)
 
 
 def broken(words: str, width: int = _WIDE) -> str:
-    """Return words in lines that a title has room for, broken at commas alone."""
+    """Return a text in lines of a width, broken only at commas."""
     lines = words.replace(" ", "\u00a0").replace(",\u00a0", ", ").split("\n")
     return "\n".join(fill(line, width) for line in lines).replace("\u00a0", " ")
 
 
 def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:
-    """Return a colour and a line for each label, apart in colour and in grey print."""
+    """Return a line style for each label; they differ in colour and in grey print."""
     pairs = zip(labels, cycle(COLOURS), cycle(LINES), strict=False)
     return {label: {"color": colour, "ls": line, "lw": width} for label, colour, line in pairs}
 
 
 def law_styles(names: Iterable[str]) -> dict[str, Style]:
-    """Return how the curves of laws are drawn, with a mark at each of their numbers."""
+    """Return the line styles of laws by name, with a marker at each number."""
     kinds = zip(names, (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
     return {
         name: {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
@@ -177,7 +178,7 @@ def law_styles(names: Iterable[str]) -> dict[str, Style]:
 
 
 def new_axes() -> "Axes":
-    """Return the axes of a figure of one panel, with room for a legend beside it."""
+    """Return the axes of a figure of one panel, with room for a legend at its right."""
     import matplotlib.pyplot as plt
 
     _, axes = plt.subplots(figsize=(8.6, 5.6), layout="constrained")
@@ -208,25 +209,25 @@ def fine_grid(axes: "Axes") -> None:
 
 
 def literal(text: str) -> str:
-    """Return a text with names of users, without control characters, in which no $ is a formula."""
+    """Return a text without control characters, in which $ does not begin a formula."""
     return printable(text).replace("$", r"\$")
 
 
 def pretty(text: str) -> str:
-    """Return a label with the report's symbols and with words in place of plain names."""
+    """Return a label with the report's symbols, and words instead of identifiers."""
     for plain, symbol in _SYMBOLS.items():
         text = text.replace(plain, symbol)
     return text
 
 
 def called(name: str, text: str) -> str:
-    """Return a title with the name of the vehicle above it, where there is one."""
+    """Return a title with the name of the vehicle, if any, in a line above."""
     instance("name", name, str, "a text")
     return f"{name}\n{text}" if name else text
 
 
 def cycle(items: Sequence[Any]) -> list[Any]:
-    """Return the items over and over, for more curves than a figure can show."""
+    """Return the items repeated eight times, for more curves than a figure can show."""
     return list(items) * 8
 
 
@@ -247,9 +248,9 @@ def control_plot(lines: list[Any], axes: Any, curves: Curves | None = None) -> "
 
 @dataclass(eq=False)
 class _Drawn:
-    """A `ControlPlot` for those who have not imported python-control, which takes a second.
+    """Substitute of `ControlPlot` while python-control is not imported, which takes a second.
 
-    It is one to `isinstance`, and what only python-control knows is asked there.
+    It is an instance of it to `isinstance`, and delegates further attributes to it.
     """
 
     lines: Any
@@ -258,9 +259,9 @@ class _Drawn:
     curves: Curves | None
     legend: None = None
 
-    def savefig(self, *given: Any, **options: Any) -> None:
+    def savefig(self, *positional: Any, **options: Any) -> None:
         """Write the figure as `matplotlib.figure.Figure.savefig`."""
-        self.figure.savefig(*given, **options)
+        self.figure.savefig(*positional, **options)
 
     @property  # type: ignore[misc]
     def __class__(self) -> Any:
@@ -277,7 +278,7 @@ class _Drawn:
 
 
 def figure_format(path: Path) -> str:
-    """Return the format that the ending of a file says; `InputError` for one that is none."""
+    """Return the format of a figure by the ending of its file; `InputError` for an unknown one."""
     from matplotlib.backend_bases import FigureCanvasBase
 
     kind = path.suffix.lstrip(".").lower()
@@ -289,7 +290,7 @@ def figure_format(path: Path) -> str:
 
 
 def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
-    """Write a figure, whole or not at all, and close it, also where it cannot be written.
+    """Write a figure, whole or not at all, and close it even if it cannot be written.
 
     Parameters
     ----------
@@ -301,7 +302,7 @@ def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
     Raises
     ------
     InputError
-        For what is no figure, an ending that is no format, and a file that cannot be written.
+        For another type than a figure, an unknown ending, and a file that cannot be written.
     """
     import matplotlib.pyplot as plt
     from matplotlib.figure import Figure
@@ -320,18 +321,19 @@ def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
 
 
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
-"""How far from its mark a number may stand, in points; the nearest clear place is taken."""
+"""Distances of a number from its mark, in points, the preferred first."""
 _DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
 _OUTSIDE, _LABEL, _MARK, _LEADER, _CURVE = 100.0, 40.0, 20.0, 10.0, 6.0
+"""Costs of a number outside the frame, and over numbers, marks, their leaders, and curves."""
 _MARK_SIZE = 7.0
 
 
 @dataclass(frozen=True)
 class Mark:
-    """One point.
+    """Point of interest in a figure.
 
-    `x`, `y`: where it is. `text`: what stands beside it; empty for a mark alone. `shape`: marker,
-    as of matplotlib. `name`: entry of the legend; empty for none. `colour`: colour of the mark.
+    `x`, `y`: coordinates. `text`: number or name next to it; empty without. `shape`: marker of
+    matplotlib. `name`: entry of the legend; empty without. `colour`: colour of the mark.
     """
 
     x: float
@@ -342,23 +344,23 @@ class Mark:
     colour: str = INK
 
     def inside(self, axes: "Axes") -> bool:
-        """Whether it lies in the frame."""
-        (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
-        return bool(left <= self.x <= right and low <= self.y <= high)
+        """Return whether the mark lies within the frame."""
+        (x_min, x_max), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+        return bool(x_min <= self.x <= x_max and low <= self.y <= high)
 
 
-def numbered(mark: Mark, told: bool) -> Mark:
+def numbered(mark: Mark, with_number: bool) -> Mark:
     """Return the mark with its number, or without it."""
-    return mark if told else replace(mark, text="")
+    return mark if with_number else replace(mark, text="")
 
 
 def named_once(marks: Iterable[Mark]) -> list[Mark]:
-    """Return marks of one kind, of which the first alone has its entry in the legend."""
+    """Return marks of one kind, with an entry in the legend for the first alone."""
     return [replace(mark, name="") if k else mark for k, mark in enumerate(marks)]
 
 
 def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
-    """Draw the marks without their numbers, and return their lines."""
+    """Return the drawn lines of the marks, without their numbers."""
     lines: list[Any] = []
     for mark in marks:
         style: dict[str, Any] = {"mfc": "white", "mec": mark.colour, "mew": 1.8, "zorder": 6}
@@ -371,7 +373,7 @@ def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
 
 
 def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
-    """Write the numbers beside the marks in the frame, clear of curves and of each other.
+    """Write the numbers of the marks in the frame, clear of curves and of each other.
 
     `panels`: the panels of one figure, with their final frames, titles and legends, and the marks
     in each of them.
@@ -384,20 +386,20 @@ def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
 
 
 def place_numbers(*panels: "Axes") -> None:
-    """Put the numbers of the panels of one figure where they hide least at its present size."""
+    """Place the numbers of a figure's panels at the least cost for its present size."""
     from matplotlib.text import Annotation
 
     _lay_out(panels)
     for axes in panels:
         points, curves = _points(axes), list(_outlines(axes))
-        around = _Around(axes.get_window_extent(), curves, points, [])
+        obstacles = _Obstacles(axes.get_window_extent(), curves, points, [])
         for note in axes.texts:
             if isinstance(note, Annotation) and note.arrow_patch is not None:
-                around.taken.append(_put(note, axes.transData.transform(note.xy), around))
+                obstacles.labels.append(_put(note, axes.transData.transform(note.xy), obstacles))
 
 
 def _lay_out(panels: "Sequence[Axes]") -> None:
-    """Put the panels of a figure where they will be drawn, without drawing them."""
+    """Compute the layout of a figure's panels without drawing them."""
     figure: Any = panels[0].figure
     figure.get_layout_engine().execute(figure)
     for axes in panels:
@@ -405,13 +407,13 @@ def _lay_out(panels: "Sequence[Axes]") -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Around:
-    """What a number must keep clear of, in pixels."""
+class _Obstacles:
+    """Frame, curves, marks and other numbers of a panel, in pixels."""
 
     frame: "Bbox"
     curves: "list[tuple[Polyline, float]]"
     points: FloatArray
-    taken: "list[Bbox]"
+    labels: "list[Bbox]"
 
 
 def _write(axes: "Axes", mark: Mark) -> None:
@@ -430,62 +432,62 @@ def _write(axes: "Axes", mark: Mark) -> None:
     note.set_in_layout(False)
 
 
-def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
-    """Put one number where it hides least, and return the place it takes, in pixels."""
+def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox":
+    """Return the box of a number, in pixels, after moving it to the place of least cost."""
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
     extent = Text.get_window_extent(note)  # of the text alone, without the line to the mark
     size, scale = np.array([extent.width, extent.height]), note.figure.dpi / 72.0
-    found: list[Any] = []
+    candidates: list[Any] = []
     for distance in _DISTANCES:
         for direction in np.array(_DIRECTIONS):
             offset = distance * direction / np.hypot(*direction) ** 0.5
             corner = point + offset * scale + size * (direction - 1) / 2.0
-            place = Bbox.from_bounds(*(corner - 2.0), *(size + 4.0))
-            found.append(
+            box = Bbox.from_bounds(*(corner - 2.0), *(size + 4.0))
+            candidates.append(
                 (
-                    _cost(place, point, around) + 0.02 * distance,
-                    *(len(found), offset, direction, place),
+                    _cost(box, point, obstacles) + 0.02 * distance,
+                    *(len(candidates), offset, direction, box),
                 )
             )
-        if min(one[0] for one in found) <= 0.02 * distance:  # hides nothing: none is better
+        if min(c[0] for c in candidates) <= 0.02 * distance:  # hides nothing: none is better
             break
-    _, _, offset, (right, up), place = min(found, key=lambda one: one[:2])
+    _, _, offset, (x_sign, y_sign), box = min(candidates, key=lambda candidate: candidate[:2])
     note.set_position(tuple(offset))
-    note.set_horizontalalignment(("center", "left", "right")[int(right)])
-    note.set_verticalalignment(("center", "bottom", "top")[int(up)])
-    return place
+    note.set_horizontalalignment(("center", "left", "right")[int(x_sign)])
+    note.set_verticalalignment(("center", "bottom", "top")[int(y_sign)])
+    return box
 
 
-def _cost(place: "Bbox", point: FloatArray, around: _Around) -> float:
+def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
     from matplotlib.path import Path as Polyline
 
-    frame = around.frame
-    leader = Polyline([0.5 * np.add(place.min, place.max), point])
-    out = place.x0 < frame.x0 or place.x1 > frame.x1 or place.y0 < frame.y0 or place.y1 > frame.y1
-    room, points = place.padded(_MARK_SIZE / 2.0), around.points
+    frame = obstacles.frame
+    leader = Polyline([0.5 * np.add(box.min, box.max), point])
+    out = box.x0 < frame.x0 or box.x1 > frame.x1 or box.y0 < frame.y0 or box.y1 > frame.y1
+    room, points = box.padded(_MARK_SIZE / 2.0), obstacles.points
     covered = np.all((points >= room.min) & (points <= room.max), axis=-1)
     return (
         _OUTSIDE * out
-        + _LABEL * sum(bool(place.overlaps(other)) for other in around.taken)
+        + _LABEL * sum(bool(box.overlaps(other)) for other in obstacles.labels)
         + _MARK * int(np.sum(covered))
-        + _LEADER * sum(leader.intersects_bbox(other, filled=True) for other in around.taken)
-        + sum(cost for path, cost in around.curves if path.intersects_bbox(place, filled=False))
+        + _LEADER * sum(leader.intersects_bbox(other, filled=True) for other in obstacles.labels)
+        + sum(cost for path, cost in obstacles.curves if path.intersects_bbox(box, filled=False))
     )
 
 
 def _points(axes: "Axes") -> FloatArray:
-    """The marks of a panel in pixels, ``(n, 2)``."""
-    found = [np.zeros((0, 2))]
+    """Return the marks of a panel in pixels, ``(n, 2)``."""
+    points = [np.zeros((0, 2))]
     for line in axes.get_lines():
         if line.get_linestyle() == "None":
-            found.append(line.get_transform().transform(np.column_stack(line.get_data())))
-    return np.concatenate(found)
+            points.append(line.get_transform().transform(np.column_stack(line.get_data())))
+    return np.concatenate(points)
 
 
 def _outlines(axes: "Axes") -> Iterator[tuple["Polyline", float]]:
-    """The curves and boxes of a panel in pixels, with what it costs to hide them."""
+    """Yield the curves and boxes of a panel in pixels, each with the cost of hiding it."""
     from matplotlib.path import Path as Polyline
 
     for line in axes.get_lines():

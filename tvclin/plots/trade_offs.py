@@ -77,7 +77,7 @@ _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
 def rate_curves(front: RateFront | FlownFront) -> Curves:
-    """Return the curves of `rate_chart`; broken where no deflection is enough."""
+    """Return the curves of `rate_chart`; NaN where no deflection is sufficient."""
     flown = front.limits if isinstance(front, FlownFront) else {}
     front = front.front if isinstance(front, FlownFront) else front
     instance("front", front, RateFront, "see rate_front")
@@ -94,14 +94,14 @@ def rate_curves(front: RateFront | FlownFront) -> Curves:
 def rate_chart(
     front: RateFront | FlownFront, title: str = "Least deflection over rate"
 ) -> ControlPlot:
-    """Draw the least deflection over the rate limit, and the nozzle where its rate is among them.
+    """Draw the minimum deflection over the rate limit, and the nozzle if its rate is in the range.
 
     Parameters
     ----------
     front : RateFront or FlownFront
-        As of `rate_front`, or of `flown_fronts` with a curve of each law.
+        Result of `rate_front`, or of `flown_fronts` with a curve of each law.
     title : str
-        Stands above the figure.
+        Title of the figure.
     """
     curves = rate_curves(front)
     plot = draw(curves, Look(title, "deflection [deg]", _RATES))
@@ -110,22 +110,22 @@ def rate_chart(
 
 
 def load_curves(front: LoadFront, flown: Sequence[FlownLoad] = ()) -> Curves:
-    """Return the curves of `load_chart`; broken where no deflection is enough."""
+    """Return the curves of `load_chart`; NaN where no deflection is sufficient."""
     instance("front", front, LoadFront, "see load_front")
     flown = each("flown", flown, FlownLoad, "one for each law")
     points = {}
     if front.limit is not None:
         if front.load is not None:
             points[_NOZZLE] = front.load
-        points |= {one.law: one.load for one in flown if np.isfinite(one.load)}
+        points |= {flight.law: flight.load for flight in flown if np.isfinite(flight.load)}
     loads = np.unique(np.concatenate([front.loads, list(points.values())]))
 
-    def over(values: FloatArray) -> FloatArray:
+    def interpolated(values: FloatArray) -> FloatArray:
         return np.interp(loads, front.loads, _broken(values), left=np.nan)
 
-    values = {WIND_KNOWN: over(front.limits)}
+    values = {WIND_KNOWN: interpolated(front.limits)}
     if front.bounds is not None:
-        values[NO_FORECAST] = over(front.bounds)
+        values[NO_FORECAST] = interpolated(front.bounds)
     for name, load in points.items():
         values[name] = np.where(loads == load, front.limit or np.nan, np.nan)
     columns = [Column(name, np.degrees(angles), "deg") for name, angles in values.items()]
@@ -138,16 +138,16 @@ def load_chart(
     flown: Sequence[FlownLoad] = (),
     title: str = "Least deflection over the largest load",
 ) -> ControlPlot:
-    """Draw the least deflection over the load, the nozzle where it has a load, and flights.
+    """Draw the minimum deflection over the load, the nozzle if it has a load, and flights.
 
     Parameters
     ----------
     front : LoadFront
-        As of `load_front`.
+        Result of `load_front`.
     flown : sequence of FlownLoad
         Flights of laws with the limit of the front.
     title : str
-        Stands above the figure.
+        Title of the figure.
     """
     curves = load_curves(front, flown)
     styles = _LOADS | dict(zip([one.law for one in flown], _FLOWN, strict=False))
@@ -159,31 +159,33 @@ def load_chart(
 
 
 def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
-    """Draw what margins cost: the least deflection over the disk margin that is asked for.
+    """Draw the minimum deflection over the required disk margin.
 
     Parameters
     ----------
     fronts : sequence of GainsFront
-        Of one vehicle in one set of winds, over the same disk margins: of two gains and of three,
-        of linear peaks and of limits that were flown.
+        Trade-off curves of one vehicle in one set of winds, over the same disk margins: for two
+        gains or three, for linear peaks or flown limits.
 
     Raises
     ------
     InputError
-        For none, and for fronts over different disk margins.
+        For no curve, and for curves over different disk margins.
     """
-    every = each("fronts", fronts, GainsFront, "see least_gains_front")
-    if not every:
+    fronts = each("fronts", fronts, GainsFront, "see least_gains_front")
+    if not fronts:
         raise InputError("fronts must be one or more; got none")
-    disk = every[0].disk_margin
-    if any(not np.array_equal(one.disk_margin, disk) for one in every):
+    disk = fronts[0].disk_margin
+    if any(not np.array_equal(front.disk_margin, disk) for front in fronts):
         raise InputError("fronts must be over the same disk margins")
     columns, styles = [], dict(_MARGINS)
-    for k, one in enumerate(every):
-        label = f"{plural(len(one.gains), 'gain')}, {_MEANS[one.meaning]}"
-        columns.append(Column(label, _broken(one.relative)))
+    for k, front in enumerate(fronts):
+        label = f"{plural(len(front.gains), 'gain')}, {_MEANS[front.meaning]}"
+        columns.append(Column(label, _broken(front.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
-    columns += [Column(name, np.full(disk.shape, value)) for name, value in every[0].limits.items()]
+    columns += [
+        Column(name, np.full(disk.shape, value)) for name, value in fronts[0].limits.items()
+    ]
     curves = Curves(
         "least-gains",
         "least deflection over the disk margin that is asked for",
@@ -199,7 +201,7 @@ def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
 
 
 def _broken(values: FloatArray) -> FloatArray:
-    """Values with NaN where no deflection is enough."""
+    """Return the values with NaN instead of infinity, where no deflection is sufficient."""
     return np.where(np.isinf(values), np.nan, values)
 
 
@@ -221,20 +223,20 @@ def laws_chart(
     tau_beta: FloatArray = TAU_BETA,
     **hardware: Any,
 ) -> ControlPlot:
-    """Draw the boundary of each law over tau*beta, with the limits that they are measured by.
+    """Draw the boundary of each law over tau*beta, with required limits and lower bounds.
 
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        The plant that flies; what laws are measured by is of the rigid one.
+        One plant; required limits and lower bounds are those of the rigid vehicle.
     laws : mapping of str to Law
-        By name, as of `standard_laws`.
+        Laws by name, such as `standard_laws`.
     peak : float
         Peak of the triangular winds [rad].
     tau_beta : ndarray
         Durations times beta, or with damping the pole, rising, ``(n,)``.
     **hardware
-        sample_rate, rate_limit, actuator and delay, as of `law_trials`.
+        sample_rate, rate_limit, actuator and delay, see `law_trials`.
 
     Notes
     -----
@@ -276,12 +278,12 @@ def laws_chart(
 
 
 def _smooth(line: Line2D) -> None:
-    """Draw a line through its points without corners and without swinging, marks at the points."""
+    """Replace a line by a monotone cubic through its points, with marks at the points."""
     from scipy.interpolate import PchipInterpolator
 
     x, y = (np.asarray(values, dtype=float) for values in line.get_data())
-    known = np.isfinite(y)
-    if known.sum() < x.size or x.size < 3:  # where there is no boundary the line is broken
+    finite = np.isfinite(y)
+    if finite.sum() < x.size or x.size < 3:  # where there is no boundary the line is broken
         return
     fine = np.unique([*x, *np.linspace(x[0], x[-1], _FINE)])
     line.set_data(fine, PchipInterpolator(x, y)(fine))
@@ -291,8 +293,8 @@ def _smooth(line: Line2D) -> None:
 TRIMS, MEANS = "trim, over time", "mean of the trim to come"
 HELD, STOP = "held from the dead band on", "the stop at the least limit"
 _TIMES, _SIDES = 240, 360
-_ROOM = 0.06
-"""Around what is drawn, over its size."""
+_FRAME_MARGIN = 0.06
+"""Margin of the frame around the curves, over their size."""
 
 
 def plane_chart(
@@ -302,68 +304,71 @@ def plane_chart(
     dead_band: float = 1.0,
     yaw_plant: Plant | None = None,
 ) -> ControlPlot:
-    """Draw the deflections that a wind asks for in pitch and yaw, against the stop.
+    """Draw the required deflections in pitch and yaw over a wind, and the limit shape.
 
-    The trim deflection wanders with the wind; the mean of the trim to come, discounted, is what
-    must be held from then on, eq (4b). The least limit is that at which the stop reaches the mean
-    where the dead band is left, which is held.
+    The trim deflection follows the wind. The discounted mean of the future trim is the constant
+    deflection that suffices from then on, eq (4b). At the smallest limit the limit shape touches
+    this mean at the exit of the dead band.
 
     Parameters
     ----------
     plant, wind, stop, dead_band, yaw_plant
-        As of `plane_limit`, one of each; a stop may be a word, as of `size`.
+        Single ones, as in `plane_limit`; a limit shape may be given by name, as in `size`.
 
     Raises
     ------
     InputError
-        As `plane_limit`, and for batches.
+        In the same cases as `plane_limit`, and for batches.
     """
     shape = stop_of(stop)
     checked(plant, wind, shape, yaw_plant)
-    for name, one in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
-        single(name, one.batch)
+    for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
+        single(name, plane_plant.batch)
     dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-    found = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
+    limit = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
     pair = Pair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
     ends = float(wind.onset), float(wind.end)
     times = np.union1d(knots[(knots > ends[0]) & (knots < ends[1])], np.linspace(*ends, _TIMES))
-    around = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
-    held = found.in_plane + 1j * found.across
+    angles = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
+    constant = limit.in_plane + 1j * limit.across
     vectors = {
-        STOP: found.deflection * shape.reach(around) * unit_vector(around),
+        STOP: limit.deflection * shape.reach(angles) * unit_vector(angles),
         TRIMS: pair.trim(times),
         MEANS: pair.held(times),
-        HELD: np.array([0.0, held]),
+        HELD: np.array([0.0, constant]),
     }
-    whole = np.concatenate(list(vectors.values())) * (180.0 / np.pi)
+    points = np.concatenate(list(vectors.values())) * (180.0 / np.pi)
     first, columns = 0, []
     for label, values in vectors.items():
-        across = np.full(whole.size, np.nan)
-        across[first : first + values.size] = whole[first : first + values.size].imag
+        across = np.full(points.size, np.nan)
+        across[first : first + values.size] = points[first : first + values.size].imag
         columns.append(Column(label, across, "deg"))
         first += values.size
     words = (
-        f"{plant.model}, K = {dead_band:g}, limit {np.degrees(found.deflection):.4f} deg, pitch"
-        f" alone {np.degrees(found.pitch_alone):.4f} deg"
+        f"{plant.model}, K = {dead_band:g}, limit {np.degrees(limit.deflection):.4f} deg, pitch"
+        f" alone {np.degrees(limit.pitch_alone):.4f} deg"
     )
-    curves = Curves("planes", words, "deflection in pitch [deg]", whole.real, tuple(columns))
+    curves = Curves("planes", words, "deflection in pitch [deg]", points.real, tuple(columns))
     title = called(plant.coefficients.name, f"Deflection that a wind needs in both planes\n{words}")
     look = Look(title, "deflection in yaw [deg]", _styles())
     plot = draw(curves, look)
-    axes, most = plot.axes[0, 0], (1.0 + _ROOM) * np.abs([whole.real, whole.imag]).max()
-    axes.set(xlim=(-most, most), ylim=(-most, most))
+    axes, half_width = (
+        plot.axes[0, 0],
+        (1.0 + _FRAME_MARGIN) * np.abs([points.real, points.imag]).max(),
+    )
+    axes.set(xlim=(-half_width, half_width), ylim=(-half_width, half_width))
     axes.set_aspect("equal")
     return plot
 
 
 def study_planes_chart(study: Study) -> ControlPlot:
-    """Draw the same of a study whose wind has a direction.
+    """Draw the deflections in pitch and yaw of a study, as `plane_chart` does.
 
     Raises
     ------
     InputError
-        For a study of a wind without one, and as `plane_chart`.
+        For a study of a wind without direction, and in the same cases as `plane_chart`.
     """
     instance("study", study, Study, "see Study.from_vehicle")
     if study.slanting is None or study.planes is None:

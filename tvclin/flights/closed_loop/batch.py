@@ -69,44 +69,44 @@ def frequency(actuator: Actuator | None) -> FloatArray:
 
 
 def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
-    """Return in how many substeps each part ``(p, parts)`` of a step may have to be walked.
+    """Return the number of substeps of each part of a sample, ``(p, parts)``.
 
-    One where the samples of the law are as close as the nozzle needs; more where they are not.
+    It is one if the samples of the law are short enough for the nozzle.
 
-    `frequencies`: of the nozzles [rad/s], ``(p,)``. `lengths`: of a step and its parts [s], ``(p, 1
-    + parts)``.
+    `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths of a
+    sample and of its parts before and after the command [s], ``(p, 1 + parts)``.
     """
-    turns = frequencies[:, np.newaxis] * lengths
-    wanted = np.maximum(np.ceil(SUBSTEPS * turns[:, 1:] - 1e-9), 1.0)
-    return np.where(turns[:, :1] > COARSE, wanted, 1.0).astype(np.int64)
+    angles = frequencies[:, np.newaxis] * lengths
+    substeps = np.maximum(np.ceil(SUBSTEPS * angles[:, 1:] - 1e-9), 1.0)
+    return np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64)
 
 
 def joint_steps(moving: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
     """Return J of `Flights` for a vehicle with its nozzle, see `plant_with_actuator`.
 
-    The wind goes on as the polynomial that it is now.
+    The wind is the polynomial of its present piece.
     """
     steps = connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ()).to_steps(parts.T)
     order = len(moving.states)
     J = beside(steps.A[..., :order], steps.B, steps.A[..., order:])[..., :order, :]
     if order == vehicle:
-        # Without a nozzle the deflection is a state all the same: at its command at once.
+        # Without an actuator the deflection is a state too, equal to its command.
         J = np.insert(np.insert(J, order, 0.0, axis=-1), order, 0.0, axis=-2)
         J[..., order, order + 1] = 1.0
     return np.ascontiguousarray(np.swapaxes(J, 0, 1))
 
 
-def even_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
-    """Return the ramp of `Flights`, of a plant whose deflection goes evenly from a to b in a part.
+def ramp_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
+    """Return the ramp of `Flights`: the step of a plant with the deflection a + (b - a) t/h.
 
-    As a polynomial it is a + (b - a) t/h.
+    `parts`: lengths h of the parts of a sample [s], ``(p, parts)``.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
     moved = connect([plant, polynomial_input("deflection", 2)], (), ()).to_steps(parts.T).A
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:
-        # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
+        # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the constant rate of the part
         b3 = np.broadcast_to(plant.B[:, np.newaxis, :, 2], rise.shape)
         later = (free @ b3[..., np.newaxis])[..., 0]
         rise, kick = rise + (later - b3) / span, [-later, b3]
@@ -114,30 +114,33 @@ def even_steps(plant: LinearSystem, parts: FloatArray) -> FloatArray:
 
 
 def sensed_rows(plant: LinearSystem) -> FloatArray:
-    """Return attitude, rate, path and angle of attack as sensors give them, of states and wind."""
+    """Return the rows of measured attitude, rate, path and angle of attack, ``(p, 4, n + 1)``.
+
+    They act on the states and the wind.
+    """
     n, rows = len(plant.states), np.zeros((len(plant.C), 4, len(plant.states) + 1))
-    places = {name: k for k, name in enumerate(plant.outputs)}
+    columns = {name: k for k, name in enumerate(plant.outputs)}
     for row, name in enumerate(
         ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
     ):
-        k = places.get(f"sensed_{name}", places.get(name))
+        k = columns.get(f"sensed_{name}", columns.get(name))
         if k is not None:
             rows[:, row, :n], rows[:, row, n] = plant.C[:, k], plant.D[:, k, 1]
     return rows
 
 
-_SPAN = 0.5
-"""Exponentials become polynomials on pieces so wide, over their rate."""
+_PIECE_LENGTH_TIMES_RATE = 0.5
+"""Longest piece on which an exponential becomes a polynomial, times its rate."""
 _TERMS = 10
-"""0.5^11/11! is below 2e-11."""
+"""Degree of that polynomial: its error, 0.5^11/11!, is below 2e-11."""
 
 
 def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
     """Return a batch of winds as polynomials between breakpoints.
 
     Breakpoints ``(winds, k)`` and coefficients ``(winds, k, degree + 1)``, lowest power first.
-    Winds of straight lines stay exact; pieces with exponentials are cut until a polynomial
-    stands for them to 2e-11 of their size.
+    Piecewise linear winds are exact; pieces with exponentials are divided until a polynomial
+    approximates them to 2e-11 of their magnitude.
     """
     pieces = wind.pieces
     batch = pieces.batch or (1,)
@@ -151,19 +154,21 @@ def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
     edges = _cut(knots, np.abs(rates).max(axis=-1))
     flat = type(pieces)(knots, c, rates)
     index, u = locate(flat, edges)
-    here = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
-    order = here.shape[-1] + _TERMS
-    found = np.zeros((*edges.shape, order), dtype=complex)
+    local = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
+    order = local.shape[-1] + _TERMS
+    coefficients = np.zeros((*edges.shape, order), dtype=complex)
     for k in range(_TERMS + 1):
         growth = rates[:, np.newaxis, :, np.newaxis] ** k / factorial(k)
-        found[..., k : k + here.shape[-1]] += (here * growth).sum(axis=-2)
-    return edges, np.ascontiguousarray(np.real(found))
+        coefficients[..., k : k + local.shape[-1]] += (local * growth).sum(axis=-2)
+    return edges, np.ascontiguousarray(np.real(coefficients))
 
 
 def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
-    """Knots with as many more between them as the fastest rate of any wind asks for."""
+    """Return the knots with further ones between them, as the fastest rate of any wind requires."""
     widths = np.diff(knots, axis=-1)
-    parts = np.ceil((widths * fastest[:, np.newaxis]).max(axis=0, initial=0.0) / _SPAN)
+    parts = np.ceil(
+        (widths * fastest[:, np.newaxis]).max(axis=0, initial=0.0) / _PIECE_LENGTH_TIMES_RATE
+    )
     columns = [
         knots[:, k : k + 1] + widths[:, k : k + 1] * np.arange(n) / n
         for k, n in enumerate(np.maximum(parts, 1.0).astype(int))
@@ -172,16 +177,17 @@ def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
 
 
 SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
-"""What the sensors give, as of `Measurement`."""
+"""Names of the sensor outputs, in the order of `Measurement`."""
 
 
 class Memory(NamedTuple):
-    """What a step makes of the s states of laws with their filters, for each flight or for all.
+    """Step of the s states of laws with their filters, for each of l flights or for all.
 
-    Each row acts on the states, then on what is sensed, five numbers, and what a law asks for.
+    Each row acts on the states, the five sensor outputs, and the demand of the law.
 
-    `moved`: the next states, ``(l, s, s + 6)``. `seen`: what the laws see, ``(l, 5, s + 6)``; of no
-    length without filters. `told`: what the limit is told, ``(l, s + 6)``; likewise.
+    `moved`: rows of the next states, ``(l, s, s + 6)``. `seen`: rows of the law's inputs behind the
+    filters, ``(l, 5, s + 6)``; empty without filters. `told`: row of the filtered demand, ``(l, s +
+    6)``; empty without filters.
     """
 
     moved: FloatArray
@@ -193,9 +199,9 @@ class Memory(NamedTuple):
 class LawBatch:
     """The laws of m flights.
 
-    `laws`: those that there are; none where a batch of gains stands for them. `numbers`: of each;
-    None where Python must be asked. `chains`: the filters of each law; of all at once where a batch
-    of gains stands for them. `which`: the law of each flight, ``(m,)``.
+    `laws`: the different laws; empty for a batch of gains. `numbers`: parameters of each for the
+    kernel; None for a law that Python evaluates. `chains`: filters of each law; one entry for a
+    batch of gains. `which`: index of the law of each flight, ``(m,)``.
     """
 
     laws: tuple[Law, ...]
@@ -205,17 +211,17 @@ class LawBatch:
 
     @property
     def noise(self) -> list[tuple[float, int]]:
-        """The noise of each law: a level [rad/s] and a seed."""
+        """Noise level [rad/s] and seed of each law."""
         return [law.rate_noise for law in self.laws] or [(0.0, 0)] * len(self.numbers)
 
     def memory(self, lengths: FloatArray) -> Memory:
-        """Return what steps [s] ``(m,)`` make of the states of the laws and their filters."""
-        integral = any(one is not None and one.first_state for one in self.numbers)
+        """Return the steps of lengths [s] ``(m,)`` of the states of laws and filters."""
+        integral = any(law is not None and law.first_state for law in self.numbers)
         systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
         size = max(
-            len(own.states) + sum(one.order for chain in chains for one in chain)
-            for own, chains in zip(systems, self.chains, strict=True)
+            len(system.states) + sum(filter_.order for chain in chains for filter_ in chain)
+            for system, chains in zip(systems, self.chains, strict=True)
         )
         wide = size + MEASURED + 1
         filtered = any(any(chains) for chains in self.chains)
@@ -226,12 +232,12 @@ class LawBatch:
         moved = np.zeros((lengths.size, size, wide))
         seen = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
         told = np.zeros((lengths.size if filtered else 0, wide))
-        for k, (own, chains) in enumerate(zip(systems, self.chains, strict=True)):
-            mine = np.flatnonzero(which == k)
-            one = _with_filters(own, chains, lengths[mine], size)
-            moved[mine] = one.moved
+        for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
+            flights = np.flatnonzero(which == k)
+            memory = _with_filters(system, chains, lengths[flights], size)
+            moved[flights] = memory.moved
             if filtered:
-                seen[mine], told[mine] = one.seen, one.told
+                seen[flights], told[flights] = memory.seen, memory.told
         return Memory(moved, seen, told)
 
 
@@ -245,23 +251,25 @@ def shape_of(law: Any) -> tuple[int, ...]:
 def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     """Return the laws of a batch of flights of this shape.
 
-    `InputError` for what is no law, and for an autopilot with an actuator or a delay.
+    `InputError` for another type than a law, and for an autopilot with an actuator or a delay.
     """
     if isinstance(law, Autopilot):
         return _gains(law, shape)
     laws = _array(law)
-    different = {id(one): one for one in laws.flat}
-    places = {key: k for k, key in enumerate(different)}
-    index = np.array([places[id(one)] for one in laws.flat], dtype=np.int64).reshape(laws.shape)
-    every = tuple(different.values())
-    numbers = [one.numbers for one in every]
-    chains = [one.chains for one in every]
-    return LawBatch(every, numbers, chains, np.broadcast_to(index, shape).ravel())
+    different = {id(element): element for element in laws.flat}
+    position = {key: k for k, key in enumerate(different)}
+    index = np.array([position[id(element)] for element in laws.flat], dtype=np.int64)
+    distinct = tuple(different.values())
+    numbers = [element.numbers for element in distinct]
+    chains = [element.chains for element in distinct]
+    which = np.broadcast_to(index.reshape(laws.shape), shape).ravel()
+    return LawBatch(distinct, numbers, chains, which)
 
 
 def _array(law: Any) -> AnyArray:
+    """Return an array of laws; `InputError` for another type."""
     laws = np.asarray(law, dtype=object)
-    if not laws.size or laws.ndim > MAX_AXES or not all(isinstance(one, Law) for one in laws.flat):
+    if not laws.size or laws.ndim > MAX_AXES or not all(isinstance(x, Law) for x in laws.flat):
         raise InputError(
             "law must be a Law such as TrimLaw, an array of them, or an Autopilot with a batch of"
             f" gains; got {type(law).__name__}"
@@ -270,19 +278,21 @@ def _array(law: Any) -> AnyArray:
 
 
 def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
-    late = gains.actuator is not None or np.any(np.asarray(gains.delay))
-    if late or gains.sample_rate is not None:
+    """Return the laws of an autopilot with a batch of gains."""
+    has_hardware = gains.actuator is not None or np.any(np.asarray(gains.delay))
+    if has_hardware or gains.sample_rate is not None:
         raise InputError(
             "an autopilot is flown for its gains and filters only: give actuator, delay and"
             " sample_rate to the flight"
         )
     chains = Chains(gains.attitude_filters, gains.rate_filters, gains.filters)
-    if any(one.batch for chain in chains for one in chain):
+    if any(filter_.batch for chain in chains for filter_ in chain):
         raise InputError(
             "an autopilot with a batch of filters is flown as an array of SaturatedLaw, one each"
         )
     fields = (gains.attitude_gain, gains.rate_gain, gains.alpha_gain, gains.integral_gain)
-    rows = zip(*(np.broadcast_to(one, gains.batch).ravel().tolist() for one in fields), strict=True)
+    columns = (np.broadcast_to(gain, gains.batch).ravel().tolist() for gain in fields)
+    rows = zip(*columns, strict=True)
     numbers: list[LawNumbers | None] = [
         LawNumbers(attitude=a, attitude_rate=r, angle_of_attack=b, first_state=i)
         for a, r, b, i in rows
@@ -291,12 +301,12 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
     return LawBatch((), numbers, [chains], np.broadcast_to(index, shape).ravel())
 
 
-def _with_filters(own: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
-    """The memory of one law in steps of the lengths [s] ``(m,)``, with rows for `size` states.
+def _with_filters(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
+    """Return the step of one law and its filters, of lengths [s] ``(m,)``, padded to `size` states.
 
-    Its own states first, then those of each chain.
+    The law's states come first, then those of each chain.
     """
-    blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), own, SENSED[:2], lengths)
+    blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     law = connect(blocks, (*SENSED, LAW_OUTPUT), (*LAW_INPUTS, RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]
@@ -308,10 +318,11 @@ def _with_filters(own: LinearSystem, chains: Chains, lengths: FloatArray, size: 
 
 @dataclass(frozen=True, eq=False)
 class Hardware:
-    """What stands between a law and the deflection.
+    """Hardware between a law and the deflection.
 
-    `length`, `delay`: of a sample and of computing [s]. `actuator`: one or a batch, which
-    broadcasts with them. `rate_limit`: of the deflection [rad/s], of the shape of the flights.
+    `length`: sample period [s]. `delay`: computing delay [s]. `actuator`: one or a batch, which
+    broadcasts with them. `rate_limit`: limit of the deflection rate [rad/s], of the shape of the
+    flights.
     """
 
     length: float | FloatArray
@@ -321,33 +332,33 @@ class Hardware:
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """The shape of all but the rate limit."""
-        own = () if self.actuator is None else self.actuator.batch
-        return np.broadcast_shapes(own, np.shape(self.length), np.shape(self.delay))
+        """Shape of the batch, without the rate limit."""
+        actuators = () if self.actuator is None else self.actuator.batch
+        return np.broadcast_shapes(actuators, np.shape(self.length), np.shape(self.delay))
 
     def some(
         self, which: IntArray, shape: tuple[int, ...], flights: IntArray, flown: tuple[int, ...]
     ) -> Hardware:
-        """Return that of vehicles of a batch of a shape, and of flights of theirs."""
+        """Return the hardware of vehicles `which` of a batch, with the rate limits of `flights`."""
         actuator = self.actuator
         if actuator is not None:
-            damping = None if actuator.damping is None else some(actuator.damping, shape, which)
-            frequency = some(actuator.natural_frequency, shape, which)
+            damping = None if actuator.damping is None else elements(actuator.damping, shape, which)
+            frequency = elements(actuator.natural_frequency, shape, which)
             actuator = Actuator(natural_frequency=frequency, damping=damping)
-        length, delay = (some(a, shape, which) for a in (self.length, self.delay))
-        return Hardware(length, delay, actuator, some(self.rate_limit, flown, flights))
+        length, delay = (elements(a, shape, which) for a in (self.length, self.delay))
+        return Hardware(length, delay, actuator, elements(self.rate_limit, flown, flights))
 
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What is flown: all of one shape, which is flattened, but for plants, hardware and winds.
+    """Plants, hardware, laws, winds and limits of a batch of flights.
 
-    `plant`, `hardware`, `wind`: one each or a batch, which broadcast with the shape; or as
-    `vehicle` and `met` say. `laws`: of the flights. `limit`: of the deflection [rad], of the shape
-    of the batch. `shape`: of the batch. `gain`: factor on what each asks for, of the same shape.
-    `until`: when flights end [s]; infinite for when they are decided. `vehicle`, `met`: the vehicle
-    (plant with hardware) and the wind of each flight, by their places in their own batches,
-    ``(m,)``.
+    `plant`, `hardware`, `wind`: one each or a batch, which broadcasts with the shape, unless
+    `vehicle` and `encountered` are given. `laws`: laws of the flights. `limit`: deflection limits
+    [rad], of the shape of the batch. `shape`: shape of the batch. `gain`: factors on the demands,
+    of the same shape. `until`: end of the flights [s]; infinite until they are decided. `vehicle`,
+    `encountered`: indices of the vehicle (plant with hardware) and the wind of each flight in their
+    batches, ``(m,)``.
     """
 
     plant: AnyPlant
@@ -359,42 +370,44 @@ class Batch:
     gain: float | FloatArray = 1.0
     until: float = np.inf
     vehicle: IntArray | None = None
-    met: IntArray | None = None
+    encountered: IntArray | None = None
 
     @property
     def vehicles(self) -> tuple[int, ...]:
-        """The shape of the batch of vehicles."""
+        """Shape of the batch of vehicles."""
         return np.broadcast_shapes(self.plant.batch, self.hardware.batch)
 
     @property
-    def places(self) -> tuple[IntArray, IntArray]:
-        """The vehicle and the wind of each flight, ``(m,)``."""
-        vehicle, met = self.vehicle, self.met
-        if vehicle is None or met is None:
-            vehicle, met = (places_in(a, self.shape) for a in (self.vehicles, self.wind.batch))
-        return vehicle, met
+    def indices(self) -> tuple[IntArray, IntArray]:
+        """Indices of the vehicle and the wind of each flight, ``(m,)``."""
+        vehicle, encountered = self.vehicle, self.encountered
+        if vehicle is None or encountered is None:
+            vehicle, encountered = (
+                indices_in(a, self.shape) for a in (self.vehicles, self.wind.batch)
+            )
+        return vehicle, encountered
 
     def delayed(self, delay: float | FloatArray) -> Batch:
-        """Return the same with another delay of computing [s]."""
+        """Return the batch with another computing delay [s]."""
         return replace(self, hardware=replace(self.hardware, delay=delay))
 
-    def only(self, good: BoolArray) -> Batch:
-        """Return those flights of the batch, each vehicle and wind that they need once."""
-        own, where = self.vehicles, np.flatnonzero(good)
-        (fleet, vehicle), (winds, met) = (
-            np.unique(a[where], return_inverse=True) for a in self.places
+    def only(self, mask: BoolArray) -> Batch:
+        """Return the flights of a mask, with only their vehicles and winds."""
+        shape, where = self.vehicles, np.flatnonzero(mask)
+        (fleet, vehicle), (winds, encountered) = (
+            np.unique(a[where], return_inverse=True) for a in self.indices
         )
         return replace(
             self,
-            plant=self.plant.cases(fleet, own),
-            hardware=self.hardware.some(fleet, own, where, self.shape),
+            plant=self.plant.cases(fleet, shape),
+            hardware=self.hardware.some(fleet, shape, where, self.shape),
             wind=self.wind.cases(winds, self.wind.batch),
             laws=replace(self.laws, which=self.laws.which[where]),
-            limit=some(self.limit, self.shape, where),
+            limit=elements(self.limit, self.shape, where),
             shape=where.shape,
-            gain=some(self.gain, self.shape, where),
+            gain=elements(self.gain, self.shape, where),
             vehicle=vehicle,
-            met=met,
+            encountered=encountered,
         )
 
 
@@ -407,44 +420,45 @@ def one_flight(
     gain: float = 1.0,
     until: float = np.inf,
 ) -> Batch:
-    """Return the batch of a single flight; the arguments are those of `Batch`."""
+    """Return the batch of a single flight; parameters are those of `Batch`."""
     return Batch(plant, hardware, wind, law_batch(law, ()), limit, (), gain, until)
 
 
-def some(array: float | FloatArray, shape: tuple[int, ...], which: IntArray) -> FloatArray:
-    """Return those elements of an array that broadcasts to a shape, flat."""
+def elements(array: float | FloatArray, shape: tuple[int, ...], which: IntArray) -> FloatArray:
+    """Return the elements `which` of an array broadcast to a shape and flattened."""
     return np.asarray(np.broadcast_to(array, shape).ravel()[which])
 
 
-def places_in(own: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
-    """Return the position of each element of a batch in a smaller one that broadcasts to it."""
-    index = np.arange(int(np.prod(own)), dtype=np.int64).reshape(own)
+def indices_in(batch: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
+    """Return the index of each element of a shape in a smaller batch that broadcasts to it."""
+    index = np.arange(int(np.prod(batch)), dtype=np.int64).reshape(batch)
     return np.broadcast_to(index, shape).flatten()
 
 
-_LONGEST = 1_000_000
-"""Samples after its wind in which a flight may be decided; then it stays undecided."""
-_AT_ONCE = 1e100
-"""Bandwidth [1/s] of no nozzle at all."""
+_MAX_SAMPLES_AFTER_WIND = 1_000_000
+"""Largest number of samples after the wind until a flight is undecided."""
+_IDEAL_BANDWIDTH = 1e100
+"""Bandwidth [1/s] of a nozzle without actuator."""
 
 
 def flights(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the flights of a batch at their start, at rest; of one alone with its track.
+    """Return the arrays of the flights of a batch at their start, in equilibrium.
 
-    All arrays can be written to: the kernel is compiled anew for those that can not.
+    `track`: whether the samples of a single flight are recorded. All arrays are writable: the
+    kernel would be compiled again for others.
     """
-    own, (vehicle, met) = batch.vehicles, batch.places
+    own, (vehicle, encountered) = batch.vehicles, batch.indices
     knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     terms = pieces.shape[2]
     steps = _steps(batch, own, terms)
-    judges, place = outcome_criteria(batch.plant), places_in(batch.plant.batch, own)
+    judges, place = outcome_criteria(batch.plant), indices_in(batch.plant.batch, own)
     cases, noise = _cases(batch, judges, place)
     h = steps.lengths[vehicle, 0]
     memory = batch.laws.memory(h)
     N = steps.joint.shape[2]
     plant = batch.plant.system.cases(np.arange(int(np.prod(own))), own)
-    now = _at_rest(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
-    now.piece[:] = (knots[met] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
+    now = _equilibrium(vehicle.size, len(plant.states), steps, terms, memory.moved.shape[1])
+    now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
     return Flights(
         steps=steps,
@@ -466,9 +480,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
 
 
 def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
-    """The steps of vehicles in winds of so many terms.
+    """Return the steps of vehicles in winds of `terms` polynomial coefficients.
 
-    They are of a whole sample, and of its parts before and after a late command.
+    A sample has a part before and a part after the arrival of a delayed command.
     """
     hardware, every = batch.hardware, np.arange(int(np.prod(own)))
     plant = batch.plant.system.cases(every, own)
@@ -476,7 +490,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
     late, rest = split_delay(delay, length)
     parts = [length - rest, rest] if np.any(rest) else [length]
     lengths = np.stack([length, *parts], axis=-1)
-    pace = np.minimum(_spread(quickness(hardware.actuator), own), _AT_ONCE)[:, np.newaxis]
+    pace = np.minimum(_spread(quickness(hardware.actuator), own), _IDEAL_BANDWIDTH)[:, np.newaxis]
     substeps = substeps_of(_spread(frequency(hardware.actuator), own), lengths)
     short = lengths[:, 1:] / substeps
     moving = plant_with_actuator(batch.plant, hardware.actuator).cases(every, own)
@@ -486,7 +500,7 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
         joint=joint,
         fine=joint_steps(moving, n, short, terms) if np.any(substeps > 1) else joint,
         substeps=substeps,
-        ramp=even_steps(plant, short),
+        ramp=ramp_steps(plant, short),
         lengths=lengths,
         short=short,
         quick=np.where(short > 0.0, pace * short, 0.0),
@@ -495,21 +509,27 @@ def _steps(batch: Batch, own: tuple[int, ...], terms: int) -> Steps:
 
 
 def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Cases, FloatArray]:
-    """What each flight has, and the rows of noise; judges stand at a place for each vehicle."""
-    shape, (vehicle, met) = batch.shape, batch.places
+    """Return the parameters of each flight, and rows of noise.
+
+    `place`: index of each vehicle's criteria in `judges`.
+    """
+    shape, (vehicle, encountered) = batch.shape, batch.indices
     h = _spread(batch.hardware.length, batch.vehicles)[vehicle]
-    start, end = (a.ravel()[met] for a in (batch.wind.onset, batch.wind.end))
+    start, end = (a.ravel()[encountered] for a in (batch.wind.onset, batch.wind.end))
     known = ~np.isnan(judges.reach[place][vehicle])
     waiting, settling = (
         np.ceil(np.where(known, a[place][vehicle], 0.0) / h)
         for a in (judges.waiting, judges.settling)
     )
-    waiting = -(-np.minimum(waiting, _LONGEST) // kernel.JUDGED_SAMPLES) * kernel.JUDGED_SAMPLES
+    waiting = (
+        -(-np.minimum(waiting, _MAX_SAMPLES_AFTER_WIND) // kernel.JUDGED_SAMPLES)
+        * kernel.JUDGED_SAMPLES
+    )
     finish, ends = (_samples(a - start, h) for a in (np.full(h.shape, batch.until), end))
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     cases = Cases(
         vehicle=vehicle,
-        wind=met,
+        wind=encountered,
         law=batch.laws.which.copy(),
         sequence=sequence,
         gain=_spread(batch.gain, shape),
@@ -524,8 +544,11 @@ def _cases(batch: Batch, judges: OutcomeCriteria, place: IntArray) -> tuple[Case
     return cases, noise
 
 
-def _at_rest(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
-    """The state of m flights of n states, in winds of so many terms, of laws that remember."""
+def _equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightStates:
+    """Return the state of m flights in equilibrium.
+
+    `n`: states of the plant. `terms`: coefficients of the wind. `memory`: states of the laws.
+    """
     N, late = steps.joint.shape[2], int(steps.late.max(initial=0))
     return FlightStates(
         y=np.zeros((m, N)),
@@ -547,33 +570,35 @@ def _at_rest(m: int, n: int, steps: Steps, terms: int, memory: int) -> FlightSta
 
 
 def _widened(rows: FloatArray, width: int) -> FloatArray:
-    """Rows of states, with zeros for those that follow, and without what is no state here."""
+    """Return the rows cut or padded with zeros to a width."""
     wide = np.zeros((*rows.shape[:-1], width))
-    some = min(width, rows.shape[-1])
-    wide[..., :some] = rows[..., :some]
+    common = min(width, rows.shape[-1])
+    wide[..., :common] = rows[..., :common]
     return wide
 
 
 def _spread(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """An array that broadcasts to a shape, spread to it, flat, and free to be written to."""
+    """Return an array broadcast to a shape, flattened and writable."""
     return np.array(np.broadcast_to(array, shape), float).ravel()
 
 
 def _samples(span: FloatArray, length: FloatArray) -> IntArray:
+    """Return the number of samples in a time [s]; `NEVER` for an infinite one."""
     known = np.isfinite(span)
     counted = np.ceil(np.where(known, span, 0.0) / length - 1e-9)
     return np.where(known, np.maximum(counted, 1), NEVER).astype(np.int64)
 
 
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
-    """A row of noise for each level and seed, and the row of each flight."""
-    every = list(dict.fromkeys(laws.noise))
-    sequence = np.array([every.index(one) for one in laws.noise], dtype=np.int64)[laws.which]
-    if not any(level for level, _ in every):
+    """Return a row of noise [rad/s] for each level and seed, and the row of each flight."""
+    sources = list(dict.fromkeys(laws.noise))
+    rows_of_laws = [sources.index(noise) for noise in laws.noise]
+    sequence = np.array(rows_of_laws, dtype=np.int64)[laws.which]
+    if not any(level for level, _ in sources):
         return np.zeros((1, 0)), sequence
     count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES
     rows = [
         np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else np.zeros(count)
-        for level, seed in every
+        for level, seed in sources
     ]
     return np.stack(rows), sequence

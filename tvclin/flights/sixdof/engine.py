@@ -1,4 +1,4 @@
-"""JSBSim, silent, with the integrators that hold its accuracy, and the same after every reset."""
+"""JSBSim without console output, with fixed integrators, and reproducible after every reset."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -17,14 +17,14 @@ _INTEGRATORS = {
 
 
 class Engine:
-    """One instance of JSBSim with one model, at rest in its initial state.
+    """Instance of JSBSim with one model, in its initial state.
 
-    Each `run` moves the state with what acted before, then evaluates what acts at the new time:
-    inputs of the new time are set before the call.
+    Each `run` integrates the state with the previous forces, then evaluates the forces at the new
+    time: inputs of the new time are set before the call.
 
     `model`, `planet`: XML; without a planet it is the rotating Earth, WGS84. `initial`: properties
-    below ``ic/`` and their values. `step`: in s. `drift`: whether the velocity changes.
-    `InputError` when JSBSim is not installed.
+    below ``ic/`` and their values. `step`: step [s]. `drift`: whether the velocity changes.
+    `InputError` if JSBSim is not installed.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Engine:
         drift: bool = True,
     ) -> None:
         self._jsbsim = _loaded(model, planet)
-        self._kept = {"rate/translational": 0} if not drift else {}
+        self._frozen = {"rate/translational": 0} if not drift else {}
         self._nodes = self._jsbsim.get_property_manager()
         self._jsbsim.set_dt(step)
         for name, value in initial.items():
@@ -47,9 +47,9 @@ class Engine:
         self.reset()
 
     def reset(self) -> None:
-        """Go back to the initial state, all inputs at zero, as if the engine were new."""
+        """Restore the initial state with all inputs at zero, as in a new engine."""
         self._jsbsim.reset_to_initial_conditions(0)
-        for name, number in {**_INTEGRATORS, **self._kept}.items():
+        for name, number in {**_INTEGRATORS, **self._frozen}.items():
             self._jsbsim[f"simulation/integrator/{name}"] = number
 
     def reader(self, name: str) -> Callable[[], float]:
@@ -69,9 +69,9 @@ def _loaded(model: str, planet: str | None) -> Any:
     base: Any = jsbsim.FGJSBBase
     base().debug_lvl = 0  # or it writes a page for every engine
     with TemporaryDirectory() as folder:
-        place = Path(folder) / "aircraft" / "vehicle"
-        place.mkdir(parents=True)
-        (place / "vehicle.xml").write_text(model)
+        aircraft = Path(folder) / "aircraft" / "vehicle"
+        aircraft.mkdir(parents=True)
+        (aircraft / "vehicle.xml").write_text(model)
         engine = jsbsim.FGFDMExec(folder)
         if planet is not None:
             (Path(folder) / "planet.xml").write_text(planet)

@@ -19,10 +19,10 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 @dataclass(frozen=True)
 class InitialState:
-    """The beginning of a flight in the standard atmosphere over a flat planet at rest.
+    """Initial state of a flight in the standard atmosphere over a flat planet without rotation.
 
-    `altitude`: in m. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: what the
-    vehicle's aerodynamic forces belong to [Pa]. `mass_flow`: by which the mass falls [kg/s].
+    `altitude`: altitude [m]. `turn`: rate of the flight path [rad/s]. `dynamic_pressure`: dynamic
+    pressure of the vehicle's aerodynamic forces [Pa]. `mass_flow`: mass flow [kg/s].
     """
 
     altitude: float
@@ -33,11 +33,11 @@ class InitialState:
 
 @dataclass(frozen=True, eq=False)
 class NominalCourse:
-    """The nominal flight that is to be flown.
+    """Nominal flight as a reference for JSBSim.
 
-    `vehicle`: the vehicle as it is at the beginning. `departure`: the beginning. `speeds`: speed
-    [m/s] at each step, ``(n,)``. `rows`: attitude, attitude rate, flight path angle, angle of
-    attack and deflection at each step [rad, rad/s], ``(n, 5)``, in pitch. The nose is on the path.
+    `vehicle`: the vehicle at the start. `departure`: initial state. `speeds`: speed [m/s] at each
+    step, ``(n,)``. `rows`: attitude, attitude rate, flight path angle, angle of attack and
+    deflection at each step [rad, rad/s], ``(n, 5)``, in pitch. The nose is on the path.
     """
 
     vehicle: Vehicle
@@ -49,25 +49,25 @@ class NominalCourse:
 def nominal_course(
     vehicle: Vehicle, condition: FlightCondition, times: FloatArray
 ) -> NominalCourse:
-    """Return the course through a vehicle's state at its own time, seen at other times [s].
+    """Return the nominal flight through a vehicle's state at its time, at equidistant times [s].
 
     `InputError` as `nominal_flight`.
     """
-    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-    first, last = min(float(times[0]), own), max(float(times[-1]), own)
+    vehicle_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    first, last = min(float(times[0]), vehicle_time), max(float(times[-1]), vehicle_time)
     nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     states = nominal.states(times)
     turns = nominal.rates(times, states)[1]
-    still = np.zeros(times.size)
-    begin = float(times[0])
+    zeros = np.zeros(times.size)
+    start = float(times[0])
     departure = InitialState(
         altitude=float(states[2, 0]),
         turn=float(turns[0]),
-        dynamic_pressure=float(nominal.dynamic_pressure(begin)),
-        mass_flow=float(nominal.mass(begin) - nominal.mass(begin + 1.0)),
+        dynamic_pressure=float(nominal.dynamic_pressure(start)),
+        mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),
     )
-    rows = np.stack([states[1], turns, states[1], still, nominal.deflection(times)], axis=-1)
-    return NominalCourse(nominal.vehicle_at(begin), departure, states[0], rows)
+    rows = np.stack([states[1], turns, states[1], zeros, nominal.deflection(times)], axis=-1)
+    return NominalCourse(nominal.vehicle_at(start), departure, states[0], rows)
 
 
 @dataclass(frozen=True)
@@ -107,15 +107,15 @@ DEFLECTIONS = {
     "pitch": "tvclin/pitch-deflection-rad",
     "yaw": "tvclin/yaw-deflection-rad",
 }
-"""The properties that turn the nozzle. Positive ones push the tail up, and to the right."""
+"""JSBSim properties of the deflections. Positive ones push the tail up, and to the right."""
 
 _SLUG = POUND_FORCE / FOOT
 _POUNDS_PER_SLUG = 32.174049
-"""What JSBSim itself divides a weight in pounds by."""
-_SLENDER = 20.0
-"""Transverse moment of inertia over that of the roll, in which nothing moves."""
-_FLAT = 1e13
-"""Radius [m] at which a planet is flat, and positions still have digits for it."""
+"""JSBSim's ratio of pounds to slugs."""
+_INERTIA_OVER_ROLL_INERTIA = 20.0
+"""Transverse moment of inertia over that of roll, which does not matter: nothing rolls."""
+_FLAT_RADIUS = 1e13
+"""Radius of a planet [m] that is practically flat and leaves digits for positions."""
 _ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 Direction = tuple[float, float, float]
@@ -124,28 +124,28 @@ Tree = str | float | tuple[Any, ...]
 
 
 def planet_xml() -> str:
-    """Return a planet without rotation that is flat, with standard gravity at its surface."""
+    """Return the XML of a flat planet without rotation, with standard gravity at its surface."""
     planet = Element("planet", name="flat")
     for axis in ("semimajor_axis", "semiminor_axis"):
-        _text(planet, axis, _FLAT, unit="M")
+        _text(planet, axis, _FLAT_RADIUS, unit="M")
     _text(planet, "rotation_rate", 0.0, unit="RAD/SEC")
-    _text(planet, "GM", STANDARD_GRAVITY * _FLAT**2, unit="M3/SEC2")
+    _text(planet, "GM", STANDARD_GRAVITY * _FLAT_RADIUS**2, unit="M3/SEC2")
     _text(planet, "J2", 0.0)
     return tostring(planet, encoding="unicode")
 
 
 def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | None = None) -> str:
-    """Return the model of one vehicle, frozen or as it changes from a departure on.
+    """Return the XML of one vehicle, frozen or varying from an initial state on.
 
-    Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
-    normal force N alpha and the axial force act l_a ahead of it, and alpha is that of the body
-    axes. A damping acts against the rates of pitch and yaw. Two more forces freeze the flight: one
-    holds the nominal flight straight against its weight, the other cancels what would change the
-    speed. From a departure on nothing is frozen but inertia and damping: aerodynamic forces go with
-    the dynamic pressure, and the mass falls.
+    Thrust, a fraction of which is turned by the deflection, acts l_c aft of the centre of gravity;
+    the normal force N alpha and the axial force act l_a ahead of it, with alpha in body axes. A
+    damping moment opposes the rates of pitch and yaw. Two further forces freeze the flight: the
+    first balances the weight across the nominal path, the second cancels all changes of speed. With
+    a departure only inertia and damping are constant: aerodynamic forces are proportional to the
+    dynamic pressure, and the mass falls.
 
     `vehicle`: one vehicle. `heading`: nominal direction of flight [rad], from north over east.
-    `departure`: where the vehicle is what it is; without one it always is.
+    `departure`: initial state with the vehicle's parameters; without it they are constant.
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     _metrics(root, vehicle)
@@ -166,7 +166,7 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
 
 
 def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> Element:
-    """Add a mass [kg] and the moments of inertia [kg m^2] about x, y and z; return where."""
+    """Return the new element of a mass [kg] and its moments of inertia [kg m^2] about x, y, z."""
     balance = SubElement(root, "mass_balance")
     for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
         _text(balance, name, inertia / (_SLUG * FOOT**2), unit="SLUG*FT2")
@@ -176,7 +176,7 @@ def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float
 
 
 def _burning(root: Element, balance: Element, departure: InitialState) -> None:
-    """Let the mass fall: what is burnt is a negative one at the centre of gravity."""
+    """Add the burnt propellant, as a negative point mass at the centre of gravity."""
     burnt = SubElement(balance, "pointmass", name="burnt")
     _text(burnt, "weight", 0.0, unit="LBS")
     _place(burnt, 0.0)
@@ -189,7 +189,7 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
 
 def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
     across = float(vehicle.moment_of_inertia)
-    return across / _SLENDER, across, across
+    return across / _INERTIA_OVER_ROLL_INERTIA, across, across
 
 
 def _metrics(root: Element, vehicle: Vehicle) -> None:
@@ -200,7 +200,7 @@ def _metrics(root: Element, vehicle: Vehicle) -> None:
 
 
 def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
-    """Let the forces act that belong to a load, the dynamic pressure over that of the vehicle."""
+    """Add the aerodynamic forces, times `load`, the dynamic pressure over that of the vehicle."""
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE
     forces: dict[str, Tree] = {
@@ -220,7 +220,7 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
 
 
 def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
-    """Turn as much of the thrust as makes the control force; the rest stays along the body."""
+    """Add the thrust: the control force turns with the deflection, the rest acts along the body."""
     thrust, turned = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
     pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
     forces: dict[str, Tree] = {
@@ -237,7 +237,7 @@ def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
 
 
 def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
-    """Hold the nominal flight straight, and the speed of every flight."""
+    """Add the forces that keep the nominal flight straight, and the speed of every flight."""
     weight = float(vehicle.weight) / POUND_FORCE
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
     north, east = cos(heading), sin(heading)

@@ -1,7 +1,7 @@
-"""What turns the nozzle in a flight: a history, the report's control, or a law with limits.
+"""Steering of a JSBSim flight: the deflection of a history, the report's control, or a law.
 
-The engine takes a second-order step of what acts at its samples, so each sample stands for the
-step around it, and a deflection that jumps or bends inside that step is shown as its mean there.
+JSBSim integrates forces at its samples to second order, so that each sample represents the step
+around it: a deflection that jumps or bends within that step is given as its mean over the step.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ from tvclin.flights.nozzle_command import ONSET_OVER_LIMIT, Command
 from tvclin.winds.histories import History
 
 Steering = Callable[[int, Measurement], float]
-"""Takes the number of a step and what is foreseen for its end; gives the deflection [rad]."""
+"""Function from the number of a step and the predicted measurements to the deflection [rad]."""
 
 _NOTHING = np.zeros(0)
-_FINE = 128
-"""Parts of the step in which the dead band is left."""
+_SWITCH_PARTS = 128
+"""Number of parts of the step in which the control switches."""
 
 
 def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
-    """Return the mean of one history over the step around each of the even times, ``(n,)``."""
+    """Return the means of a history over the step around each equidistant time, ``(n,)``."""
     edges = np.append(times, times[-1] + step) - 0.5 * step
     return np.diff(history.filter([1.0], [1.0, 0.0])(edges)) / step
 
 
 def by_history(history: History, times: FloatArray, step: float, limit: float) -> Steering:
-    """Return what follows a deflection history, up to the limit."""
+    """Return the steering of a deflection history within the limit [rad]."""
     means = np.clip(step_means(history, times, step), -limit, limit).tolist()
     return lambda k, measured: means[k]
 
 
 class TrimThenHold:
-    """The report's control: trim until K times the limit is asked for, then the limit for ever.
+    """Steering of the report's control: trim until K times the limit, then the limit for ever.
 
-    Without a dead band the wind alone says when.
+    With K = 0 the wind alone sets the switch.
 
-    `trim`: trim, and the feedback that holds what it leaves. `limit`: deflection limit [rad],
-    positive. `dead_band`: K. `wind`: one wind. `times`: times of the steps [s], even, ``(n,)``.
+    `trim`: law of trim and attitude feedback. `limit`: deflection limit [rad], positive.
+    `dead_band`: K. `wind`: one wind. `times`: equidistant times of the steps [s], ``(n,)``.
     `step`: step [s].
     """
 
@@ -63,81 +63,84 @@ class TrimThenHold:
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()
         self._ends = wind(times + 0.5 * step).tolist()
-        self._held: float | None = None
+        self._constant: float | None = None
 
     def __call__(self, k: int, measured: Measurement) -> float:
         """Return the deflection at a step."""
-        if self._held is not None:
-            return self._held
-        asked = float(self._trim.demand(measured, _NOTHING, self._limit))
-        still = 0.0 if self._at_onset else asked / self._B + self._means[k]
-        if abs(self._B * (still - self._ends[k])) < self._level:
-            return asked
-        return self._leaving(k, still)
+        if self._constant is not None:
+            return self._constant
+        demand = float(self._trim.demand(measured, _NOTHING, self._limit))
+        without_wind = 0.0 if self._at_onset else demand / self._B + self._means[k]
+        if abs(self._B * (without_wind - self._ends[k])) < self._level:
+            return demand
+        return self._switching_mean(k, without_wind)
 
-    def _leaving(self, k: int, still: float) -> float:
-        """Find where in this step the dead band is left; `still` is asked for without the wind."""
-        part = np.linspace(-0.5, 0.5, _FINE + 1)
-        trim = self._B * (still - self._wind(self._times[k] + part * self._step))
+    def _switching_mean(self, k: int, without_wind: float) -> float:
+        """Return the mean deflection [rad] of the step in which the control switches to the limit.
+
+        `without_wind`: demand over B, without the wind [rad].
+        """
+        fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)
+        trim = self._B * (without_wind - self._wind(self._times[k] + fraction * self._step))
         i = int(np.argmax(np.abs(trim) >= self._level))
-        side = copysign(1.0, trim[i])
-        self._held = side * self._limit
-        leaves = part[0]
+        sign = copysign(1.0, trim[i])
+        self._constant = sign * self._limit
+        switch = fraction[0]
         if i > 0:
-            leaves = np.interp(self._level, side * trim[i - 1 : i + 1], part[i - 1 : i + 1])
-        before = np.append(trim[:i], side * self._level), np.append(part[:i], leaves)
-        return float(np.trapezoid(*before) + self._held * (0.5 - leaves))
+            switch = np.interp(self._level, sign * trim[i - 1 : i + 1], fraction[i - 1 : i + 1])
+        before = np.append(trim[:i], sign * self._level), np.append(fraction[:i], switch)
+        return float(np.trapezoid(*before) + self._constant * (0.5 - switch))
 
 
 def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
-    """Return what asks a law at every step, within its limits; an actuator follows in the steps.
+    """Return the steering of a law, evaluated at every step, with actuator and limits.
 
-    `command`: the law, its actuator and the rate limit of its servo; the stop stands outside it.
-    `limit`, `step`, `count`: deflection limit [rad], length [s] and number of the steps.
+    `command`: the law, its actuator and the rate limit of its servo. `limit`: deflection limit
+    [rad]. `step`, `count`: length [s] and number of the steps.
     """
     assert isinstance(command.control, Law)
-    asked, most = _command(command.control, limit, step, count), command.rate_limit
-    free, pulled = np.zeros((1, 1)), np.ones(1)
+    law_command, max_rate = _command(command.control, limit, step, count), command.rate_limit
+    free, driven = np.zeros((1, 1)), np.ones(1)
     if command.actuator is not None:
-        moving = actuator_system(command.actuator).to_steps(step)
-        free, pulled = moving.A, moving.B[:, 0]
-    elif most == np.inf:
-        return asked
-    reach, servo, told = most * step, np.zeros(pulled.size), 0.0
+        steps = actuator_system(command.actuator).to_steps(step)
+        free, driven = steps.A, steps.B[:, 0]
+    elif max_rate == np.inf:
+        return law_command
+    reach, servo, last_command = max_rate * step, np.zeros(driven.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:
-        nonlocal servo, told
-        moved = free @ servo + pulled * told
-        if most < np.inf:
-            moved[0] = servo[0] + np.clip(moved[0] - servo[0], -reach, reach)
-            moved[1:] = np.clip(moved[1:], -most, most)
-        servo, deflection = moved, min(max(float(moved[0]), -limit), limit)
-        told = asked(k, measured._replace(deflection=deflection))
+        nonlocal servo, last_command
+        servo_next = free @ servo + driven * last_command
+        if max_rate < np.inf:
+            servo_next[0] = servo[0] + np.clip(servo_next[0] - servo[0], -reach, reach)
+            servo_next[1:] = np.clip(servo_next[1:], -max_rate, max_rate)
+        servo, deflection = servo_next, min(max(float(servo_next[0]), -limit), limit)
+        last_command = law_command(k, measured._replace(deflection=deflection))
         return deflection
 
     return followed
 
 
 def _command(law: Law, limit: float, step: float, count: int) -> Steering:
-    """Return what gives the command within the limit, and remembers what the law remembers."""
-    demanded, engage, release = law.demand, law.engage * limit, law.release * limit
+    """Return the steering that gives the law's command within the limit, with the law's states."""
+    demand_of, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
-    learning = law.state_space.to_steps(step)
+    steps = law.state_space.to_steps(step)
     level, seed = law.rate_noise
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0
 
-    def asked(k: int, measured: Measurement) -> float:
+    def command(k: int, measured: Measurement) -> float:
         nonlocal memory, mode
         if noise is not None:
             measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])
-        demand = float(demanded(measured, memory, limit))
+        demand = float(demand_of(measured, memory, limit))
         if mode and demand * mode <= release:
             mode = 0.0
         if not mode and abs(demand) >= engage:
             mode = copysign(1.0, demand)
         if memory.size:
-            memory = learning.A @ memory + learning.B @ measured
+            memory = steps.A @ memory + steps.B @ measured
         return mode * limit if mode else min(max(demand, -limit), limit)
 
-    return asked
+    return command
