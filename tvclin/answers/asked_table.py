@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Measure, Question, questions
-from tvclin.base.lines import Line, Table, least, number, significant
+from tvclin.base.lines import Line, Table, minimum_limit, number, significant
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.margins import margin
 
@@ -58,7 +58,7 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
     if unit not in _ROUNDED:
         return significant(key, value, unit=unit)
     line = number(key, value, measure.digits, unit)
-    return least(line) if name == "needed" and unit == "deg" else line
+    return minimum_limit(line) if name == "needed" and unit == "deg" else line
 
 
 def beside(found: Findings) -> Iterator[Question]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
-from tvclin.base.lines import Row, Table, degrees, least, number, quantities, significant
+from tvclin.base.lines import Row, Table, degrees, minimum_limit, number, quantities, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
@@ -107,7 +107,10 @@ class KnownWind(Shown):
         rows += [
             ("first segment", (self.first_segment,)),
             ("switches", (switches + (f" and {more} more" if more > 0 else ""),)),
-            ("fast pole alone (K = 0)", least(degrees("optimum.held", self.held, unit="deg"))),
+            (
+                "fast pole alone (K = 0)",
+                minimum_limit(degrees("optimum.held", self.held, unit="deg")),
+            ),
             (STATIC_TRIM, degrees("optimum.trim", self.trim, unit="deg")),
             ("dual bound", degrees("optimum.dual", proof.dual, unit="deg")),
             ("certificate", ("gap ", *gap, f", {best.status}")),

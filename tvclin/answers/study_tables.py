@@ -12,7 +12,7 @@ from tvclin.base.lines import (
     Row,
     Table,
     degrees,
-    least,
+    minimum_limit,
     number,
     quantities,
     significant,
@@ -113,8 +113,8 @@ def boundaries(s: Study) -> Table:
         cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            cells.append(least(degrees(key, abs(one.deflection[i]))))
-            cells.append(least(number(f"{key}.limit", one.limit[i])))
+            cells.append(minimum_limit(degrees(key, abs(one.deflection[i]))))
+            cells.append(minimum_limit(number(f"{key}.limit", one.limit[i])))
         rows.append(tuple(cells))
     for row in judged:
         mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
@@ -177,7 +177,7 @@ def _judged(s: Study) -> list[_Judged]:
 
 def verdict(s: Study) -> Iterator[Line]:
     """Yield the required deflection, and the verdict on the limit."""
-    needed = least(degrees("verdict.required", s.required_deflection, unit="deg"))
+    needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
     left = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
     basis = f" (model {s.model}, dead band {s.dead_band:g}{left}{air}), {_governed(s)}"
@@ -230,12 +230,12 @@ def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
         s.nominal_deflection if s.dead_band == K else max(abs(float(each)), undercut)
         for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
-    least = [needs.get(s.model, np.nan) for needs in s.needs.values()]
+    minimum_limit = [needs.get(s.model, np.nan) for needs in s.needs.values()]
     peak = abs(float(s.history.peak))
     with np.errstate(divide="ignore"):
         linear, below = (
             [float(peak * limit / np.float64(row)) for row in each]
-            for each in ((s.trim_deflection, *rows), least)
+            for each in ((s.trim_deflection, *rows), minimum_limit)
         )
     return [*linear, *judged, *below]
 

@@ -122,7 +122,10 @@ class WorstCase(Shown):
             rows.append(((label,), *both, *one.place))
         if self.deflection is not None:
             one = self.deflection
-            both = (lines.least(lines.degrees("", x, unit="deg")) for x in (one.nominal, one.value))
+            both = (
+                lines.minimum_limit(lines.degrees("", x, unit="deg"))
+                for x in (one.nominal, one.value)
+            )
             rows.append((("required deflection",), *both, *one.place))
         head = ("", "nominal", "worst", "at", "how")
         return lines.Table("Worst case in the box", head, tuple(rows))

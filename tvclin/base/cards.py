@@ -1,4 +1,4 @@
-"""A record as a small table in a notebook: one line for each name, with value and unit."""
+"""Records as small tables in a notebook: a line for each name, with value and unit."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -13,22 +13,22 @@ from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Table, number, text
 from tvclin.base.units import UNITS, written
 
-_WIDTH = 88
-"""Characters of a line of a record that is printed in several lines."""
+_LINE_WIDTH = 88
+"""Characters per line of a printed record."""
 
-_FEW = 6
-"""An array of so many numbers at most is shown in full, a longer one by its range."""
+_MAX_LISTED_NUMBERS = 6
+"""Largest number of elements of an array that is shown in full, not by its range."""
 
 _SUFFIXES = {suffix for kind in UNITS.values() for suffix in kind} | {"dB"}
 
-_LEAST = 1e-3
-"""Angles [deg] above their last digit are shown to it, smaller ones to six digits."""
+_MIN_FIXED_ANGLE = 1e-3
+"""Angle [deg] above which it is shown to three decimals, not to six digits."""
 
 Row = tuple[str, Any, str]
 
 
 class Quantity(NamedTuple):
-    """A number of a record as every table shows it: its key among others, label, value and unit."""
+    """Number of a record in tables: its key, label, value and unit."""
 
     key: str
     label: str
@@ -39,7 +39,7 @@ class Quantity(NamedTuple):
 def card(title: str, rows: Iterable[Row]) -> str:
     """Return a table in HTML, all texts escaped.
 
-    `title`: stands above the table. `rows`: name, value and unit of each line. Numbers are shown to
+    `title`: caption of the table. `rows`: name, value and unit of each line. Numbers are shown to
     six digits, arrays of more than six numbers by their range and shape, an angle to a thousandth
     of a degree.
     """
@@ -54,7 +54,7 @@ def card(title: str, rows: Iterable[Row]) -> str:
 
 
 def line(title: str, rows: Iterable[Row]) -> str:
-    """Return the same rows as `card`, as text between angle brackets without line breaks."""
+    """Return the rows of `card` as text between angle brackets, without line breaks."""
     words = (
         " ".join((name, _shown(x, unit), unit.removeprefix("-"))).strip() for name, x, unit in rows
     )
@@ -62,27 +62,27 @@ def line(title: str, rows: Iterable[Row]) -> str:
 
 
 def lines(title: str, rows: Iterable[Row]) -> str:
-    """Return the same text as `line`, broken into lines of at most 88 characters."""
-    return fill(line(title, rows), _WIDTH, subsequent_indent="  ", break_long_words=False)
+    """Return the text of `line`, broken into lines of at most 88 characters."""
+    return fill(line(title, rows), _LINE_WIDTH, subsequent_indent="  ", break_long_words=False)
 
 
 class Carded:
-    """A value that a notebook shows as a small table.
+    """Value that a notebook shows as a small table.
 
-    What is shown are its `_keys`, as of `picked`, each with its unit at the end; of a value without
-    any its `as_dict`.
+    The rows are its `_keys`, as in `picked`, with the unit at the end of each; without any, its
+    `as_dict`.
     """
 
     _keys = ""
 
     def _quantities(self) -> Iterator[Row]:
-        """Yield names, values and units; of each part of a mapping. What is not there is left out.
+        """Yield names, values and units, also of the entries of a mapping, except missing ones.
 
-        A value in a value is one that has a card too.
+        A nested value must have a card too.
         """
         record: Any = self
-        found = picked(record, self._keys) if self._keys else record.as_dict()
-        for key, value in found.items():
+        values = picked(record, self._keys) if self._keys else record.as_dict()
+        for key, value in values.items():
             yield from _parts(*named(key), value)
 
     def _repr_html_(self) -> str:
@@ -90,7 +90,7 @@ class Carded:
 
 
 class Shown(Carded):
-    """An answer: `print` says in a few words what its card shows."""
+    """Answer whose printed text is a short form of its card."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -103,13 +103,13 @@ class Shown(Carded):
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
     if isinstance(value, dict):
-        for part, one in value.items():
-            yield from _parts(f"{name}, {part}", unit, one)
+        for label, item in value.items():
+            yield from _parts(f"{name}, {label}", unit, item)
     elif isinstance(value, Carded):
-        yield from ((f"{name}, {part}", *rest) for part, *rest in value._quantities())
+        yield from ((f"{name}, {label}", *rest) for label, *rest in value._quantities())
     elif isinstance(value, tuple) and value and isinstance(value[0], Carded):
-        named = {one.name: one for one in value if hasattr(one, "name")}
-        yield from _parts(name, "", named or len(value))
+        by_name = {item.name: item for item in value if hasattr(item, "name")}
+        yield from _parts(name, "", by_name or len(value))
     elif value is not None and not (isinstance(value, str | tuple) and not value):
         yield name, value, unit
 
@@ -121,14 +121,14 @@ def _title(kind: type) -> str:
 
 def named(key: str) -> tuple[str, str]:
     """Return the name in a key, and the unit at its end."""
-    for place in (k for k, one in enumerate(key) if one == "_"):
-        if key[place + 1 :] in _SUFFIXES:
-            return key[:place].replace("_", " "), written(key[place + 1 :])
+    for position in (k for k, letter in enumerate(key) if letter == "_"):
+        if key[position + 1 :] in _SUFFIXES:
+            return key[:position].replace("_", " "), written(key[position + 1 :])
     return key.replace("_", " "), ""
 
 
 def table(shown: Table, said: Iterable[Line] = ()) -> str:
-    """Return a table of an answer in HTML, and what is said below it, all texts escaped."""
+    """Return a table of an answer in HTML, and lines of text below it, all escaped."""
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in shown.head)
     lines = "".join(
         f"<tr>{''.join(f'<td>{escape(text(cell))}</td>' for cell in row)}</tr>"
@@ -140,7 +140,7 @@ def table(shown: Table, said: Iterable[Line] = ()) -> str:
 
 
 def _shown(value: Any, unit: str = "") -> str:
-    if isinstance(value, tuple) and all(isinstance(one, str) for one in value):
+    if isinstance(value, tuple) and all(isinstance(item, str) for item in value):
         value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
         return value or "not given"
@@ -148,17 +148,22 @@ def _shown(value: Any, unit: str = "") -> str:
     if array.size == 0:
         return "none"
     if array.dtype.kind == "b":
-        return ", ".join("yes" if one else "no" for one in array.ravel()[:_FEW])
+        return ", ".join("yes" if item else "no" for item in array.ravel()[:_MAX_LISTED_NUMBERS])
     if array.dtype.kind not in "iufc":
         return ", ".join(np.unique(array.astype(str)).tolist())
     return _numbers(array, unit)
 
 
 def _numbers(array: AnyArray, unit: str) -> str:
-    if array.size == 1 and unit == "deg" and np.isrealobj(array) and _LEAST <= abs(array) < np.inf:
+    if (
+        array.size == 1
+        and unit == "deg"
+        and np.isrealobj(array)
+        and _MIN_FIXED_ANGLE <= abs(array) < np.inf
+    ):
         return text(number("", array.item()))
-    if array.size <= _FEW:
-        return ", ".join(f"{one:.6g}" for one in array.ravel().tolist())
-    known = array[~np.isnan(array)]
-    span = f"{known.min():.6g} to {known.max():.6g}" if known.size else "nan"
+    if array.size <= _MAX_LISTED_NUMBERS:
+        return ", ".join(f"{value:.6g}" for value in array.ravel().tolist())
+    defined = array[~np.isnan(array)]
+    span = f"{defined.min():.6g} to {defined.max():.6g}" if defined.size else "nan"
     return f"{span}, shape {array.shape}"

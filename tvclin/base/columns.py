@@ -1,4 +1,4 @@
-"""The numbers of an answer as columns over named axes: as CSV, and as an `xarray.Dataset`."""
+"""Numbers of an answer as columns over named axes: as CSV, and as an `xarray.Dataset`."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from tvclin.base.files import write_rows
 if TYPE_CHECKING:
     import xarray
 
-_IN_CSV = {"rad": "deg", "UTC": "utc", "1": "", "": ""}
-"""What units are in the headings of CSV, where not as they are."""
+_CSV_UNITS = {"rad": "deg", "UTC": "utc", "1": "", "": ""}
+"""Units in the headings of CSV that differ from those of a column."""
 
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """Numbers or words over axes, of which some may be left out; an axis has itself alone.
+    """Numbers or words over some axes of a table; an axis is a column over itself.
 
-    `key`: its name, without a unit. `values`: in SI units. `unit`: that unit; empty of words, and
-    "UTC" of dates. `axes`: all of the table where they are not given.
+    `key`: name without a unit. `values`: in SI units. `unit`: that unit; empty for words, and "UTC"
+    for dates. `axes`: by default all axes of the table.
     """
 
     key: str
@@ -36,21 +36,21 @@ class Column:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a Dataset says of it."""
+        """Attributes of the variable in a Dataset."""
         return {} if self.unit in ("", "UTC") else {"units": self.unit}
 
     @property
     def heading(self) -> str:
-        """Its name in CSV, with the unit there."""
-        unit = _IN_CSV.get(self.unit, self.unit.replace("/", "_per_").replace(" ", "_"))
+        """Name in CSV, with the unit there."""
+        unit = _CSV_UNITS.get(self.unit, self.unit.replace("/", "_per_").replace(" ", "_"))
         return f"{self.key}_{unit}" if unit else self.key
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns of one answer over its axes; of a CSV the last axis runs fastest.
+    """Columns of an answer over its axes; in CSV the last axis runs fastest.
 
-    `about`: what a Dataset says of the whole.
+    `about`: attributes of the Dataset.
     """
 
     axes: tuple[Column, ...]
@@ -58,43 +58,49 @@ class Columns:
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def csv(self, path: Path | None = None) -> str:
-        """Return a line for each place on the axes, and write it where a path is given."""
-        shape = tuple(len(one.values) for one in self.axes)
-        every = (*self.axes, *self.columns)
-        cells = [np.broadcast_to(self._over_all(one), shape).ravel() for one in every]
+        """Return a CSV line for each position on the axes, and write it if there is a path."""
+        shape = tuple(len(column.values) for column in self.axes)
+        columns = (*self.axes, *self.columns)
+        cells = [np.broadcast_to(self._over_all(column), shape).ravel() for column in columns]
         texts = [[_cell(x) for x in column.tolist()] for column in cells]
-        return write_rows([[one.heading for one in every], *zip(*texts, strict=True)], path)
+        return write_rows([[column.heading for column in columns], *zip(*texts, strict=True)], path)
 
     def dataset(self) -> xarray.Dataset:
-        """Return all of it as a Dataset, in SI units, which stand beside each variable."""
+        """Return all columns as a Dataset in SI units, which are attributes of each variable."""
         make: type[xarray.Dataset]
         make = imported("xarray", "a Dataset needs xarray", "campaign").Dataset
-        names = tuple(one.key for one in self.axes)
+        names = tuple(column.key for column in self.axes)
         return make(
             {
-                one.key: (names if one.axes is None else one.axes, one.values, one.attributes)
-                for one in self.columns
+                column.key: (
+                    names if column.axes is None else column.axes,
+                    column.values,
+                    column.attributes,
+                )
+                for column in self.columns
             },
-            coords={one.key: (one.key, one.values, one.attributes) for one in self.axes},
+            coords={
+                column.key: (column.key, column.values, column.attributes) for column in self.axes
+            },
             attrs=dict(self.about),
         )
 
-    def _over_all(self, one: Column) -> AnyArray:
-        """The values of a column in the units of CSV, with an axis for each of the table."""
-        values, own = np.asarray(one.values), one.axes
-        if one.unit == "rad":
+    def _over_all(self, column: Column) -> AnyArray:
+        """Return the values of a column in the units of CSV, with all axes of the table."""
+        values, axes = np.asarray(column.values), column.axes
+        if column.unit == "rad":
             values = np.degrees(values)
-        elif one.unit == "UTC":
+        elif column.unit == "UTC":
             values = values.astype("datetime64[m]").astype(str)
-        if one in self.axes:
-            own, values = (one.key,), values.round(12) if one.unit == "rad" else values
-        if own is None:
+        if column in self.axes:
+            axes, values = (column.key,), values.round(12) if column.unit == "rad" else values
+        if axes is None:
             return values
-        return values.reshape([len(x.values) if x.key in own else 1 for x in self.axes])
+        return values.reshape([len(x.values) if x.key in axes else 1 for x in self.axes])
 
 
 class Tabled(Shown):
-    """An answer whose numbers are `_columns`."""
+    """Answer whose numbers are `_columns`."""
 
     def _columns(self) -> Columns:
         raise NotImplementedError
@@ -125,5 +131,5 @@ class Tabled(Shown):
 
 
 def _cell(value: Any) -> Any:
-    """Return a value as a cell, empty for what is not known."""
+    """Return a value as a cell, empty for an unknown value."""
     return "" if value is None or (isinstance(value, float) and np.isnan(value)) else value

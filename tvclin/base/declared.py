@@ -1,8 +1,8 @@
-"""Fields that are declared once: the kind of a value, its check, its default and its line of help.
+"""Declared fields: kind, check, default and help of a value, each stated once.
 
-A field of a frozen dataclass says what it is with `quantity`, `word`, `text`, `flag` or `count`;
-its line of help is that of the docstring. From that are made its check (`checked`), the keys of a
-table of a file in all units (`file_table`), and the option of a command (`cli/options`).
+A field of a frozen dataclass is declared with `quantity`, `word`, `text`, `flag` or `count`; its
+line of help is that of the docstring. From the declaration follow its check (`checked`), the keys
+of a table of a file in all units (`file_table`), and the option of a command (`cli/options`).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, optional_unit, si_unit
 
 _DECLARED = "declared"
-_WIDE = 96
-"""Letters in a line of a template."""
+_TEMPLATE_WIDTH = 96
+"""Characters per line of a template."""
 _UNIT = re.compile(r" \[[^\]]+\]")
 _CLAUSE = re.compile(r"[;:.](?=\s|$)|$")
 _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
@@ -33,13 +33,13 @@ _ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
 
 @dataclass(frozen=True)
 class Declared:
-    """What is declared of a field.
+    """Declaration of a field.
 
-    `kind`: of a number, as of `UNITS`; else "text", "flag" or "count". `check`: from a name and a
-    value to the value, or its `InputError`; of numbers from a unit too. `many`: whether it holds
-    one or more of them. `option`, `key`: its option, and its name in a file, where they are others
-    than the field's name; None where there is none. `shown`: what stands for the default in the
-    help of its option. `choices`: what a word may be.
+    `kind`: of a number, a kind of `UNITS`; else "text", "flag" or "count". `check`: function from a
+    name and a value to the value, or its `InputError`; of numbers from a unit too. `many`: whether
+    the field holds one or more values. `option`, `key`: its option, and its name in a file, where
+    they differ from the field's name; None for no option or key. `shown`: text in place of the
+    default in the help of its option. `choices`: possible words.
     """
 
     kind: str
@@ -55,16 +55,16 @@ class Declared:
 
     @property
     def called(self) -> str:
-        """Its name in a file."""
+        """Name in a file."""
         return self.key or self.name
 
     @property
     def numeric(self) -> bool:
-        """Whether it is a quantity, which has a unit."""
+        """Whether the field is a quantity, with a unit."""
         return self.kind in UNITS
 
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
-        """Return a value that passes the check, in a unit if it is another than that of SI."""
+        """Return a value that passes the check; `unit`: its unit, by default the SI unit."""
         if self.many:
             return self._each(name, value)
         if not self.numeric:
@@ -72,7 +72,7 @@ class Declared:
         return one_number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
 
     def _each(self, name: str, values: Any) -> tuple[Any, ...]:
-        """Return several values that each pass the check."""
+        """Return several values that all pass the check."""
         if not self.numeric:
             return tuple(self.check(name, one) for one in different(name, values))
         given = finite(name, values)
@@ -93,15 +93,15 @@ class Declared:
 def quantity(
     kind: str, default: Any = MISSING, check: Callable[..., Any] = finite, **more: Any
 ) -> Any:
-    """Return the field of a number in SI units, of a kind of `UNITS`; `more` as of `Declared`."""
+    """Return the field of a number in SI units, of a kind of `UNITS`; `more` as in `Declared`."""
     return _field(Declared(kind, check, **more), default)
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return the field of one of several words."""
-    known = tuple(choices)
-    check = partial(one_of, choices=known)
-    return _field(Declared("text", check, choices=known, **more), default)
+    """Return the field of a word from given choices."""
+    allowed = tuple(choices)
+    check = partial(one_of, choices=allowed)
+    return _field(Declared("text", check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
@@ -110,12 +110,12 @@ def text(default: Any = MISSING, **more: Any) -> Any:
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return the field of what is true or false."""
+    """Return the field of a truth value."""
     return _field(Declared("flag", true_or_false, **more), default)
 
 
 def count(default: Any = MISSING, check: Callable[..., Any] = whole_number, **more: Any) -> Any:
-    """Return the field of a whole number."""
+    """Return the field of an integer."""
     return _field(Declared("count", check, **more), default)
 
 
@@ -125,89 +125,108 @@ def _field(declared: Declared, default: Any) -> Any:
 
 @cache
 def declared(kind: Callable[..., Any]) -> dict[str, Declared]:
-    """Return what is declared of the fields of a dataclass, by name."""
+    """Return the declarations of the fields of a dataclass, by name."""
     helps: dict[str, str] = {}
-    for one in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
-        helps |= _helps(one)
+    for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
+        helps |= _helps(item)
     return {
-        one.name: replace(
-            one.metadata[_DECLARED],
-            name=one.name,
-            default=None if one.default is MISSING else one.default,
-            help=helps.get(one.name, ""),
+        item.name: replace(
+            item.metadata[_DECLARED],
+            name=item.name,
+            default=None if item.default is MISSING else item.default,
+            help=helps.get(item.name, ""),
         )
-        for one in fields(kind)  # type: ignore[arg-type]
-        if _DECLARED in one.metadata
+        for item in fields(kind)  # type: ignore[arg-type]
+        if _DECLARED in item.metadata
     }
 
 
 def checked(record: Any) -> None:
-    """Check each declared field of a record, and keep it as its check returns it.
+    """Check each declared field of a record, and set it to the checked value.
 
-    None passes where that is the default.
+    None passes where it is the default.
     """
     kind: Any = type(record)
-    for name, one in declared(kind).items():
+    for name, declaration in declared(kind).items():
         value = getattr(record, name)
-        if value is not None or one.default is not None:
-            object.__setattr__(record, name, one.checked(name, value))
+        if value is not None or declaration.default is not None:
+            object.__setattr__(record, name, declaration.checked(name, value))
 
 
 def file_table(heading: str, kind: type, names: str = "", **more: Any) -> FileTable:
-    """Return the table of a file for declared fields, all that have a key where none are named.
+    """Return the table of a file for declared fields, by default all that have a key.
 
-    `more` are other words, lists and quantities of the table, as of `FileTable`.
+    `more`: further words, lists and quantities of the table, as in `FileTable`.
     """
-    chosen = [declared(kind)[name] for name in names.split()] or _keyed(kind)
-    single = [one for one in chosen if not one.many]
+    declarations = [declared(kind)[name] for name in names.split()] or _keyed(kind)
+    single = [declaration for declaration in declarations if not declaration.many]
     return replace(
         FileTable(heading, **more),
-        quantities={one.called: one.kind for one in single if one.numeric}
+        quantities={
+            declaration.called: declaration.kind for declaration in single if declaration.numeric
+        }
         | more.get("quantities", {}),
-        words=(*(one.called for one in single if not one.numeric), *more.get("words", ())),
-        lists=(*(one.called for one in chosen if one.many), *more.get("lists", ())),
-        fields={one.key: one.name for one in chosen if one.key},
+        words=(
+            *(declaration.called for declaration in single if not declaration.numeric),
+            *more.get("words", ()),
+        ),
+        lists=(
+            *(declaration.called for declaration in declarations if declaration.many),
+            *more.get("lists", ()),
+        ),
+        fields={
+            declaration.key: declaration.name for declaration in declarations if declaration.key
+        },
     )
 
 
 def _keyed(kind: type) -> list[Declared]:
-    """The fields that a file has."""
-    return [one for one in declared(kind).values() if one.key is not None]
+    """Return the declared fields that have a key in files."""
+    return [declaration for declaration in declared(kind).values() if declaration.key is not None]
 
 
 def completed(text: str, table: FileTable, kind: type) -> str:
-    """Return a template whose table names every key of its fields: those it leaves out as comments.
+    """Return a template whose table names every key of its fields, the others in comments.
 
     `text`: the template, in which the table ends with an empty line.
     """
     start = text.index(f"\n{table.heading}\n")
-    place = text.find("\n\n", start + 1) % len(text)
-    written = text[start:place]
-    missing = [one for one in _keyed(kind) if not re.search(rf"\b{one.called}(_|\b)", written)]
-    keys = [table.spelled(one.called).split(" or ")[0] for one in missing]
-    said = [f"also {k}: {_UNIT.sub('', one.help)}" for k, one in zip(keys, missing, strict=True)]
-    lines = [line for each in said for line in wrap(each, _WIDE, subsequent_indent="  ")]
-    return text[:place] + "".join(f"\n# {line}" for line in lines) + text[place:]
+    end = text.find("\n\n", start + 1) % len(text)
+    written = text[start:end]
+    missing = [
+        declaration
+        for declaration in _keyed(kind)
+        if not re.search(rf"\b{declaration.called}(_|\b)", written)
+    ]
+    keys = [table.spelled(declaration.called).split(" or ")[0] for declaration in missing]
+    remarks = [
+        f"also {k}: {_UNIT.sub('', declaration.help)}"
+        for k, declaration in zip(keys, missing, strict=True)
+    ]
+    lines = [
+        line for remark in remarks for line in wrap(remark, _TEMPLATE_WIDTH, subsequent_indent="  ")
+    ]
+    return text[:end] + "".join(f"\n# {line}" for line in lines) + text[end:]
 
 
 def _helps(kind: type) -> dict[str, str]:
-    """The lines of help of the attributes that the docstring of a class describes."""
+    """Return the lines of help in the docstring of a class, by attribute."""
     doc = inspect.cleandoc(kind.__doc__ or "")
     _, _, attributes = doc.partition("Attributes\n----------\n")
-    found: dict[str, str] = {}
-    for names, said in _ENTRY.findall(re.split(r"\n\n(?=\w)", attributes)[0] + "\n"):
-        found |= dict.fromkeys(names.split(", "), " ".join(said.split()))
-    return {name.strip(): said for name, said in found.items()}
+    helps: dict[str, str] = {}
+    for names, description in _ENTRY.findall(re.split(r"\n\n(?=\w)", attributes)[0] + "\n"):
+        helps |= dict.fromkeys(names.split(", "), " ".join(description.split()))
+    return {name.strip(): description for name, description in helps.items()}
 
 
-def help_line(one: Declared) -> str:
-    """Return the help of an option: the line of its field, with the option's own unit."""
-    said = one.help.replace("`", "")
-    if one.numeric and _UNIT.search(said):
-        unit = optional_unit(one.kind)[1]
-        said = _UNIT.sub("", said, count=1)
-        said = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", said, count=1)
-    if not all(choice in said for choice in one.choices):
-        every = listed(one.choices, "or")
-        said = _CLAUSE.sub(lambda end: f": {every}{end[0]}", said, count=1)
-    return said
+def help_line(declaration: Declared) -> str:
+    """Return the help of an option: the line of its field, in the unit of the option."""
+    help_text = declaration.help.replace("`", "")
+    if declaration.numeric and _UNIT.search(help_text):
+        unit = optional_unit(declaration.kind)[1]
+        help_text = _UNIT.sub("", help_text, count=1)
+        help_text = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", help_text, count=1)
+    if not all(choice in help_text for choice in declaration.choices):
+        all_choices = listed(declaration.choices, "or")
+        help_text = _CLAUSE.sub(lambda end: f": {all_choices}{end[0]}", help_text, count=1)
+    return help_text

@@ -1,4 +1,4 @@
-"""A record as a document that JSON can hold: its values by key, each in the unit of its key."""
+"""Records as documents for JSON: their values by key, each in the unit of its key."""
 
 import re
 from collections.abc import Callable
@@ -14,7 +14,7 @@ _IN_DEGREES = re.compile(r"(^|_)deg(_per_s2?|_s)?$")
 
 
 def keyed(keys: str) -> Callable[[Any], dict[str, Any]]:
-    """Return the method `as_dict` of a record, with values by keys as of `picked`."""
+    """Return the method `as_dict` of a record, with values by keys as in `picked`."""
 
     def as_dict(record: Any) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
@@ -26,18 +26,18 @@ def keyed(keys: str) -> Callable[[Any], dict[str, Any]]:
 def picked(record: Any, keys: str) -> dict[str, Any]:
     """Return attributes of a record by the keys of a document.
 
-    `record`: holds angles in radians. `keys`: with blanks between. Each is an attribute, "status",
-    or one with its unit, "peak_deg", or says which it is, of attributes too:
-    "required_deg=requirement.deflection"; in bars, "deflection_deg=|deflection|", it is a size. A
-    key in degrees is converted, each value of a mapping too, and a factor by a key in dB, unless
-    the attribute itself has that unit in its name.
+    `record`: with angles in radians. `keys`: separated by blanks. Each key is an attribute, or one
+    with its unit, "peak_deg", or names an attribute or a nested one,
+    "required_deg=requirement.deflection"; in bars, "deflection_deg=|deflection|", it is an absolute
+    value. A key in degrees is converted, also in a mapping, and a factor by a key in dB, unless the
+    attribute itself has that unit in its name.
     """
-    known = set(dir(record))
-    found = {}
+    attributes = set(dir(record))
+    document = {}
     for key in keys.split():
         name, elsewhere, path = key.partition("=")
         path = path or name
-        while not elsewhere and path not in known and "_" in path:
+        while not elsewhere and path not in attributes and "_" in path:
             path = path.rpartition("_")[0]
         value = reduce(getattr, path.strip("|").split("."), record)
         if path.startswith("|") and value is not None:
@@ -46,19 +46,19 @@ def picked(record: Any, keys: str) -> dict[str, Any]:
             value = _degrees(value)
         elif name.endswith("_dB") and not path.endswith("_dB"):
             value = decibels(value)
-        found[name] = {str(k): v for k, v in value.items()} if isinstance(value, dict) else value
-    return found
+        document[name] = {str(k): v for k, v in value.items()} if isinstance(value, dict) else value
+    return document
 
 
 def plain(value: Any) -> Any:
-    """Return what JSON can hold of a value: a record as its document, or else by its fields.
+    """Return a value as JSON can hold it: a record as its document, or by its fields.
 
-    Numbers that do not exist become None.
+    Numbers that are not finite become None.
     """
     if hasattr(value, "as_dict"):
         value = value.as_dict()
     elif is_dataclass(value):
-        value = {one.name: getattr(value, one.name) for one in fields(value)}
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
@@ -80,5 +80,5 @@ def _degrees(value: Any) -> Any:
     if value is None:
         return None
     if isinstance(value, dict):
-        return {name: _degrees(each) for name, each in value.items()}
+        return {name: _degrees(angle) for name, angle in value.items()}
     return np.degrees(1.0) * np.asarray(value) if np.iscomplexobj(value) else np.degrees(value)

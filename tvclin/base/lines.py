@@ -1,7 +1,7 @@
-"""Lines of text with numbers in them, each as it is shown and in full precision.
+"""Lines of text with numbers in them, each as displayed and in full precision.
 
-Angles and limits over trim have three digits behind the point wherever they stand: a deflection is
-built, and flights are searched, to about a thousandth.
+Angles and limits over trim have three decimals everywhere: a deflection is built, and flights are
+searched, to about a thousandth.
 """
 
 import re
@@ -14,10 +14,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Number:
-    """A number of the page.
+    """Number of a page.
 
-    `name`: what it is, with its unit; every number of a page has another. `value`: in full
-    precision, in the unit shown. `text`: as it is shown.
+    `name`: unique name, with the unit. `value`: in full precision, in the displayed unit. `text`:
+    as displayed.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula: in LaTeX for the page, and as plain text."""
+    """Formula: in LaTeX for the page, and as plain text."""
 
     tex: str
     text: str
@@ -35,19 +35,19 @@ class Formula:
 
 Inline = str | Number | Formula
 Line = tuple[Inline, ...]
-"""A run of text with numbers and formulas in it; a table's cell is one too."""
+"""Text with numbers and formulas in it, or a cell of a table."""
 
 
 Row = tuple[str, Line]
-"""What records yield for tables on a page and in a terminal: a label, and what is beside it."""
+"""Row of a table of a record: a label and its line."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of an answer, the same in a terminal, in a notebook and on a page.
+    """Table of an answer, the same in a terminal, in a notebook and on a page.
 
-    `caption`: stands above the table. `head`: the headings of the columns, with units. `rows`: the
-    cells of each row, of which the first is its heading.
+    `caption`: text above the table. `head`: headings of the columns, with units. `rows`: cells of
+    each row, of which the first is its heading.
     """
 
     caption: str
@@ -57,7 +57,7 @@ class Table:
 
 
 QUANTITIES = ("quantity", "value")
-"""The head of a table of names and values."""
+"""Head of a table of names and values."""
 _UNLIMITED = "unlimited"
 _SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
 """Letter and index of a symbol, such as beta, K1 or F_A."""
@@ -76,17 +76,17 @@ def listed(names: Iterable[str], word: str = "and") -> str:
 
 
 def text(line: Line) -> str:
-    """Return a line as it is shown."""
-    return "".join(part if isinstance(part, str) else part.text for part in line)
+    """Return a line as displayed text."""
+    return "".join(item if isinstance(item, str) else item.text for item in line)
 
 
 def labelled(label: str) -> Line:
     """Return a label; its last word is a formula where that is a symbol, as in "thrust T"."""
     words, space, last = label.rpartition(" ")
-    found = _SYMBOL.fullmatch(last)
-    if found is None:
+    symbol = _SYMBOL.fullmatch(last)
+    if symbol is None:
         return (label,)
-    letter, index = found[1], found[2] or found[3]
+    letter, index = symbol[1], symbol[2] or symbol[3]
     tex = f"\\{letter}" if len(letter) > 1 else letter
     return (words + space, Formula(tex + (f"_{{{index}}}" if index else ""), last))
 
@@ -102,30 +102,30 @@ def words(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> T
 
 
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
-    """Return a number with so many digits behind the point; a dash or "none" where it is none."""
+    """Return a number with some decimals; a dash for NaN and "unlimited" for infinity."""
     rounded = round(float(value), digits) or 0.0  # no minus before a zero
     return _shown(name, value, f"{rounded:.{digits}f}", unit)
 
 
-def least(limit: Line) -> Line:
-    """Return a least deflection limit: an infinite one says that none is sufficient."""
+def minimum_limit(limit: Line) -> Line:
+    """Return a minimum deflection limit; the text that none is sufficient if infinite."""
     return ("none is sufficient",) if limit == (_UNLIMITED,) else limit
 
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
-    """Return a number with so many significant digits."""
+    """Return a number with some significant digits."""
     mantissa, _, power = f"{float(value) + 0.0:.{digits}g}".partition("e")  # no minus before a zero
     shown = f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
     return _shown(name, value, shown, unit)
 
 
 def upper_pole(name: str, pole: complex, digits: int = 5) -> Line:
-    """Return a pole; one that is not real stands for its pair."""
+    """Return a pole; a complex one stands for its pair."""
     return complex_number(name, pole, digits, "±")
 
 
 def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
-    """Return a complex number; the sign of its imaginary part, where it has one, may be given."""
+    """Return a complex number; `sign` replaces that of its imaginary part."""
     real = significant(f"{name}.real", value.real, digits)
     if not value.imag:
         return real

@@ -77,7 +77,7 @@ class BoundaryLimit(Shown):
         rows: list[tuple[Line, ...]] = []
         for place, limits in zip(places, self.limit, strict=True):
             named = zip(dead_bands, limits, strict=True)
-            cells = (lines.least(number(f"limit.{place:g}.{K:g}", one)) for K, one in named)
+            cells = (lines.minimum_limit(number(f"limit.{place:g}.{K:g}", one)) for K, one in named)
             rows.append((significant(f"limit.{place:g}", place), *cells))
         return Table(caption, (axis, *(f"K = {K:g}" for K in dead_bands)), tuple(rows))
 

@@ -362,8 +362,8 @@ class TrimComparison(Shown):
         rows = tuple(
             (
                 (label,),
-                lines.least(lines.degrees(f"wind.{key}", value)),
-                lines.least(lines.number(f"wind.{key}.part", value / trim)),
+                lines.minimum_limit(lines.degrees(f"wind.{key}", value)),
+                lines.minimum_limit(lines.number(f"wind.{key}.part", value / trim)),
             )
             for key, (label, value) in deflections.items()
         )

@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     small_angle,
     times_row,
 )
-from tvclin.base.lines import Line, Table, degrees, least
+from tvclin.base.lines import Line, Table, degrees, minimum_limit
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly
@@ -139,7 +139,9 @@ class FlightComparison:
         outcomes = ((outcome,) for outcome in self.outcomes)
         rows: list[tuple[Line, ...]] = [(("with this limit it",), *outcomes)]
         for k, (label, both) in enumerate(angles.items()):
-            cells = [least(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(both)]
+            cells = [
+                minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(both)
+            ]
             rows.append(((label,), *cells))
         width = len(names) + 1
         return Table(caption, ("quantity", *names), tuple(row[:width] for row in rows))

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from tvclin.answers.availability.record import PLACARD, Availability
-from tvclin.base.lines import Line, Table, degrees, least, number
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, number
 
 _MONTHS = (
     *("January", "February", "March", "April", "May", "June"),
@@ -42,7 +42,9 @@ def placard(a: Availability) -> Table:
     rows: list[tuple[Line, ...]] = []
     for part, limits in zip(PLACARD, np.atleast_2d(a.placard()).T, strict=True):
         key = f"availability.placard.{100.0 * part:g}"
-        cells = (least(degrees(f"{key}{k}", x)) for k, x in zip(_towards(a), limits, strict=True))
+        cells = (
+            minimum_limit(degrees(f"{key}{k}", x)) for k, x in zip(_towards(a), limits, strict=True)
+        )
         rows.append(((f"{100.0 * part:g} %",), *cells))
     head = ("part", *(f"limit [deg]{towards}" for towards in _towards(a)))
     return Table("Limit that is enough in a part of soundings", head, tuple(rows))

@@ -10,7 +10,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Table, degrees, least
+from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
@@ -151,9 +151,9 @@ class LoadFront(Shown):
         rows = tuple(
             (
                 degrees(f"front.{k}.load", self.loads[k]),
-                least(degrees(f"front.{k}.limit", self.limits[k])),
+                minimum_limit(degrees(f"front.{k}.limit", self.limits[k])),
                 figure(f"front.{k}.buys_deg", buys[k], 2),
-                least(degrees(f"front.{k}.bound", bounds[k])),
+                minimum_limit(degrees(f"front.{k}.bound", bounds[k])),
                 (self.holds[k],),
             )
             for k in range(self.loads.size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tvclin.base.lines import Table, degrees, least
+from tvclin.base.lines import Table, degrees, minimum_limit
 
 Quantity = tuple[str, str, float, float | None]
 """Label, key, lower bound and available quantity [rad, rad/s]."""
@@ -30,7 +30,7 @@ def point_table(title: str, *quantities: Quantity) -> Table:
         rows.append(
             (
                 (label,),
-                least(degrees(f"nozzle.{key}.needed", needed)),
+                minimum_limit(degrees(f"nozzle.{key}.needed", needed)),
                 degrees(f"nozzle.{key}.there", np.nan if there is None else there),
                 degrees(f"nozzle.{key}.left", np.nan if left in (None, -np.inf) else left),
             )

@@ -10,7 +10,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Table, degrees, least
+from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
@@ -144,7 +144,7 @@ class RateFront(Shown):
             "bound": blank if self.bounds is None else self.bounds,
         }
         rows = tuple(
-            tuple(least(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
+            tuple(minimum_limit(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
             for k in range(self.rates.size)
         )
         head = ("rate limit [deg/s]", f"{WIND_KNOWN} [deg]", f"{NO_FORECAST} [deg]")

@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
-from tvclin.base.lines import Line, Table, degrees, least, number, significant
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, significant
 from tvclin.control.margins.criteria import band_table
 from tvclin.linear.flexible import FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL
@@ -142,7 +142,7 @@ def _flown(f: FlexibleAnswer, plane: str) -> Table:
     bends, rigid = (abs(one.deflection) for one in f.boundaries)
     if f.flight is not None:
         return f.flight.table(caption, ("flexible", "rigid"), (bends, rigid))
-    limits = (least(degrees(f"flown.0.{k}", one)) for k, one in enumerate((bends, rigid)))
+    limits = (minimum_limit(degrees(f"flown.0.{k}", one)) for k, one in enumerate((bends, rigid)))
     head = ("quantity", "flexible", "rigid")
     return Table(caption, head, ((("least limit that survives [deg]",), *limits),))
 

@@ -13,7 +13,7 @@ from tvclin.answers.questions import (
 from tvclin.answers.study import Study
 from tvclin.answers.study_notes import TRUSTS
 from tvclin.answers.study_tables import survivable
-from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.base.lines import Line, degrees, minimum_limit, number, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
 from tvclin.show.report.blocks import Section
@@ -161,7 +161,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     s = found.study
     rows: list[tuple[str, Line]] = []
     if asked(found) is None:  # else it is one of its rows
-        need = least(degrees("facts.required", s.required_deflection, unit="deg"))
+        need = minimum_limit(degrees("facts.required", s.required_deflection, unit="deg"))
         rows.append(("required deflection", need))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
