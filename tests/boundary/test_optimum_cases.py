@@ -123,7 +123,7 @@ def test_steep_flight_with_three_real_unstable_poles(angle):
 def test_a_result_that_did_not_converge_says_so(monkeypatch):
     plant = plant_of(model="drift-and-speed")
     monkeypatch.setattr("tvclin.boundary.optimum.dual._NEWTON_STEPS", 0)
-    monkeypatch.setattr("tvclin.boundary.optimum.dual._ROUNDS", 1)
+    monkeypatch.setattr("tvclin.boundary.optimum.dual._GRID_REFINEMENTS", 1)
     best = optimum_deflection(plant, triangle(plant, 20.0))
     assert best.status == NOT_CONVERGED
     assert best.certificate.gap > 1e-9

@@ -82,7 +82,7 @@ class LoadLimits:
     @cached_property
     def its_load(self) -> float:
         """The load [rad] of the known deflection."""
-        return float(np.abs(self.program.shown).max())
+        return float(np.abs(self.program.reference_load).max())
 
     @cached_property
     def least_load(self) -> float:
@@ -106,7 +106,7 @@ class LoadLimits:
     def _programmed(self) -> bool:
         """Whether the least load is more than that of a jump of the wind."""
         case = self.case
-        return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.grows) > 1)
+        return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 
     @cached_property
     def _least_found(self) -> tuple[float, float]:
@@ -272,7 +272,7 @@ def limits_of(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLim
 
 def _nodes(case: LoadCase) -> FloatArray:
     """Nodes even in the wind, and ever farther apart after it, with those of both histories."""
-    wind, growing = case.wind, case.poles[case.grows]
+    wind, growing = case.wind, case.poles[case.unstable]
     start, end = float(wind.onset), float(wind.end)
     length = end - start
     count = int(np.clip(_EACH * case.fastest * length, _FEWEST, _MOST))
@@ -283,7 +283,7 @@ def _nodes(case: LoadCase) -> FloatArray:
         1, int(np.log1p((last - end) * (_GROWTH - 1.0) / width) / np.log(_GROWTH)) + 2
     )
     after = end + width * (_GROWTH**steps - 1.0) / (_GROWTH - 1.0)
-    parts = [np.linspace(start, end, count + 1), after, wind.knots, case.known.knots]
+    parts = [np.linspace(start, end, count + 1), after, wind.knots, case.reference.knots]
     if np.any(growing.imag):
         parts.append(np.linspace(end, last, int((last - end) * growing.imag.max()) + 2))
     nodes = np.concatenate(parts)

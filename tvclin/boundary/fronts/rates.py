@@ -23,7 +23,7 @@ from tvclin.boundary.fronts.ramps import ramped_deflection
 from tvclin.boundary.fronts.rate_record import RateFront
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
-from tvclin.boundary.optimum.rate_limit import least_peak_at_rate
+from tvclin.boundary.optimum.rate_limit import minimum_peak_at_rate
 from tvclin.linear.modes import poles_text, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -181,7 +181,7 @@ class _Case:
             raise InputError(
                 "acceleration_limit needs a case that one unstable pole decides; leave it out"
             )
-        return least_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
+        return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
 
     def by_one_pole(self, rate: float) -> float:
         """The least deflection [rad], the wind known, if the fastest pole alone decides."""

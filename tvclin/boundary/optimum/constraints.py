@@ -25,11 +25,11 @@ from tvclin.winds.pulses import check_end
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """Moments that a deflection must have to leave no growing exponential.
+    """Moments of a deflection that cancels every unstable mode.
 
-    `poles`: unstable poles [1/s], ``(m,)``, of each complex pair the one with positive imaginary
-    part. `demands`: d_i [rad s], ``(n,)``, two for each complex pair: the parts with cosine and
-    with sine. `horizon`: H [s], the time after the start at which the deflection must be zero
+    `poles`: unstable poles [1/s], ``(m,)``, one per conjugate pair, the one with positive imaginary
+    part. `demands`: d_i [rad s], ``(n,)``, two for each complex pair: the components with cosine
+    and with sine. `horizon`: H [s], the time after the start at which the deflection must be zero
     again; inf if never.
     """
 
@@ -69,16 +69,16 @@ class Constraints:
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)
         endless = np.isinf(width)
-        part = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
-        return self.in_rows(np.exp(-column * knots[:-1]) * part / column)
+        fraction = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
+        return self.in_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
     def in_rows(self, values: AnyArray) -> FloatArray:
-        """Split values at the poles ``(m, ...)`` into the rows ``(n, ...)`` of real conditions."""
+        """Return the rows ``(n, ...)`` of real conditions for values at the poles ``(m, ...)``."""
         if self.real:
             return values
-        both = np.stack([np.real(values), -np.imag(values)], axis=1)
+        components = np.stack([np.real(values), -np.imag(values)], axis=1)
         wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
-        return both[wanted]
+        return components[wanted]
 
     def joined(self, rows: FloatArray) -> AnyArray:
         """Return the values ``(m,)`` that `in_rows` splits into the rows ``(n,)``."""
@@ -91,11 +91,12 @@ class Constraints:
 
     @cached_property
     def _rows(self) -> IndexArray:
+        """Number of real conditions of each pole, ``(m,)``: one, or two for a pair."""
         return np.where(np.imag(self.poles) == 0.0, 1, 2)
 
 
 def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
-    """Return the conditions of poles ``(m,)``, of each pair the upper one, and their demands."""
+    """Return the conditions of poles ``(m,)``, one per conjugate pair, with their demands."""
     bare = Constraints(poles, np.zeros(0), horizon)
     return Constraints(poles, bare.in_rows(demands), horizon)
 
@@ -103,7 +104,7 @@ def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> C
 def constraints_of(
     plant: Plant, wind: History, start: float, horizon: float | None = None
 ) -> Constraints:
-    """Return the conditions that a deflection between `start` and `horizon` must meet.
+    """Return the conditions (C1) on a deflection between `start` and `horizon`.
 
     `wind`: one wind, which must end. `start`: first time [s] at which the deflection may differ
     from zero. `horizon`: time [s] from which the deflection is zero again; never by default.
@@ -120,9 +121,9 @@ def constraints_of(
     poles = poles[np.imag(poles) >= 0.0]
     strength = wind_over_deflection(plant, poles)
     if not np.all(np.isfinite(strength)):
-        lost = poles[~np.isfinite(strength)][0]
+        pole = poles[~np.isfinite(strength)][0]
         raise InputError(
-            f"the deflection must reach every unstable pole; it has no effect at {lost:.6g} 1/s"
+            f"the deflection must reach every unstable pole; it has no effect at {pole:.6g} 1/s"
         )
     try:
         with np.errstate(over="ignore", invalid="ignore"):

@@ -1,6 +1,6 @@
 """Sums of exponentials lambda . e(u): where they change sign, and their L1 norm.
 
-The dual of the minimum-peak problem asks for nothing else.
+They are all that the dual of the minimum-peak problem requires.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.numerics.searches import roots_between
 
-_FADED = 60.0
-"""Past this many e-folding times of the slowest real pole a change of sign is not sought."""
+_MAX_DECAY_TIMES = 60.0
+"""Times of the slowest real pole, in e-folding times, up to which a change of sign is sought."""
 TRUNCATED = 34.0
-"""Where a complex pair never stops to change sign, it is followed for so many e-folding times."""
-_GEOMETRIC = 600
+"""Length of the window, in e-folding times, for a complex pair, whose sign changes without end."""
+_GEOMETRIC_POINTS = 600
 """Points of the grid, evenly spaced in their logarithm: fifty or so a decade. Two zeros between
-neighbours are found by the dip between them; two dips there would be missed."""
-_PER_HALF_PERIOD = 16
+neighbours are detected by the dip between them; two dips would be missed."""
+_POINTS_PER_HALF_PERIOD = 16
 """Points of the grid for each half wave of a complex pole."""
-_MOST_POINTS = 200_000
-"""Points for one complex pole, which bounds the memory: beyond, half waves are sampled coarsely."""
+_MAX_POINTS = 200_000
+"""Largest number of points for a complex pole, to bound the memory; beyond it they are coarser."""
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The functions e_i on a grid fine enough to see every change of sign.
+    """The functions e_i on a grid fine enough to resolve every change of sign.
 
     `constraints`: the functions and their demands.
     """
@@ -49,18 +49,18 @@ class Window:
     def grid(self) -> FloatArray:
         """Times [s] from zero on, evenly spaced in their logarithm and within each period."""
         c = self.constraints
-        last = min(self.end, _FADED / c.decays.min())
+        last = min(self.end, _MAX_DECAY_TIMES / c.decays.min())
         first = min(1e-6 / np.abs(c.poles).max(), 1e-3 * last)
-        parts = [np.zeros(1), np.geomspace(first, last, _GEOMETRIC)]
+        parts = [np.zeros(1), np.geomspace(first, last, _GEOMETRIC_POINTS)]
         for pole in c.poles[np.imag(c.poles) > 0.0]:
-            step = np.pi / np.imag(pole) / _PER_HALF_PERIOD
+            step = np.pi / np.imag(pole) / _POINTS_PER_HALF_PERIOD
             reach = min(last, 700.0 / np.real(pole))
-            parts.append(np.linspace(0.0, reach, int(min(reach / step + 2, _MOST_POINTS))))
+            parts.append(np.linspace(0.0, reach, int(min(reach / step + 2, _MAX_POINTS))))
         return np.unique(np.concatenate(parts))
 
     @cached_property
     def values(self) -> FloatArray:
-        """e_i on the grid, ``(n, k)``."""
+        """Functions e_i on the grid, ``(n, k)``."""
         return self.constraints.basis(self.grid)
 
     @cached_property
@@ -70,7 +70,7 @@ class Window:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Upper bounds of the L1 norm of each e_i, ``(n,)``: those of their envelopes."""
+        """Upper bounds of the L1 norm of each e_i, ``(n,)``: the norms of the envelopes."""
         decays = self.constraints.decays
         return -np.expm1(-decays * self.end) / decays
 
@@ -92,7 +92,7 @@ class Window:
         return _refined(multipliers, c.basis, times, crossed) if crossed.size else np.zeros(0)
 
     def signed(self, multipliers: FloatArray) -> SignedSum:
-        """Return the sum with its changes of sign and the moments of its sign."""
+        """Return the sum lambda . e with its changes of sign and the moments of its sign."""
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
         moments = self.constraints.moments(knots)
@@ -111,7 +111,7 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class SignedSum:
-    """One sum lambda . e.
+    """A sum lambda . e, its changes of sign, norm and gradient.
 
     `multipliers`: lambda, ``(n,)``. `zeros`: times [s] of its changes of sign, ``(k,)``. `signs`:
     its sign between them, ``(k + 1,)``. `norm`: its L1 norm on the window. `moments`: the moments
@@ -135,12 +135,12 @@ def _refined(
     multipliers: FloatArray,
     function: Callable[[FloatArray], FloatArray],
     times: FloatArray,
-    left: IndexArray,
+    intervals: IndexArray,
 ) -> FloatArray:
-    """The zeros of lambda . function between ``times[left]`` and the times after them."""
-    sign = np.sign(multipliers @ function(times[left + 1]))
+    """Return the zeros [s] of lambda . function, each in the interval from ``times[intervals]``."""
+    sign = np.sign(multipliers @ function(times[intervals + 1]))
 
     def rising(u: FloatArray, k: IndexArray) -> FloatArray:
         return np.asarray(sign[k] * (multipliers @ function(u)))
 
-    return roots_between(times[left], times[left + 1], rising)
+    return roots_between(times[intervals], times[intervals + 1], rising)

@@ -10,21 +10,21 @@ from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.exponential_sums import TRUNCATED, Window, even_for
 
-_FAINT = 1e-6
-"""What is below this part of the largest counts as lost in the tolerance of a linear program."""
+_RELATIVE_LP_TOLERANCE = 1e-6
+"""Size, relative to the largest, that counts as below the tolerance of a linear program."""
 
 
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the best deflection that is constant in each cell, over its peak, and its prices.
+    """Return the deflection of least peak that is constant in each cell, and its multipliers.
 
-    `constraints`: conditions on the moments. `cells`: knots [s] of the cells, ``(k + 1,)``; the
-    last may be infinite. Returned: levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not
-    scaled.
+    `constraints`: conditions on the moments. `cells`: breakpoints [s] of the cells, ``(k + 1,)``;
+    the last may be infinite. Returned: levels in [-1, 1], the deflection normalised by its peak,
+    ``(k,)``, and the multipliers (prices of the conditions), ``(n,)``, not scaled.
 
-    The multiplier of a slow pole that matters only long after the others have died out is many
-    decades below theirs and lost in the tolerance of a linear program. So the program is solved
-    again for the cells from there on: the poles whose multipliers are known are served best,
-    under the conditions at the others.
+    The multiplier of a slow pole that matters only long after the others have decayed is many
+    decades below theirs, and below the tolerance of a linear program. So the program is solved
+    again for the later cells: it maximises the moments of the poles whose multipliers are
+    determined, under the conditions of the others.
     """
     # The largest t for which some |v_j| <= 1 have the moments t d: then 1/t is the peak.
     moments = constraints.moments(cells)
@@ -32,28 +32,33 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     demands = constraints.demands / np.abs(constraints.demands / sizes).max()
     rows = np.column_stack([moments, -demands]) / sizes[:, np.newaxis]
     cost = np.append(np.zeros(cells.size - 1), -1.0)
-    found = _linear_program(cost, rows, np.zeros(sizes.size), (0.0, None))
-    if found is None:
+    solution = _linear_program(cost, rows, np.zeros(sizes.size), (0.0, None))
+    if solution is None:
         return np.ones(cells.size - 1), constraints.demands / sizes**2
-    levels, prices = found[0][:-1], found[1] / sizes
-    known, first = np.abs(prices) * sizes > _FAINT, 0
-    while not np.all(known) and np.any(known):
-        strength = np.abs(prices[known]) @ np.exp(-constraints.decays[known, None] * cells[:-1])
-        later = np.flatnonzero(strength < _FAINT * strength[first])
+    levels, prices = solution[0][:-1], solution[1] / sizes
+    determined, first = np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE, 0
+    while not np.all(determined) and np.any(determined):
+        strength = np.abs(prices[determined]) @ np.exp(
+            -constraints.decays[determined, None] * cells[:-1]
+        )
+        later = np.flatnonzero(strength < _RELATIVE_LP_TOLERANCE * strength[first])
         if not later.size or strength[later[0]] < 1e-290:
             break
         first, late = int(later[0]), moments[:, later[0] :]
-        cost = -(prices[known] @ late[known])
+        cost = -(prices[determined] @ late[determined])
         unit, sizes = np.abs(cost).sum(), np.abs(late).sum(axis=1)
-        if not np.all(sizes[~known] > 0.0):
+        if not np.all(sizes[~determined] > 0.0):
             break
-        left = found[0][-1] * demands - moments[:, :first] @ levels[:first]
-        rows, left = late[~known] / sizes[~known, None], left[~known] / sizes[~known]
-        stage = _linear_program(cost / unit, rows, left)
+        remaining = solution[0][-1] * demands - moments[:, :first] @ levels[:first]
+        rows, remaining = (
+            late[~determined] / sizes[~determined, None],
+            remaining[~determined] / sizes[~determined],
+        )
+        stage = _linear_program(cost / unit, rows, remaining)
         if stage is None:
             break
-        levels[first:], prices[~known] = stage[0], stage[1] * unit / sizes[~known]
-        known |= np.abs(prices) * sizes > _FAINT * unit
+        levels[first:], prices[~determined] = stage[0], stage[1] * unit / sizes[~determined]
+        determined |= np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE * unit
     return levels, prices
 
 
@@ -63,16 +68,19 @@ def _linear_program(
     right: FloatArray,
     last: tuple[float, float | None] = (-1, 1),
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Minimise cost . x under rows x = right and |x| <= 1; None where that cannot be."""
+    """Return x that minimises cost . x under rows x = right and |x| <= 1, and prices of the rows.
+
+    `last`: bounds of the last variable. None where the program has no solution.
+    """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
     bounds = [*[(-1.0, 1.0)] * (cost.size - 1), last]
-    found = linprog(cost, A_eq=rows, b_eq=right, bounds=bounds, method="highs-ds")
-    return (found.x, found.eqlin.marginals) if found.status == 0 else None
+    result = linprog(cost, A_eq=rows, b_eq=right, bounds=bounds, method="highs-ds")
+    return (result.x, result.eqlin.marginals) if result.status == 0 else None
 
 
 def first_cells(window: Window) -> FloatArray:
-    """Return cells as even as can be for every pole: in e^(-p u/4), and within each period."""
+    """Return breakpoints [s] of cells: even in e^(-p u/4) for every pole, and in each period."""
     c = window.constraints
     last = min(window.end, TRUNCATED / c.decays.min())
     parts = [np.array([0.0, last])]
@@ -87,29 +95,29 @@ def first_cells(window: Window) -> FloatArray:
 
 
 def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, IndexArray]:
-    """Return where levels of -1 and 1 change, and the cells in which that is not certain.
+    """Return the times [s] at which levels change between -1 and 1, and indices of uncertain cells.
 
-    Cells between that are neither count for the parts of them that are.
+    A cell at neither level is uncertain: its level gives the fraction that is at each.
     """
     full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)
     times: list[float] = []
     doubtful: list[int] = []
     edges = np.concatenate([[-1], full, [levels.size]])
     for before, after in pairwise(edges):
-        left = np.sign(levels[before]) if before >= 0 else 0.0
-        right = np.sign(levels[after]) if after < levels.size else 0.0
-        if after == before + 1 and not left * right:
+        sign_before = np.sign(levels[before]) if before >= 0 else 0.0
+        sign_after = np.sign(levels[after]) if after < levels.size else 0.0
+        if after == before + 1 and not sign_before * sign_after:
             continue
-        left, right = left or -right, right or -left
+        sign_before, sign_after = sign_before or -sign_after, sign_after or -sign_before
         start, stop = cells[before + 1], min(cells[after], cells[-1] if after else np.inf)
         if after > before + 1:
             doubtful.extend(range(before + 1, after))
-        if np.isinf(stop) or not left:
+        if np.isinf(stop) or not sign_before:
             continue
         widths = np.diff(cells[before + 1 : after + 1])
         mean = widths @ levels[before + 1 : after] / widths.sum() if widths.size else 0.0
-        share = (stop - start) * (1.0 + left * mean) / 2.0
-        if left != right:
+        share = (stop - start) * (1.0 + sign_before * mean) / 2.0
+        if sign_before != sign_after:
             times.append(start + share)
         elif widths.size:
             times.extend([start + share / 2.0, stop - share / 2.0])
@@ -117,16 +125,16 @@ def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, Inde
 
 
 def split(cells: FloatArray, doubtful: IndexArray) -> FloatArray:
-    """Return cells of which the doubtful, and those beside them, are cut in 16 parts."""
-    near = np.unique(np.concatenate([doubtful - 1, doubtful, doubtful + 1]))
-    near = near[(near >= 0) & (near < cells.size - 1)]
-    near = near[np.isfinite(cells[near + 1])]
-    widths = cells[near + 1] - cells[near]
-    new = cells[near] + widths * (np.arange(1, 16) / 16.0)[:, np.newaxis]
+    """Return breakpoints [s] with uncertain cells and their neighbours divided into 16."""
+    selected = np.unique(np.concatenate([doubtful - 1, doubtful, doubtful + 1]))
+    selected = selected[(selected >= 0) & (selected < cells.size - 1)]
+    selected = selected[np.isfinite(cells[selected + 1])]
+    widths = cells[selected + 1] - cells[selected]
+    new = cells[selected] + widths * (np.arange(1, 16) / 16.0)[:, np.newaxis]
     return np.unique(np.concatenate([cells, new.ravel()]))
 
 
 def apart(nodes: FloatArray, gap: float) -> FloatArray:
-    """Return nodes in order, without those that all but coincide; the last stays."""
+    """Return nodes [s] in order, without those within `gap` [s] of the next; the last stays."""
     nodes = np.unique(nodes)
     return np.append(nodes[:-1][np.diff(nodes) > gap], nodes[-1])

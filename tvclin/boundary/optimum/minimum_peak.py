@@ -21,21 +21,22 @@ OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
 UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
-_GAP = 1e-9
-"""Relative gap and residual of a certificate up to which a peak is proved; else it is said."""
-_ROUNDING = 1e-14
-"""A switch so near the horizon, relative, is none."""
+_MAX_GAP = 1e-9
+"""Largest relative gap and residual of a certificate that proves a peak; else the status says
+so."""
+_RELATIVE_ROUNDING = 1e-14
+"""Relative distance to the horizon below which a switch is omitted."""
 
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """Why no deflection has a smaller peak: a lower bound beside the peak that is reached.
+    """A lower bound of every peak, and the peak of the deflection that it proves optimal.
 
     `primal`: peak [rad] of the deflection. `dual`: lambda . d over the L1 norm of lambda . e: no
-    deflection that meets the conditions has a peak [rad] below it, whatever it looks like. `gap`:
+    deflection that satisfies the conditions has a peak [rad] below it, whatever its shape. `gap`:
     (primal - dual)/primal. `residual`: largest violation of a condition (4b), relative to the sizes
-    of its terms. `tail`: bound of what a truncated window leaves out of the L1 norm, relative to
-    it; it is counted in `dual`. Zero where nothing is truncated.
+    of its terms. `tail`: bound of the L1 norm that a truncated window omits, relative to it; it is
+    included in `dual`. Zero where nothing is truncated.
     """
 
     primal: float
@@ -54,21 +55,21 @@ class Optimum(Shown):
     Attributes
     ----------
     peak : float
-        Its largest size [rad]; zero where no deflection is needed. Where the optimum was not
+        Largest size [rad]; zero where no deflection is required. Where the optimum was not
         reached, at least the proved lower bound: look at `status`.
     deflection : History
-        The deflection itself [rad]: held, or always at one of two limits, zero from a finite
+        The deflection [rad]: constant, or always at one of two limits, zero from a finite
         horizon on.
     switch_times : ndarray
-        Times [s] at which it changes its sign, ``(k,)``.
+        Times [s] at which the deflection changes its sign, ``(k,)``.
     multipliers : ndarray
-        lambda [1/s], ``(n,)``, with an L1 norm of one: by how much the peak grows with d_i. The
+        lambda [1/s], ``(n,)``, with an L1 norm of one: the derivatives of the peak by d_i. The
         functions of time e_i start at the start of the control; one for each real pole in the
         order of `unstable_modes`, two (cosine, sine) for each pair.
     certificate : Certificate
         A lower bound of every peak, and the residuals.
     status : str
-        "ok", or in words what is different.
+        "ok", or the reason why it is not.
     """
 
     peak: float
@@ -84,7 +85,7 @@ class Optimum(Shown):
 def optimum_deflection(
     plant: Plant, wind: History, start: float = 0.0, horizon: float | None = None
 ) -> Optimum:
-    """Return the deflection of least peak that leaves no growing exponential (appendix C).
+    """Return the deflection of least peak that cancels every unstable mode (appendix C).
 
     Its peak is the lower bound with the wind known, by linear theory at nominal dynamic pressure.
 
@@ -93,7 +94,7 @@ def optimum_deflection(
     plant : Plant
         One plant of any model, with any number of unstable poles.
     wind : History
-        One wind that ends; its whole course is known beforehand.
+        One wind that ends; it is known beforehand.
     start : float
         Start of the control t1 [s]. A late start costs a factor e^(beta t1) with one pole, an
         early one (negative) gains as much.
@@ -103,8 +104,8 @@ def optimum_deflection(
     Returns
     -------
     Optimum
-        With a certificate. Compare it with `boundary_limit`, which meets the condition of the
-        fastest real pole only.
+        With a certificate. Compare it with `boundary_limit`, which satisfies the condition of
+        the fastest real pole only.
 
     Raises
     ------
@@ -117,7 +118,7 @@ def optimum_deflection(
     -----
     With one pole the deflection is constant, delta = beta e^(beta t1) D; with two real ones it
     changes its sign once, eqs (C5) and (C6); with N real ones at most N - 1 times, and without
-    end for a complex pair, which is followed until what is left is below 1e-12 of the norm (the
+    end for a complex pair, which is followed until the rest is below 1e-12 of the norm (the
     deflection is zero from there on). In general it is the peak times the sign of lambda . e.
 
     Examples
@@ -132,7 +133,7 @@ def optimum_deflection(
 
 
 def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
-    """Return the deflection of least peak that meets some conditions, from `start` [s] on."""
+    """Return the deflection of least peak that satisfies the conditions, from `start` [s] on."""
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -150,21 +151,21 @@ def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
         deflection = deflection.before(window.end + start)
     certificate = certify(window, multipliers, switches, limit)
     norm = window.signed(multipliers).norm
-    near = abs(certificate.gap) < _GAP and certificate.residual < _GAP
+    proved = abs(certificate.gap) < _MAX_GAP and certificate.residual < _MAX_GAP
     return Optimum(
-        abs(limit) if near else max(abs(limit), certificate.dual),
+        abs(limit) if proved else max(abs(limit), certificate.dual),
         deflection,
         switches + start,
         multipliers / norm,
         certificate,
-        OK if near else NOT_CONVERGED,
+        OK if proved else NOT_CONVERGED,
     )
 
 
 def certify(
     window: Window, multipliers: FloatArray, switches: FloatArray, limit: float
 ) -> Certificate:
-    """Return what is reached by switching between two limits, and what cannot be undercut.
+    """Return the certificate of a deflection that switches between two limits.
 
     `multipliers`: lambda, ``(n,)``; any of them bounds every peak from below. `switches`: switch
     times [s] after the start, ``(k,)``. `limit`: first deflection [rad].
@@ -183,7 +184,7 @@ def certify(
 
 
 def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
-    """Switch times after the start, and multipliers with lambda . d > 0, of any scale."""
+    """Return switch times [s] after the start, and multipliers of any scale, lambda . d > 0."""
     c = window.constraints
     if c.demands.size == 1:
         return np.zeros(0), np.sign(c.demands)
@@ -194,11 +195,11 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
 
 
 def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
-    """The one switch of eqs (C5), and multipliers whose sum changes its sign there."""
+    """Return the switch time [s] of eqs (C5), and multipliers whose sum changes its sign then."""
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
     # Without a switch before the end one constant meets both, and so their sum.
-    if np.isinf(time) or time >= c.horizon * (1.0 - _ROUNDING):
+    if np.isinf(time) or time >= c.horizon * (1.0 - _RELATIVE_ROUNDING):
         return np.zeros(0), np.sign(demands)
     growth = np.exp((poles - poles.max()) * time)
     multipliers = np.array([growth[0], -growth[1]])
@@ -206,9 +207,9 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
 
 
 def _limit(window: Window, switches: FloatArray) -> float:
-    """The first deflection [rad] that meets the conditions with these switches, eq (C5a).
+    """Return the first deflection [rad] that satisfies the conditions with the switches, (C5a).
 
-    Of all conditions by least squares, each by its size, which evens out their rounding.
+    It is a least-squares fit of all conditions, each divided by its size, to reduce rounding.
     """
     moments = _moments(window, switches).sum(axis=1) / window.sizes
     demands = window.constraints.demands / window.sizes
@@ -216,7 +217,7 @@ def _limit(window: Window, switches: FloatArray) -> float:
 
 
 def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
-    """Newton's iteration on the conditions themselves, by least moves of the switch times.
+    """Return switch times [s] and limit [rad] after Newton's iteration on the conditions.
 
     Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
     """
@@ -241,7 +242,7 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _violation(window: Window, switches: FloatArray, limit: float) -> float:
-    """The largest violation of a condition, relative to the sizes of its terms."""
+    """Return the largest violation of a condition, relative to the sizes of its terms."""
     demands = window.constraints.demands
     pieces = limit * _moments(window, switches)
     sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
@@ -249,7 +250,7 @@ def _violation(window: Window, switches: FloatArray, limit: float) -> float:
 
 
 def _moments(window: Window, switches: FloatArray) -> FloatArray:
-    """Moments of the pieces of a unit deflection, +1 first."""
+    """Return the moments of the pieces of a unit deflection, +1 first, ``(n, k + 1)``."""
     signs = (-1.0) ** np.arange(switches.size + 1)
     knots = np.concatenate([[0.0], switches, [window.end]])
     return window.constraints.moments(knots) * signs

@@ -1,7 +1,7 @@
 """The deflection of least peak when it may change only at a limited rate.
 
-A linear program over deflections that are straight between nodes, with the exact moments of
-each straight piece. The nodes are refined where the rate or the peak begins or ceases to bind.
+A linear program over deflections that are linear between nodes, with the exact moments of
+each linear piece. The nodes are refined where the rate or the peak begins or ceases to bind.
 """
 
 from __future__ import annotations
@@ -28,22 +28,25 @@ from tvclin.boundary.optimum.rate_program import RateProgram
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
-_RATES = (1e-15, 1e9)
-"""Rates that the program can tell from none, and from any [rad/s]."""
-_FEWEST_STEPS, _STEPS, _MOST_STEPS = 10, 200, 10_000
-"""Steps of the program."""
+_RATE_RANGE = (1e-15, 1e9)
+"""Smallest and largest rate limit [rad/s] that the program can distinguish from zero and
+infinity."""
+_MIN_STEPS = 10
+"""Smallest number of intervals to begin with."""
+_STEPS = 200
+"""Default number of intervals to begin with."""
+_MAX_STEPS = 10_000
+"""Largest number of intervals to begin with."""
 _REFINEMENTS = 8
-"""Programs on nodes that are made finer; `change` says how far the last one moved the peak."""
-_SETTLED = 1e-8
-"""A peak that changes by less than this part is found."""
-_ACTIVE = 1e-7
-"""A value so near to the peak, or a change so near to the full rate, is at it: the tolerance of a
-linear program."""
-_DECAYED = 20.0
-"""Nodes reach so many times as far as the slowest pole decays in: what comes later changes the peak
-by e^-20."""
-_MOST_SPLIT = 40
-"""Intervals that are split at a time, those of the highest price, which bounds the program."""
+"""Largest number of programs, each on finer nodes; `change` is that of the peak by the last."""
+_RELATIVE_CHANGE = 1e-8
+"""Relative change of the peak below which the nodes are fine enough."""
+_ACTIVE_DISTANCE = 1e-7
+"""Relative distance at which the peak or the rate limit counts as active: a program's tolerance."""
+_SPAN_OVER_TIME_CONSTANT = 20.0
+"""Time of the last node over the slowest time constant: later changes of the peak are e^-20."""
+_MAX_SPLIT_INTERVALS = 40
+"""Largest number of intervals split at a time, those of the highest price."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,21 +56,21 @@ class RateLimitedOptimum(Shown):
     Attributes
     ----------
     peak : float
-        Its largest size [rad].
+        Largest size of the deflection [rad].
     deflection : History
-        The deflection [rad], straight between nodes, zero at the start; the last value is held
-        for ever or to the horizon.
+        The deflection [rad], linear between nodes, zero at the start; the last value stays
+        constant, without end or to the horizon.
     rate : float
-        Its largest slope [rad/s]; below the limit where that does not bind.
+        Largest slope of the deflection [rad/s]; below the limit where that does not bind.
     unlimited_peak : float
         Peak [rad] without a rate limit, a lower bound.
     residual : float
         Largest violation of a condition (4b), relative to the sizes of its terms.
     change : float
-        By how much the last refinement of the nodes lowered the peak, relative to it. The peak
-        is an upper bound that falls towards the least one.
+        Decrease of the peak by the last refinement of the nodes, relative to it. The peak is an
+        upper bound that falls towards the minimum.
     status : str
-        "ok", or in words why no deflection is needed.
+        "ok", or the reason why no deflection is required.
     """
 
     peak: float
@@ -95,8 +98,8 @@ def optimum_with_rate_limit(
     Parameters
     ----------
     plant, wind, start, horizon
-        As of `optimum_deflection`. The deflection is zero at the start; with a horizon the last
-        value is dropped there, whatever the rate.
+        Parameters of `optimum_deflection`. The deflection is zero at the start; with a horizon the
+        last value is dropped there, whatever the rate.
     rate_limit : float
         Largest ``|delta'|`` [rad/s], positive.
     steps : int
@@ -105,8 +108,8 @@ def optimum_with_rate_limit(
     Raises
     ------
     InputError
-        As `optimum_deflection`, and for a rate with which no deflection survives the wind; the
-        message says which rate would do.
+        Where `optimum_deflection` raises it, and for a rate with which no deflection survives the
+        wind; the message says which rate would do.
 
     Examples
     --------
@@ -118,13 +121,13 @@ def optimum_with_rate_limit(
     1.2836
     """
     rate = number("rate_limit", rate_limit, positive, "rad/s")
-    number("rate_limit", rate, between(*_RATES), "rad/s")
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _FEWEST_STEPS:
+    number("rate_limit", rate, between(*_RATE_RANGE), "rad/s")
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _MIN_STEPS:
         raise InputError(
-            f"steps must be a whole number of {_FEWEST_STEPS} or more; got {shown(steps)}"
+            f"steps must be a whole number of {_MIN_STEPS} or more; got {shown(steps)}"
         )
-    if steps > _MOST_STEPS:
-        raise InputError(f"steps must be at most {_MOST_STEPS}; got {shown(steps)}")
+    if steps > _MAX_STEPS:
+        raise InputError(f"steps must be at most {_MAX_STEPS}; got {shown(steps)}")
     constraints = constraints_of(plant, wind, start, horizon)
     unlimited = optimum_deflection(plant, wind, start, horizon)
     if unlimited.peak == 0.0:
@@ -132,13 +135,13 @@ def optimum_with_rate_limit(
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
     switches = unlimited.switch_times - start
     program, peak, change = _refined(constraints, switches, rate, unlimited.peak, steps)
-    values = program.least_motion(peak * (1.0 + _SETTLED)) if np.isfinite(peak) else None
+    values = program.minimum_motion(peak * (1.0 + _RELATIVE_CHANGE)) if np.isfinite(peak) else None
     if values is None:
-        least = 1.001 * program.least_rate()
+        sufficient = 1.001 * program.minimum_rate()
         raise InputError(
             "rate_limit is too small for any deflection to survive this wind; got"
-            f" {np.degrees(rate):.4g} deg/s, and about {np.degrees(least):.4g} deg/s"
-            f" ({least:.4g} rad/s) would do"
+            f" {np.degrees(rate):.4g} deg/s, and about {np.degrees(sufficient):.4g} deg/s"
+            f" ({sufficient:.4g} rad/s) would do"
         )
     values *= unlimited.peak
     slopes = np.diff(values) / np.diff(program.nodes)
@@ -158,46 +161,46 @@ def optimum_with_rate_limit(
     )
 
 
-def least_peak_at_rate(
+def minimum_peak_at_rate(
     constraints: Constraints, unlimited: Optimum, start: float, rate: float
 ) -> float:
-    """Return the peak [rad] of `optimum_with_rate_limit` alone; infinite where none is enough.
+    """Return the peak [rad] of `optimum_with_rate_limit`; infinite where no deflection survives.
 
-    `constraints`, `unlimited`: of the case, and its `optimum_deflection`, from `start` [s] on.
-    The tolerance of a linear program, 1e-7 of the peak, is added to it.
+    `constraints`, `unlimited`: conditions of the case, and its `optimum_deflection`, from `start`
+    [s] on. The tolerance of a linear program, 1e-7 of the peak, is added to it.
     """
     switches = unlimited.switch_times - start
     _, peak, _ = _refined(constraints, switches, rate, unlimited.peak, _STEPS)
-    return peak * unlimited.peak * (1.0 + _ACTIVE)
+    return peak * unlimited.peak * (1.0 + _ACTIVE_DISTANCE)
 
 
 def _refined(
     constraints: Constraints, switches: FloatArray, rate: float, unit: float, steps: int
 ) -> tuple[RateProgram, float, float]:
-    """The program on nodes fine enough, the peak in units, and its last change.
+    """Return the program on nodes that are fine enough, the peak in units, and its last change.
 
-    Where the rate is too small, the peak is infinite.
+    The peak is infinite where the rate is too small.
     """
     nodes = _first_nodes(constraints, switches, steps)
-    change, reached = np.inf, np.inf
+    change, lowest = np.inf, np.inf
     best = program = RateProgram(constraints, nodes, rate, unit)
     for _ in range(_REFINEMENTS):
-        found = program.least_peak()
-        if found is None:
+        solution = program.minimum_peak()
+        if solution is None:
             break
-        peak = float(np.abs(found[0]).max())
-        change = reached / peak - 1.0
-        if peak < reached:
-            best, reached = program, peak
-        if change < _SETTLED:
+        peak = float(np.abs(solution[0]).max())
+        change = lowest / peak - 1.0
+        if peak < lowest:
+            best, lowest = program, peak
+        if change < _RELATIVE_CHANGE:
             break
-        program = RateProgram(constraints, _with_corners(program, *found), rate, unit)
-    return best, reached, max(change, 0.0)
+        program = RateProgram(constraints, _with_corners(program, *solution), rate, unit)
+    return best, lowest, max(change, 0.0)
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
-    """Nodes as even as can be for every pole, and at the switches without a rate limit."""
-    last = min(constraints.horizon, _DECAYED / constraints.decays.min())
+    """Return nodes [s], even in e^(-p u/4) for every pole, with the switches without rate limit."""
+    last = min(constraints.horizon, _SPAN_OVER_TIME_CONSTANT / constraints.decays.min())
     share = max(steps // constraints.poles.size, 8)
     parts = [np.array([0.0, last]), switches[switches < last]]
     for pole in constraints.poles:
@@ -208,23 +211,25 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
 
 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
-    """The nodes, and more in those intervals that are neither held at the peak nor at full rate.
+    """Return the nodes [s], with more in intervals that are neither at the peak nor at full rate.
 
-    But not where the prices say that nothing can be gained.
+    Intervals whose prices show that no improvement is possible are not split.
     """
     nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
-    held = np.abs(values) > peak * (1.0 - _ACTIVE)
-    full = np.abs(np.diff(values)) > program.steps - _ACTIVE * np.minimum(peak, program.steps)
-    flat = held[:-1] & held[1:] & (values[:-1] * values[1:] > 0.0)
+    at_peak = np.abs(values) > peak * (1.0 - _ACTIVE_DISTANCE)
+    full = np.abs(np.diff(values)) > program.steps - _ACTIVE_DISTANCE * np.minimum(
+        peak, program.steps
+    )
+    flat = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
     decays = program.constraints.decays[:, np.newaxis]
     worth = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
-    loose = np.flatnonzero(~(flat | full) & (worth > _SETTLED * worth.max()))
-    loose = loose[np.argsort(-worth[loose])[:_MOST_SPLIT]]
-    left, right = nodes[loose], nodes[loose + 1]
-    new = [left + (right - left) * part for part in (0.25, 0.5, 0.75)]
-    for side in (peak, -peak):  # where a line of full rate through an end meets the peak
-        new.append(left + np.abs(side - values[loose]) / slope)
-        new.append(right - np.abs(side - values[loose + 1]) / slope)
-    inside = [np.where((time > left) & (time < right), time, left) for time in new]
+    loose = np.flatnonzero(~(flat | full) & (worth > _RELATIVE_CHANGE * worth.max()))
+    loose = loose[np.argsort(-worth[loose])[:_MAX_SPLIT_INTERVALS]]
+    first, last = nodes[loose], nodes[loose + 1]
+    new = [first + (last - first) * fraction for fraction in (0.25, 0.5, 0.75)]
+    for level_limit in (peak, -peak):  # where a line of full rate through an end meets the peak
+        new.append(first + np.abs(level_limit - values[loose]) / slope)
+        new.append(last - np.abs(level_limit - values[loose + 1]) / slope)
+    inside = [np.where((time > first) & (time < last), time, first) for time in new]
     fastest = np.abs(program.constraints.poles).max()
     return apart(np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope))

@@ -1,4 +1,4 @@
-"""Two real unstable poles: eqs (C5) to (C9), and how far the single-pole theory reaches.
+"""Two real unstable poles: eqs (C5) to (C9), and the range of the single-pole theory.
 
     y = beta1 D1/(beta2 D2),   r = beta1/beta2,   x = e^(-beta2 t_s)
 
@@ -21,8 +21,8 @@ from tvclin.linear.plant import Plant
 from tvclin.numerics.searches import roots_between
 from tvclin.vehicle.coefficients import Coefficients
 
-_NEVER = 60.0
-"""e^(-60) is far below the rounding of any condition: a switch later than this is none."""
+_MAX_DECAY_TIMES = 60.0
+"""Largest switch time, in e-folding times: e^(-60) is far below the rounding of any condition."""
 
 
 def switch_time(
@@ -31,7 +31,7 @@ def switch_time(
     """Return the time of the switch [s] after the start; infinite when there is none.
 
     `poles`: two different positive poles [1/s], in any order. `demands`: d_i [rad s] of the poles,
-    not both zero. `horizon`: H [s]; infinite for a deflection that is held for ever.
+    not both zero. `horizon`: H [s]; infinite for a deflection without end.
 
     With c_i = p_i d_i, E_i = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
 
@@ -45,15 +45,15 @@ def switch_time(
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
     def excess(t: float) -> float:
-        """The difference, summed so that what cancels is exact or meant to cancel."""
+        """Return the difference of the two sides, with cancellation only between exact terms."""
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
-    return _bracketed_zero(excess, min(horizon, _NEVER / min(poles)))
+    return _bracketed_zero(excess, min(horizon, _MAX_DECAY_TIMES / min(poles)))
 
 
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
-    """1 - 2 E + F, eq (C5), in two parts: early from what is lost since zero, late as it stands."""
+    """Return 1 - 2 E + F of eq (C5) as two terms; for early switches both are counted from zero."""
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
     return 1.0 + math.exp(-pole * horizon), -2.0 * math.exp(-pole * t)
@@ -114,7 +114,7 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 def switching_ratio(
     duration: ArrayLike, beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
 ) -> Any:
-    """Return y of a triangular wind, eq (C8) with the ratio of the K1_i that the print leaves out.
+    """Return y of a triangular wind, eq (C8) with the ratio of the K1_i that the print omits.
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
@@ -126,18 +126,18 @@ def switching_ratio(
     tau = positive("duration", duration, "s")
     b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
     together(duration=tau, beta1=b1, beta2=b2, K1_ratio=K)
-    part = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
-    return plain(np.asarray(K * b2 / b1 * part**2))
+    quotient = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
+    return plain(np.asarray(K * b2 / b1 * quotient**2))
 
 
 def longest_single_pole_duration(
     beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
 ) -> Any:
-    """Return the duration tau [s] of a triangular wind at which y = 1, without (C9)'s neglect.
+    """Return the duration tau [s] of a triangular wind at which y = 1, by eq (C8).
 
     Up to there the fast pole alone decides the least peak, nearly.
 
-    `beta1`, `beta2`, `K1_ratio`: as of `switching_ratio`. Returned: NaN where y is never 1:
+    `beta1`, `beta2`, `K1_ratio`: same as in `switching_ratio`. Returned: NaN where y is never 1:
     K1_ratio must be between beta1/beta2 and beta2/beta1.
 
     Examples
@@ -152,8 +152,8 @@ def longest_single_pole_duration(
     b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
-        part = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
-        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * part - 1.0)
+        quotient = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
+        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)
 
     duration = roots_between(latest * 1e-12, latest * (1.0 + 1e-9), excess).reshape(shape)
     return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))
@@ -164,7 +164,7 @@ def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: Array
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    `beta1`, `beta2`, `K1_ratio`: as of `switching_ratio`; NaN where y is never 1.
+    `beta1`, `beta2`, `K1_ratio`: same as in `switching_ratio`; NaN where y is never 1.
 
     Examples
     --------
@@ -172,9 +172,9 @@ def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: Array
     30.495
     """
     b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
-    part = np.sqrt(b1 / (K * b2))
-    reached = part < 1.0
-    return plain(np.where(reached, -2.0 / b1 * np.log1p(-np.where(reached, part, 0.0)), np.nan))
+    root = np.sqrt(b1 / (K * b2))
+    reached = root < 1.0
+    return plain(np.where(reached, -2.0 / b1 * np.log1p(-np.where(reached, root, 0.0)), np.nan))
 
 
 def single_pole_validity(coefficients: Coefficients) -> Any:
@@ -209,8 +209,8 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
         K = np.real(modes.wind_residues / modes.deflection_residues)
     ratio = np.where(usable, K[..., 1] / K[..., 0], 1.0)
     usable &= ratio > 0.0
-    found = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
-    return plain(np.where(usable, found, np.nan))
+    duration = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
+    return plain(np.where(usable, duration, np.nan))
 
 
 def _positive_three(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
