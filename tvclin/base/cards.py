@@ -102,6 +102,7 @@ class Shown(Carded):
 
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
+    """Yield the rows of a value: of each entry of a mapping, or of a nested card."""
     if isinstance(value, dict):
         for label, item in value.items():
             yield from _parts(f"{name}, {label}", unit, item)
@@ -140,6 +141,7 @@ def table(shown: Table, said: Iterable[Line] = ()) -> str:
 
 
 def _shown(value: Any, unit: str = "") -> str:
+    """Return the text of a value in a card."""
     if isinstance(value, tuple) and all(isinstance(item, str) for item in value):
         value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
@@ -155,6 +157,7 @@ def _shown(value: Any, unit: str = "") -> str:
 
 
 def _numbers(array: AnyArray, unit: str) -> str:
+    """Return the text of an array: its numbers, or range and shape of a long one."""
     if (
         array.size == 1
         and unit == "deg"

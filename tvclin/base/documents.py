@@ -77,6 +77,7 @@ def decibels(factor: Any) -> Any:
 
 
 def _degrees(value: Any) -> Any:
+    """Return angles [rad] in degrees, also in a mapping; None stays None."""
     if value is None:
         return None
     if isinstance(value, dict):

@@ -369,6 +369,7 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str) -> None:
+    """Raise `InputError` about the first element that is not good."""
     if np.all(good):
         return
     where = np.unravel_index(int(np.argmin(good)), good.shape)

@@ -139,6 +139,7 @@ def degrees(name: str, angle: Any, digits: int = 3, unit: str = "") -> Line:
 
 
 def _shown(name: str, value: Any, shown: str, unit: str) -> Line:
+    """Return the line of a number with its text; a dash or "unlimited" if not finite."""
     plain = float(value)
     if not np.isfinite(plain):
         return ("-" if np.isnan(plain) else _UNLIMITED,)

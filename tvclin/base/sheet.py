@@ -160,6 +160,7 @@ class Sheet:
         return self._unit(heading, WRITTEN[dimension]).factor
 
     def _unit(self, heading: Heading, known: dict[str, float]) -> Unit:
+        """Return the unit of a column; `InputError` for a missing or unknown unit."""
         unit = unit_of(heading.unit or "", known)
         if unit is None or (heading.unit is None and "" not in known):
             raise InputError(
@@ -255,6 +256,7 @@ def _split(content: str, separator: str) -> list[str]:
 
 
 def _heading(index: int, cell: str) -> Heading:
+    """Return the heading of a cell, with the unit in its last parentheses."""
     text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
     match = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
     name, unit = (match[1], match[2].strip()) if match else (text, None)
@@ -262,6 +264,7 @@ def _heading(index: int, cell: str) -> Heading:
 
 
 def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
+    """Return the sheet of the rows below a line of names; errors name the line."""
     for one in headings:
         if len(one.text) > _MAX_NAME_LENGTH:
             raise text.error(

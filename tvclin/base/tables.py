@@ -136,6 +136,7 @@ class FileTable:
         return tuple(value)
 
     def _unknown(self, key: str) -> str:
+        """Return the message on an unknown key: its missing unit, or similar keys."""
         keys, words = self.keys, (*self.words, *self.lists)
         fields = [
             self.spelled(k) for k, of in self.fields.items() if f"{key}_".startswith(f"{of}_")

@@ -42,6 +42,7 @@ class Text:
         return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
 
     def _number(self, column: str, cell: str, line: int) -> float:
+        """Return the number of a cell; NaN for a missing value, an error for other text."""
         try:
             value = float(cell)
         except ValueError:

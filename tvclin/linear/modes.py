@@ -183,6 +183,7 @@ def poles_text(poles: AnyArray) -> str:
 
 
 def _with_residues(plant: Plant, poles: AnyArray) -> Modes:
+    """Return the modes of poles: N(p)/D'(p) for each input, NaN at a repeated pole."""
     slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)

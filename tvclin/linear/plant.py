@@ -377,6 +377,7 @@ class Plant(Hinted):
         return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
 
     def _attitude(self, input: str) -> FloatArray:
+        """Return the numerator from an input to the attitude."""
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
         factors: dict[str, tuple[Any, ...]] = {
@@ -390,6 +391,7 @@ class Plant(Hinted):
     def _flight_path(self, input: str) -> FloatArray:
         # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
         # moment equation and solved for gamma.
+        """Return the numerator from an input to the flight path angle."""
         c, path = self.coefficients, self._path
         if input == "deflection":
             terms = (
@@ -406,6 +408,7 @@ class Plant(Hinted):
 
     @property
     def _path(self) -> _PathCoefficients:
+        """Coefficients of the flight path equation of the model."""
         c = self.coefficients
         if self.model == "drift":
             return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)
@@ -422,6 +425,7 @@ class Plant(Hinted):
         return np.stack(rows, axis=-1)
 
     def _require_single(self, what: str) -> None:
+        """Raise `InputError` for a batch; `what` names the method."""
         if self.batch:
             raise InputError(
                 f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"

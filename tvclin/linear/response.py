@@ -189,6 +189,7 @@ def attitude_responses(
 
 
 def _selected_outputs(outputs: Sequence[str], available: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the selected outputs in the order of the plant; `InputError` if unknown."""
     if not isinstance(outputs, tuple | list) or not outputs:
         raise InputError(f"outputs must be some of {', '.join(available)}; got {shown(outputs)}")
     selected = {one_of("outputs", label, available) for label in outputs}

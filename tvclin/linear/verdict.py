@@ -156,7 +156,10 @@ def _at_poles(
 def _final_attitude(
     plant: Plant, deflection: History, wind: History
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the constant [rad] or the ramp [rad/s] of the attitude by the final value theorem."""
+    """Return the constant [rad] and the rate [rad/s] of the attitude long after the wind.
+
+    Both follow from the final value theorem; the constant is NaN where the attitude ramps.
+    """
     denominator, *numerators = _without_common_zero(plant)
     last = denominator[..., -1]
     marginal = last == 0.0
@@ -193,6 +196,7 @@ def _without_common_zero(plant: Plant) -> list[FloatArray]:
 
 
 def _oscillates(plant: Plant) -> Any:
+    """Return whether a plant has an undamped oscillation, ``(...)``."""
     poles = plant.poles
     size = np.abs(poles).max(axis=-1, keepdims=True)
     undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)

@@ -260,6 +260,7 @@ def _blocks(loop: AnyLoop) -> Iterator[AnyLoop]:
 
 
 def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
+    """Return the analysis of a block of loops that fits into memory."""
     verdict = stability(loop)
     gain_frequencies = verdict.crossovers
     phases = _remaining_lag(loop, gain_frequencies)

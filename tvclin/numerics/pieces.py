@@ -63,6 +63,7 @@ def moments(z: ArrayLike, degree: int) -> AnyArray:
 def _downward(z: AnyArray, degree: int) -> AnyArray:
     # What the recursion starts from is wrong by a relative 1, and each order j multiplies that by
     # |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
+    """Return M_0(z) ... M_degree(z) by the recursion from high to low orders, for small z."""
     start = 3 * degree + 26
     result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
     decay = np.exp(-z)
@@ -75,6 +76,7 @@ def _downward(z: AnyArray, degree: int) -> AnyArray:
 
 
 def _upward(z: AnyArray, degree: int) -> AnyArray:
+    """Return M_0(z) ... M_degree(z) by the recursion from low to high orders, for large z."""
     result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
     with np.errstate(over="ignore", invalid="ignore"):
         decay = np.exp(-z)
@@ -215,6 +217,7 @@ def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
 
 
 def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
+    """Return the index of the last knot at or before each time; -1 before the first."""
     if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
         return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
     if knots.shape[-1] * t.shape[-1] <= _MAX_DIRECT_COMPARISONS:
@@ -322,6 +325,7 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
 
 
 def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArray]:
+    """Return the remaining integrals at the knots, ``(..., n)``, and their divergence."""
     values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
     decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))

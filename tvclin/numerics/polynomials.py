@@ -100,10 +100,10 @@ def roots(polynomial: FloatArray) -> AnyArray:
         return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
     if 2 < degree <= _MAX_DIRECT_DEGREE:
         return _low_degree_roots(monic)
-    found = _companion_eigenvalues(monic)
+    estimates = _companion_eigenvalues(monic)
     for _ in range(2):
-        found = _newton_step(polynomial, found)
-    return found
+        estimates = _newton_step(polynomial, estimates)
+    return estimates
 
 
 def roots_of_each(polynomial: FloatArray) -> ComplexArray:
@@ -112,18 +112,19 @@ def roots_of_each(polynomial: FloatArray) -> ComplexArray:
     NaN fills the rows of polynomials of lower degree.
     """
     count, size = polynomial.shape
-    found = np.full((count, size - 1), np.nan, dtype=complex)
+    all_roots = np.full((count, size - 1), np.nan, dtype=complex)
     live = np.abs(polynomial) > _NEGLIGIBLE_LEADING_COEFFICIENT * np.abs(polynomial).max(
         axis=-1, keepdims=True
     )
     leading_zeros = np.where(np.any(live, axis=-1), np.argmax(live, axis=-1), size)
     for leading in np.unique(leading_zeros[leading_zeros < size]):
         rows = leading_zeros == leading
-        found[rows, : size - 1 - leading] = roots(polynomial[rows, leading:])
-    return found
+        all_roots[rows, : size - 1 - leading] = roots(polynomial[rows, leading:])
+    return all_roots
 
 
 def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
+    """Return the roots of monic polynomials as eigenvalues of companion matrices."""
     degree = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
@@ -132,15 +133,16 @@ def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
 
 
 def _low_degree_roots(monic: FloatArray) -> AnyArray:
+    """Return the roots of monic cubics and quartics, by the kernel `small_roots`."""
     rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
     rows = rows.reshape(-1, rows.shape[-1])
     if np.all(rows == rows[:1]):  # one vehicle in many winds
         rows = rows[:1]
-    found = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
+    row_roots = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
     count = len(rows)
-    run(small_roots, (rows, found), count, PLAIN * count, COMPILED * count)
-    together = np.resize(found, monic.shape)
-    return together if np.any(np.imag(together)) else np.real(together)
+    run(small_roots, (rows, row_roots), count, PLAIN * count, COMPILED * count)
+    all_roots = np.resize(row_roots, monic.shape)
+    return all_roots if np.any(np.imag(all_roots)) else np.real(all_roots)
 
 
 def bound(polynomial: FloatArray) -> FloatArray:
@@ -181,17 +183,17 @@ def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
     return np.stack(pair, axis=-1)
 
 
-def _newton_step(polynomial: FloatArray, found: AnyArray) -> AnyArray:
+def _newton_step(polynomial: FloatArray, estimates: AnyArray) -> AnyArray:
     """Return the roots after one Newton step of those that are isolated.
 
     The errors of a cluster of roots are correlated; separate steps would destroy their accurate
     mean.
     """
-    residual = value(polynomial, found)
-    slope = value(derivative(polynomial), found)
+    residual = value(polynomial, estimates)
+    slope = value(derivative(polynomial), estimates)
     step = np.where(slope == 0.0, 0.0, residual / np.where(slope == 0.0, 1.0, slope))
-    distances = np.abs(found[..., :, np.newaxis] - found[..., np.newaxis, :])
-    distances[..., np.arange(found.shape[-1]), np.arange(found.shape[-1])] = np.inf
+    distances = np.abs(estimates[..., :, np.newaxis] - estimates[..., np.newaxis, :])
+    distances[..., np.arange(estimates.shape[-1]), np.arange(estimates.shape[-1])] = np.inf
     isolated = np.abs(step) <= 1e-3 * distances.min(axis=-1)
-    better = np.abs(value(polynomial, found - step)) < np.abs(residual)
-    return np.where(isolated & better, found - step, found)
+    better = np.abs(value(polynomial, estimates - step)) < np.abs(residual)
+    return np.where(isolated & better, estimates - step, estimates)

@@ -187,7 +187,7 @@ def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])
 
 
-def peak_output(flown: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
+def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
     `row`: factors on the states of system and input, ``(n,)``. `horizon`: time for which the last
@@ -198,15 +198,17 @@ def peak_output(flown: Motion, row: AnyArray, horizon: float) -> tuple[float, fl
     zero of the exact slope is computed. A piece is finished as soon as its modes, were they all in
     phase, could not exceed the highest summit.
     """
-    matrix, widths = flown.matrix, np.append(np.diff(flown.knots), horizon)
+    matrix, widths = response.matrix, np.append(np.diff(response.knots), horizon)
     rows = np.stack([row, row @ matrix, row @ matrix @ matrix])
-    ends = np.real(rows @ matrices_on_states(matrix_exponentials(matrix, widths), flown.starts).T)
+    ends = np.real(
+        rows @ matrices_on_states(matrix_exponentials(matrix, widths), response.starts).T
+    )
     modes = _modal_bounds(matrix, row, float(widths.max()))
-    rounding = _RELATIVE_ROUNDING * (np.abs(flown.starts) @ np.abs(row)).max()
-    value, time = 0.0, float(flown.knots[0])
+    rounding = _RELATIVE_ROUNDING * (np.abs(response.starts) @ np.abs(row)).max()
+    value, time = 0.0, float(response.knots[0])
     for first in range(0, len(widths), _PIECES_PER_BLOCK):
         remaining = np.arange(first, min(first + _PIECES_PER_BLOCK, len(widths)))
-        states = flown.starts[remaining]
+        states = response.starts[remaining]
         for start, step, powers in _sample_steps(matrix, float(widths[remaining].max())):
             steps = start + step * np.arange(_STEPS_PER_BLOCK + 1.0)[:, np.newaxis]
             inside = (steps < widths[remaining])[:, np.newaxis]
@@ -214,7 +216,7 @@ def peak_output(flown: Motion, row: AnyArray, horizon: float) -> tuple[float, fl
             steps = np.minimum(steps, widths[remaining])
             highest = _highest_sample(rows, matrix, powers, states, steps, samples, abs(value))
             if abs(highest[0]) > abs(value):
-                value, time = highest[0], float(flown.knots[remaining[highest[2]]]) + highest[1]
+                value, time = highest[0], float(response.knots[remaining[highest[2]]]) + highest[1]
             states = states @ powers[-1].T
             with np.errstate(over="ignore", invalid="ignore"):
                 bound = np.abs(states @ modes.T).sum(axis=1)

@@ -158,6 +158,7 @@ def complete_vehicle(vehicle: AnyVehicle, what: str) -> Vehicle:
 
 
 def _vehicle_from_table(row: Mapping[str, Any]) -> LinearVehicle:
+    """Return the vehicle of a table [coefficients]."""
     table = COEFFICIENTS_TABLE
     values = table.read(row)
     name = values.get("name", "")

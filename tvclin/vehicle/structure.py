@@ -233,6 +233,7 @@ class Structure(_Batched):
         _ = self.batch  # refuses shapes that do not broadcast
 
     def _rows(self) -> list[Row]:
+        """Return names, values and units of the structure for a card."""
         rows: list[Row] = []
         for k, mode in enumerate(self.bending, start=1):
             rows += [(f"bending {k}, frequency", mode.frequency, "rad/s")]

@@ -295,6 +295,7 @@ def _each_built(
 
 
 def _bending_mode(**numbers: Any) -> BendingMode:
+    """Return the bending mode of a row, with tank slopes in any unit."""
     slopes = {key: numbers.pop(key) for key in _TANK_SLOPES if key in numbers}
     if len(slopes) > 1:
         raise InputError(f"tank_slopes is given twice, as {' and '.join(slopes)}; keep one")
@@ -306,6 +307,7 @@ def _bending_mode(**numbers: Any) -> BendingMode:
 
 
 def _sensor_lag(name: str, sensors: Mapping[str, float]) -> Filter | None:
+    """Return the lag of a sensor by its frequency and damping; None without a frequency."""
     frequency, damping = sensors.get(f"{name}_frequency"), sensors.get(f"{name}_damping")
     if frequency is None:
         if damping is not None:

@@ -43,6 +43,7 @@ def _fit_of_winds(headings: Headings) -> float:
 
 
 def _column(sheet: Sheet, heading: Heading) -> FloatArray:
+    """Return the numbers of a column; an error names the line of a missing one."""
     values = sheet.text.numbers(heading.text, sheet.column(heading), sheet.line)
     sheet.text.require(
         ~np.isnan(values), sheet.line, lambda _: f"there is no number in {heading.text}"

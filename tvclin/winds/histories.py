@@ -298,6 +298,7 @@ class History(Carded, ABC):
 
     @property
     def _nonzero(self) -> BoolArray:
+        """Whether each piece has a width and differs from zero, ``(..., n)``."""
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes
         columns = np.moveaxis(c.reshape(*c.shape[:-2], c.shape[-2] * c.shape[-1]), -1, 0)
         filled = reduce(np.logical_or, columns != 0.0)
@@ -310,6 +311,7 @@ class History(Carded, ABC):
     def _refined_peak(
         self, times: FloatArray, where: IndexArray, largest: FloatArray
     ) -> FloatArray:
+        """Return the peak after refinement between the sample times around the largest."""
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
         here = np.take_along_axis(times, where, axis=-1)
@@ -386,6 +388,7 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
 
 
 def _laplace_variable(s: ArrayLike) -> AnyArray:
+    """Return s as a float or complex array; `InputError` beyond the largest size."""
     rule = f"numbers up to {_MAX_LAPLACE_VARIABLE:g} in size, real or complex"
     array = array_of("s", s, "iufc", rule)
     if not np.all(np.abs(array) <= _MAX_LAPLACE_VARIABLE):

@@ -152,6 +152,7 @@ class SampledWind(History):
 
 
 def _check_sample_times(time: FloatArray) -> None:
+    """Raise `InputError` for times that decrease, or occur more than twice."""
     step = np.diff(time)
     thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
     invalid = (step < 0.0) | thrice
@@ -164,6 +165,7 @@ def _check_sample_times(time: FloatArray) -> None:
 
 
 def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
+    """Raise `InputError` for angles beyond 90 degrees, and for a wind that is zero."""
     if np.any(np.abs(angle) >= np.pi / 2):
         raise InputError(
             "angle must be a wind within 90 degrees, in radians; got a largest size of"
@@ -404,6 +406,7 @@ class LayeredGust(History):
 def _half_waves(
     peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
 ) -> Pieces:
+    """Return pieces (c0 + c1 cos(omega u)) peak, by the coefficients of each in `shape`."""
     coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
     omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
     rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])
@@ -463,6 +466,7 @@ def equivalent_triangle(wind: History) -> History:
 
 
 def _check_area(area: FloatArray, peak: FloatArray, minimum: FloatArray) -> None:
+    """Raise `InputError` for an area without the sign of the peak."""
     area, peak, minimum = np.broadcast_arrays(area, peak, minimum)
     invalid = np.sign(peak) * area <= minimum
     if np.any(invalid):

@@ -98,12 +98,14 @@ class Soundings:
             raise InputError("why must hold a reason for each sounding with fewer than two levels")
 
     def _checked_offsets(self) -> IntArray:
+        """Return the offsets as a row of integers; `InputError` otherwise."""
         offsets = array_of("offsets", self.offsets, "iu", "a row of integers")
         if offsets.ndim != 1 or not offsets.size:
             raise InputError(f"offsets must be a row of integers; got {shown(self.offsets)}")
         return offsets.astype(np.int64)
 
     def _check_shapes(self) -> None:
+        """Raise `InputError` for arrays whose shapes or offsets do not fit."""
         size, offsets = self.height.size, self.offsets
         matching = all(array.shape == (size,) for array in (self.height, self.east, self.north))
         if not matching or offsets.shape != (self.times.size + 1,) or self.times.ndim != 1:
@@ -251,6 +253,7 @@ class Soundings:
         return soundings._selected(np.argsort(soundings.times, kind="stable"))
 
     def _profile(self, index: int) -> WindProfile:
+        """Return the profile of a sounding; `InputError` with the reason if unusable."""
         time = self.times[index]
         if self.why[index]:
             raise InputError(f"the sounding of {time} cannot be used: {self.why[index]}")
@@ -263,6 +266,7 @@ class Soundings:
         )
 
     def _selected(self, index: IndexArray) -> Self:
+        """Return the soundings at positions ``(k,)``."""
         offsets, levels = gather(self.offsets, index)
         return replace(
             self,
@@ -418,6 +422,7 @@ class SoundingCollection:
 
 
 def _integers(name: str, values: Any, rule: str) -> list[int]:
+    """Return a sequence as integers; `InputError` with `rule` otherwise."""
     iterable = isinstance(values, Iterable) and not isinstance(values, str | bytes)
     items: list[Any] = list(values) if iterable else [None]
     if not all(isinstance(item, int | np.integer) and not isinstance(item, bool) for item in items):

@@ -92,6 +92,7 @@ def derived_error(name: str) -> InputError:
 
 
 def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
+    """Return the sounding below a header of a station file."""
     match = _HEADER_LINE.match(text.lines[first])
     if is_derived(text.lines[first]):
         raise derived_error(text.source)
@@ -104,6 +105,7 @@ def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
 
 
 def _station_levels(text: Text, first: int, end: int, title: str, count: int) -> Levels:
+    """Return the levels below a header; errors name malformed and missing lines."""
     line = np.array([i + 1 for i in range(first + 1, end) if text.lines[i].strip()], dtype=np.int64)
     if line.size != count:
         raise text.error(
@@ -238,6 +240,7 @@ class _StationStream:
             self.numbers.append(self.number)
 
     def _head(self, line: bytes) -> None:
+        """Parse a header, and decide whether its levels are accepted."""
         if len(self.lines) > _LEVELS_PER_BLOCK:
             self.end()
         self.accepting = False

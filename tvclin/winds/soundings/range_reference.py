@@ -161,6 +161,7 @@ def worst_month(
 
 
 def _month(text: Text, first: int, end: int) -> RangeReference:
+    """Return the statistics of a month from the lines below its title."""
     head = "\n".join(text.lines[first + 1 : first + 5])
     month, station = re.match(r"\s*(\w+)\s*\n", head), re.search(r"Station\s*=\s*(.*)", head)
     if not month or not station or not re.search(r"\bKM\b", head):
@@ -184,6 +185,7 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
 
 
 def _check_rows(text: Text, line: IntArray, table: dict[str, FloatArray]) -> None:
+    """Raise an error about the first row with missing or impossible numbers."""
     complete = ~np.isnan(np.sum(list(table.values()), axis=0))
     text.require(complete, line, lambda _: "a number is missing")
     bounded = np.max(np.abs(list(table.values())), axis=0) <= _MAX_NUMBER
@@ -197,6 +199,7 @@ def _check_rows(text: Text, line: IntArray, table: dict[str, FloatArray]) -> Non
 
 
 def _probability(percentile: float) -> float:
+    """Return a percentile as a probability; `InputError` near 0 and 100."""
     value = number("percentile", percentile)
     if not _MIN_PERCENTILE <= value <= 100.0 - _MIN_PERCENTILE:
         raise InputError(

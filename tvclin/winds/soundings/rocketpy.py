@@ -23,6 +23,7 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 
 
 def _read(text: Text) -> Levels:
+    """Return the levels at the heights of both lists, in their common range."""
     lists = _lists(text)
     (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *lists[name]) for name in _LISTS)
     height = np.unique(np.concatenate([z_u, z_v]))
@@ -57,6 +58,7 @@ def _lists(text: Text) -> dict[str, tuple[int, Any]]:
 
 
 def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
+    """Return line and value of the lists that Python code assigns or passes by name."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about escapes in strings of no interest
@@ -89,6 +91,7 @@ def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
 
 
 def _literal(text: Text, name: str, value: ast.expr) -> Any:
+    """Return the value of a literal; an error names the line of any other expression."""
     try:
         return ast.literal_eval(value)
     except (ValueError, TypeError, RecursionError, MemoryError):
@@ -96,6 +99,7 @@ def _literal(text: Text, name: str, value: ast.expr) -> Any:
 
 
 def _pairs(text: Text, name: str, line: int, value: Any) -> tuple[int, FloatArray, FloatArray]:
+    """Return line, heights [m] and winds [m/s] of a list of pairs."""
     try:
         pairs = np.array(value, dtype=float)
     except (TypeError, ValueError, OverflowError):

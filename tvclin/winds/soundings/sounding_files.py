@@ -150,6 +150,7 @@ def recognised_format(text: Text) -> str:
 
 
 def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
+    """Return the sounding of a time; by default the first, with a note."""
     times = [entry.time for entry in entries if entry.time]
     if time is None:
         note = f"the first of {len(entries)} soundings in the file; choose another by its time"
@@ -343,6 +344,7 @@ def _add_entry(
     name: str,
     sounding_filter: SoundingFilter,
 ) -> None:
+    """Add a sounding to the collection, or the reason why it cannot be used."""
     times = np.array([time])
     try:
         profile = profile_of(entry.levels())

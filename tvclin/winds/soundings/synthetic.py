@@ -208,6 +208,7 @@ def synthetic_profile(
 
 
 def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: FloatArray) -> None:
+    """Raise `InputError` unless two rows have one length and the given rows ascend."""
     if first.ndim != 1 or first.shape != second.shape or not first.size:
         raise InputError(
             f"{names} must be two lists of one length; got shapes {first.shape} and {second.shape}"
@@ -225,6 +226,7 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 
 
 def _synthetic_levels(text: Text) -> Levels:
+    """Return the levels of the profile of [synthetic] with each [[gust]]."""
     document = tables_of("\n".join(text.lines), text.source)
     known(f"table in {text.source}", document, [_SYNTHETIC_TABLE.name, _GUST_TABLE.name])
     profile = synthetic_profile(

@@ -155,6 +155,7 @@ def _wind_column(heading: Heading) -> _Column | None:
 
 
 def _read(text: Text, reading: TableOptions) -> Levels:
+    """Return the levels of a table, with notes on assumptions and conversions."""
     sheet = sheet_in(
         text,
         _header_score,
@@ -238,6 +239,7 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
 def _missing_columns_error(
     sheet: Sheet, candidates: list[_Column], usable: list[str]
 ) -> InputError:
+    """Return the error on a header without a height or a complete wind."""
     for column in candidates:
         if column.factor is None and column.quantity not in usable:
             name, kind = column.quantity, _KINDS[column.quantity]

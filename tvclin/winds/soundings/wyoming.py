@@ -27,6 +27,7 @@ def soundings_in(text: Text) -> list[SoundingEntry]:
 
 
 def _list_entry(text: Text, header: int) -> SoundingEntry:
+    """Return the sounding below a header, with title and time of the lines above."""
     title, time = "", ""
     for line in text.lines[max(header - 6, 0) : header]:
         match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_MAX_TITLE_WIDTH]).strip())
@@ -37,6 +38,7 @@ def _list_entry(text: Text, header: int) -> SoundingEntry:
 
 
 def _read(text: Text, header: int, title: str) -> Levels:
+    """Return the levels below a header; errors name the line."""
     if _collapsed(text.lines[header]):
         raise text.error(
             header + 1,
@@ -92,6 +94,7 @@ def _after_units(text: Text, header: int, speed: str) -> int:
 
 
 def _lines_of(text: Text, first: int) -> IntArray:
+    """Return the line numbers of the levels from `first` on, up to a blank line or rule."""
     line = []
     for i in range(first, len(text.lines)):
         content = text.lines[i].strip()
