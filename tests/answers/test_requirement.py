@@ -444,12 +444,15 @@ def test_frozen_and_varying_requirements_are_the_same(seed, model):
     """With K = 1 of all models, winds and both arms; the bound without a forecast stands alone."""
     march, found = agreement(seed, model, 1.0)
     march = np.where(found.governs == Reason.NO_FORECAST, np.maximum(march, found.limit), march)
-    assert march == pytest.approx(found.limit, abs=1e-6, rel=1e-6)
+    pair = found.status == PAIR  # which requires the largest trim, the summit of a parabola
+    known = pair & np.isfinite(found.limit)  # trim of some grows without end after the wind
+    np.testing.assert_allclose(march[known], found.limit[known], rtol=1e-5)
+    assert march[~pair] == pytest.approx(found.limit[~pair], abs=1e-6, rel=1e-6)
 
 
 @drawn(6, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS[:2]), st.sampled_from([0.75, 0.5]))
 def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_band):
-    """Winds of one peak, where the exit of the dead band is one crossing."""
+    """Winds of one peak; on a quick path trim may change its sign, and exit again."""
     rng, count = np.random.default_rng(seed), 12
     plant = tv.Plant.from_vehicle(fleet(rng, count), model)
     tau = np.exp(rng.uniform(np.log(0.5), np.log(80.0), count))
@@ -457,9 +460,11 @@ def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_
         peak=PEAK, duration=tau, peak_time=tau * rng.uniform(0.0, 1.0, count)
     )
     found = tv.required_deflection(plant, wind, dead_band)
-    march = batch_requirements(Equations.of_plant(plant), NominalWind(wind), dead_band)
-    trim = np.abs(plant.coefficients.B * wind.peak)
-    assert march / trim == pytest.approx(found.limit, abs=1e-6)
+    equations = Equations.of_plant(plant)
+    march = batch_requirements(equations, NominalWind(wind), dead_band)
+    march, slow = march / np.abs(plant.coefficients.B * wind.peak), ~equations.quick_path
+    assert np.all(march >= found.limit - 1e-6)
+    assert march[slow] == pytest.approx(found.limit[slow], abs=1e-6)
 
 
 def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():
