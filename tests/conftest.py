@@ -98,10 +98,10 @@ def no_flights():
     from tvclin.plots import flown_boundaries as flown_room
 
     def still(vehicle, control, wind, times, **_):
-        return SimpleNamespace(outputs={"attitude": np.zeros_like(times)})
+        return times, np.zeros((5, np.size(times)))
 
     with pytest.MonkeyPatch.context() as patch:
-        engines = {name: replace(one, fly=still) for name, one in flown_room.ENGINES.items()}
+        engines = {name: replace(one, outputs=still) for name, one in flown_room.ENGINES.items()}
         patch.setattr(flown_room, "ENGINES", engines)
         patch.setattr(flown_room, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
         flown_room.flown_limit.cache_clear()

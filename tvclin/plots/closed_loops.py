@@ -1,4 +1,4 @@
-"""The closed loop against time: a step of the command, and a wind, also beside trim."""
+"""Closed loop over time: step of the command, response to a wind, and comparison with trim."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -41,14 +41,14 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 
-_POINTS, _MOST_POINTS, _PER_TURN = 2001, 20_001, 12
-"""Points, the most there may be, and those in a turn of the fastest mode."""
-_SETTLED, _GROWN = 5.0, 3.0
-"""So many time constants are shown of what dies down, and of what grows."""
-_MANY, _FEW = 60.0, 12.0
-"""Slow modes of a stable loop are followed for so long in units of 1/crossover frequency."""
-_SEEN = 0.02
-"""A mode smaller than this part of the largest does not set the horizon."""
+_MIN_POINTS, _MAX_POINTS, _POINTS_PER_PERIOD = 2001, 20_001, 12
+"""Smallest and largest number of points, and number in a period of the fastest mode."""
+_SETTLING_CONSTANTS, _GROWTH_CONSTANTS = 5.0, 3.0
+"""Horizon in time constants of decaying modes, and of an unstable mode."""
+_LONG, _SHORT = 60.0, 12.0
+"""Longest horizon for slow modes of a stable loop, times the crossover frequency."""
+_MIN_MODE_SIZE = 0.02
+"""Smallest mode that counts for the horizon, over the largest."""
 _TRIM = "trim -B alpha_w,max"
 _ORDINATES = {
     "angles": "angles [deg]",
@@ -91,7 +91,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     margins = _margins(autopilot, plant)
     status, words = margins.status, loop_words(autopilot, plant)
     closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
-    horizon = _rounded(_horizon(closed, _MANY / margins.crossover_frequency))
+    horizon = _rounded(_horizon(closed, _LONG / margins.crossover_frequency))
     with np.errstate(over="ignore", invalid="ignore"):
         response = control.step_response(closed, np.linspace(0.0, horizon, _points(plant, horizon)))
     if not np.all(np.isfinite(response.outputs)):
@@ -129,7 +129,7 @@ def _step_curves(response: Any, words: str) -> Curves:
 
 
 def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
-    """The value of largest size, and the one that is approached, if the loop is stable."""
+    """Return the marks of the peak and, for a stable loop, of the final value."""
     times, values = curves.abscissa, curves.column(name, name)
     top = int(np.argmax(np.abs(values)))
     end = 0.0 if abs(end) < ON_AXIS * abs(values[top]) else end
@@ -143,7 +143,7 @@ def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
 
 
 def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "ControlPlot":
-    """Draw what the closed loop does in a wind, beside the deflection that would trim it.
+    """Draw the response of the closed loop to a wind, and the deflection of trim.
 
     Parameters
     ----------
@@ -248,18 +248,18 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
 
 
 def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:
-    """The margins of the loop, without warnings."""
+    """Return the margins of the loop, without warnings."""
     return loop_margins(autopilot.exact_loop(plant))
 
 
 def _points(plant: AnyPlant, length: float) -> int:
-    """So many that the fastest mode of a plant is seen within a time [s]."""
+    """Return the number of points that resolve the fastest mode of a plant over a time [s]."""
     turns = float(np.abs(plant.poles).max()) * length / (2.0 * np.pi)
-    return int(np.clip(_PER_TURN * turns, _POINTS, _MOST_POINTS))
+    return int(np.clip(_POINTS_PER_PERIOD * turns, _MIN_POINTS, _MAX_POINTS))
 
 
 def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
-    """Even times, and both sides of every breakpoint of the wind."""
+    """Return equidistant times [s], with both sides of every breakpoint of the wind."""
     sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
     sides = sides[(sides >= start) & (sides <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, count), sides]))
@@ -268,39 +268,39 @@ def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
 def _wind_horizon(
     autopilot: Autopilot, plant: AnyPlant, wind: History, margins: Margins
 ) -> tuple[float, float]:
-    """From the onset of the wind, or zero, to its end and on; if unstable, while it grows."""
+    """Return start and end [s] of a figure: the wind and a settling time; if unstable, growth."""
     last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])
     first = min(0.0, float(wind.onset) if np.isfinite(wind.onset) else 0.0)
     system = autopilot.close(plant)[list(_STEP), "wind"]
     if margins.status == "unstable":
         return first, first + _rounded(_horizon(system, np.inf))
-    longest = max(0.5 * (last - first), _FEW / margins.crossover_frequency)
+    longest = max(0.5 * (last - first), _SHORT / margins.crossover_frequency)
     return first, first + _rounded(last - first + _horizon(system, longest))
 
 
 def _horizon(system: "control.StateSpace", longest: float) -> float:
-    """Return the time [s] in which all modes that count die down, or one of them grows.
+    """Return the time [s] in which all relevant modes decay, or one of them grows.
 
-    `system`: the closed loop, with the outputs and the one input in question. `longest`: the
-    longest time [s] for which slow modes are followed; NaN for no end.
+    `system`: closed loop with the outputs and the input of the figure. `longest`: longest time [s]
+    for slow modes; NaN without limit.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0
     excited = np.linalg.pinv(vectors) @ system.B
     sizes = np.abs(system.C @ vectors).max(axis=0) * np.abs(excited).max(axis=1)
     sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)
-    poles = poles[sizes >= _SEEN * sizes.max()]
+    poles = poles[sizes >= _MIN_MODE_SIZE * sizes.max()]
     falling, growing = poles.real < -ON_AXIS * scale, poles.real > ON_AXIS * scale
-    rest = _SETTLED / -float(poles.real[falling].max()) if falling.any() else np.inf
+    rest = _SETTLING_CONSTANTS / -float(poles.real[falling].max()) if falling.any() else np.inf
     turning = np.abs(poles[~falling & (poles.imag != 0.0)].imag)
     if growing.any():
-        rest = min(_GROWN / float(poles.real.max()), 10.0 * rest)
+        rest = min(_GROWTH_CONSTANTS / float(poles.real.max()), 10.0 * rest)
     elif turning.size:
-        rest = _FEW / float(turning.min())
-    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, longest))
+        rest = _SHORT / float(turning.min())
+    return float(np.fmin(rest if np.isfinite(rest) else _SHORT / scale, longest))
 
 
 def _rounded(time: float) -> float:
-    """The time, rounded up to two digits."""
+    """Return the time [s], rounded up to two digits."""
     unit = 10.0 ** (np.floor(np.log10(time)) - 1.0)
     return float(np.ceil(time / unit - 1e-9) * unit)

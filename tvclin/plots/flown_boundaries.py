@@ -32,17 +32,17 @@ if TYPE_CHECKING:
 
 
 Flights = Callable[[History, float, float, FloatArray], FloatArray]
-"""Takes a wind, a deflection limit [rad], a dead band and times [s], ``(n,)``, and gives the
-attitude [rad] that was flown, ``(n,)``, NaN from where the flight ended."""
+"""Function from a wind, a deflection limit [rad], a dead band and times [s], ``(n,)``, to the
+attitude [rad] of the flight, ``(n,)``; NaN after its end."""
 
 PEAK = float(np.radians(1.0))
-"""Of the winds that are flown [rad]: a tail wind. The report does not give its own."""
+"""Peak of the winds of the flights [rad], tail winds. The report does not give it."""
 
 
 def chosen_engine(engine: str | None) -> str:
-    """Return an engine by name, or where none is named JSBSim if it is installed, else "planar".
+    """Return the name of an engine; the default is JSBSim if it is installed, else "planar".
 
-    `InputError` for any other name.
+    `InputError` for an unknown name.
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
@@ -50,7 +50,7 @@ def chosen_engine(engine: str | None) -> str:
 
 
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
-    """Return what flies the report's control on a vehicle with frozen parameters, in pitch.
+    """Return the function that flies the report's control in pitch, with frozen parameters.
 
     `engine`: one of `ENGINES`.
     """
@@ -225,7 +225,7 @@ def _panel(
 
 
 def _engines(engine: str) -> list[str]:
-    """Planar flights stand beside those of another engine, but at fewer places."""
+    """Return the engines of a figure: the chosen one, and planar flights for comparison."""
     return list(dict.fromkeys([engine, "planar"]))
 
 
@@ -234,7 +234,7 @@ def _flown(engine: str) -> str:
 
 
 def _at(x: FloatArray, places: FloatArray, values: Sequence[float]) -> FloatArray:
-    """The values at their places among the abscissas, NaN elsewhere."""
+    """Return values at their abscissas among `x`, NaN elsewhere, ``(n,)``."""
     row = np.full(x.shape, np.nan)
     row[np.searchsorted(x, places)] = values
     return row

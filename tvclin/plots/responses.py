@@ -58,14 +58,14 @@ _ORDINATES = {
     "wind": "wind angle [deg]",
 }
 _ROOM = 0.05
-"""Above and below the curves, of the height of a panel."""
+"""Margin above and below the curves, over their range."""
 _PANELS = {"attitude_rate": "rate", "deflection": "deflection", "wind": "wind"}
-"""What is no angle of the vehicle, and its panel."""
+"""Panels of the quantities that are not angles of the vehicle."""
 _LEVEL: Style = {"color": INK, "ls": "--", "lw": 1.2}
 _LIMITS = {"upper limit": _LEVEL, "lower limit": _LEVEL}
 _STYLES = QUANTITIES | _LIMITS
 _FLOWN = {"attitude": 0, "angle of attack": 3, "deflection": 4}
-"""What is drawn, and its row of a flight."""
+"""Quantities of a flight's figure, and their rows of its outputs."""
 _FLIGHT: dict[str, Style] = {
     "flown": {"color": INK, "ls": "-", "lw": 2.2},
     "linear": {"color": WARM, "ls": "--", "lw": 1.8},
@@ -91,11 +91,11 @@ def response_curves(
     response : Responses or control.TimeResponseData
         One response, not a batch.
     name, parameters : str
-        As of `Curves`.
+        Name and parameters of the curves, see `Curves`.
     limit : float, optional
         Deflection limit [rad].
     deflection, wind : History, optional
-        Inputs that the response does not hold: `Responses` hold none.
+        Inputs that are not part of the response: `Responses` have none.
     """
     limit = None if limit is None else _limit(limit)
     for what, history in (("deflection", deflection), ("wind", wind)):
@@ -130,9 +130,9 @@ def _limit(value: float) -> float:
 
 
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
-    """Return a limit [rad] on each side to which a deflection [deg] goes at least halfway.
+    """Return the lines of a limit [rad] with the signs with which a deflection reaches half of it.
 
-    Where it goes so far to neither, on that to which it goes farther.
+    If it reaches half with neither sign, the line is that of the larger peak. `deflection`: in deg.
     """
     reach = {"upper limit": np.nanmax(deflection), "lower limit": -np.nanmin(deflection)}
     least = min(0.5 * np.degrees(limit), max(reach.values()))
@@ -181,9 +181,9 @@ def flight_curves(
     limit : float
         Its deflection limit [rad].
     name, parameters : str
-        As of `Curves`.
+        Name and parameters of the curves, see `Curves`.
     beside : {"linear", "rigid"}
-        What the linear flight is called.
+        Name of the flight compared with.
     """
     instance("flight", flight, FlightComparison, "see compare_flight")
     limit, beside = _limit(limit), one_of("beside", beside, ("linear", "rigid"))
@@ -214,7 +214,7 @@ def flight_chart(curves: Curves, title: str) -> "ControlPlot":
 
 
 def _frames(curves: Curves) -> dict[str, tuple[float, float]]:
-    """Return the ends of the ordinate of each panel: around all that it shows, and zero."""
+    """Return the ends of the ordinate of each panel, around its curves and zero."""
     limits = {}
     for panel, columns in curves.panels.items():
         values = np.concatenate([[0.0], *(column.values for column in columns)])
@@ -230,7 +230,7 @@ FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
 _STILL = 1e-3
-"""Attitude over the wind's peak below which a flight is one of trim alone."""
+"""Largest attitude over the wind's peak of a flight with trim alone."""
 _ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$ [-]"
 
 
@@ -263,15 +263,15 @@ def attitude_chart(
     points : int
         Points of each curve.
     flights : callable, optional
-        Flies the same winds, of 1 degree, with the same limits; the marks are what it finds.
+        Function that flies the same winds, of 1 degree, with the same limits, for the marks.
     name, title : str
         Name of the numbers, and title of the figure.
 
     Notes
     -----
     The control trims until K times the limit is reached and then holds the limit for ever, as
-    in the report: the way back beyond zero is not what a real autopilot would do. Ordinates end
-    near the curve on the boundary; those that diverge leave the frame.
+    in the report: a real autopilot would not go back beyond zero. The frame ends near the curve on
+    the boundary; diverging curves leave it.
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     single("plant", plant.batch)
@@ -308,7 +308,7 @@ def figure_3(dead_band: float = 1.0, **options: Any) -> "ControlPlot":
     dead_band : float
         K.
     **options
-        tau_beta, factors, until and points, as of `attitude_chart`.
+        tau_beta, factors, until and points, see `attitude_chart`.
     """
     return _without_drift(3, dead_band, options)
 
@@ -319,7 +319,7 @@ def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
     Parameters
     ----------
     dead_band, **options
-        As of `figure_3`.
+        Same as in `figure_3`.
     """
     return _without_drift(4, dead_band, options)
 
@@ -336,8 +336,8 @@ def figure_6(
     dead_band : float
         K.
     **options
-        tau_beta, factors, until and points, as of `attitude_chart`; and engine, what flies:
-        "sixdof", which is JSBSim and stands where it is installed, or "planar".
+        tau_beta, factors, until and points, see `attitude_chart`; and the engine of the flights:
+        "sixdof", JSBSim, which is the default if it is installed, or "planar".
 
     Notes
     -----
@@ -430,7 +430,7 @@ def _attitudes(
     dead_band: float,
     flights: Flights | None,
 ) -> list[Column]:
-    """One panel: each factor of the boundary limit in the wind of one duration."""
+    """Return the curves of one panel: each factor of the boundary limit, in one wind."""
     duration = tau_beta / float(plant.coefficients.pole)
     wind = TriangularWind(peak=PEAK, duration=duration)
     boundary = boundary_limit(plant, wind, dead_band)

@@ -22,12 +22,12 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 _Two = Callable[[], tuple[float, float]]
-_NONE = 1e-12
-"""Part of the wind that is too small to be told."""
+_MIN_COMPONENT = 1e-12
+"""Smallest component of the wind direction that is written to JSBSim."""
 
 
 class Senses(NamedTuple):
-    """Readers of one plane, each without arguments.
+    """Functions that read the motion in one plane, without arguments.
 
     `angles`: attitude and flight path angle [rad]. `rates`: attitude rate [rad/s] and acceleration
     [rad/s^2]. `alpha`: angle of attack [rad].
@@ -39,7 +39,7 @@ class Senses(NamedTuple):
 
 
 def senses(engine: Engine, plane: str, heading: float) -> Senses:
-    """Return the readers of a plane; in yaw angles lie between the vertical plane and the right."""
+    """Return the readers of a plane; yaw angles run from the vertical plane to the right."""
     read = engine.reader
     axis = "q" if plane == "pitch" else "r"
     rate, push = read(f"velocities/{axis}-rad_sec"), read(f"accelerations/{axis}dot-rad_sec2")
@@ -61,37 +61,37 @@ def senses(engine: Engine, plane: str, heading: float) -> Senses:
 
 
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
-    """Return what sets a wind [m/s] along the flight (pitch) or to its right (yaw)."""
+    """Return the function that sets a wind [m/s] along the flight (pitch) or to its right (yaw)."""
     north, east = cos(heading), sin(heading)
     if plane == "yaw":
         north, east = -east, north
-    parts = [
-        (engine.writer(f"atmosphere/wind-{name}-fps"), part / FOOT)
-        for name, part in (("north", north), ("east", east))
-        if abs(part) > _NONE
+    components = [
+        (engine.writer(f"atmosphere/wind-{name}-fps"), component / FOOT)
+        for name, component in (("north", north), ("east", east))
+        if abs(component) > _MIN_COMPONENT
     ]
-    if len(parts) == 1:
-        ((write, part),) = parts
-        return lambda speed: write(speed * part)
+    if len(components) == 1:
+        ((write, component),) = components
+        return lambda speed: write(speed * component)
 
-    def blow(speed: float) -> None:
-        for write, part in parts:
-            write(speed * part)
+    def set_wind(speed: float) -> None:
+        for write, component in components:
+            write(speed * component)
 
-    return blow
+    return set_wind
 
 
 Row = tuple[float, ...]
 
 
 class Prediction:
-    """One plane at the end of the next step.
+    """Prediction of the state in one plane at the end of the next step.
 
-    What acts at the end of a step is set before the step, so the state at its end is foreseen: the
-    rate by the engine's own rule, the angles to second order.
+    JSBSim takes the inputs of the end of a step before the step, so the state at its end is
+    predicted: the rate by the engine's integration rule, the angles to second order.
 
-    `senses`: readers of the plane, at the beginning of a flight. `step`: step [s]. `turn`: by which
-    the flight path has turned in the step before the flight [rad].
+    `senses`: readers of the plane, at the start of a flight. `step`: step [s]. `turn`: rotation of
+    the flight path in the step before the flight [rad].
     """
 
     __slots__ = (
@@ -106,25 +106,25 @@ class Prediction:
         self._path_before, self._push_before = self._path - turn, self._push
         self._alpha = self._blown = self._deflection = 0.0
 
-    def shown(self, angle: float, nominal: Row) -> Measurement:
-        """Return what a law is shown: deviations from the outputs of the nominal flight there.
+    def measurement(self, angle: float, nominal: Row) -> Measurement:
+        """Return the predicted measurements of a law, minus the outputs of the nominal flight.
 
-        `angle` is the wind angle [rad] at the end of the step.
+        `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight.
         """
         h, rate = self._step, self._rate
-        rate_ahead = rate + h * (1.5 * self._push - 0.5 * self._push_before)
-        turn = 0.5 * h * (rate + rate_ahead)
-        path_turn = self._path - self._path_before
+        next_rate = rate + h * (1.5 * self._push - 0.5 * self._push_before)
+        rotation = 0.5 * h * (rate + next_rate)
+        path_rotation = self._path - self._path_before
         return Measurement(
-            self._attitude + turn - nominal[0],
-            rate_ahead - nominal[1],
-            self._path + path_turn - nominal[2],
-            self._alpha + turn - path_turn - (angle - self._blown) - nominal[3],
+            self._attitude + rotation - nominal[0],
+            next_rate - nominal[1],
+            self._path + path_rotation - nominal[2],
+            self._alpha + rotation - path_rotation - (angle - self._blown) - nominal[3],
             self._deflection,
         )
 
     def moved(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Read the plane after a step, and return its outputs as deviations from the nominal."""
+        """Return the outputs after a step, minus those of the nominal flight; updates the state."""
         self._push_before, self._path_before = self._push, self._path
         self._deflection, self._blown = deflection, angle
         self._attitude, self._path = attitude, path = self._senses.angles()
@@ -135,22 +135,22 @@ class Prediction:
 
 Place = Earth | InitialState | None
 
-_STIFF = 4.0
-"""Natural frequency of the hold of the nominal flight, over that of the airframe."""
-_LEAST = 1.0
-"""The same [rad/s] for an airframe with hardly any moment."""
+_HOLD_OVER_AIRFRAME_FREQUENCY = 4.0
+"""Natural frequency of the nominal flight's attitude hold, over that of the airframe."""
+_MIN_HOLD_FREQUENCY = 1.0
+"""Smallest natural frequency of that hold [rad/s]."""
 
 
 class Airframe:
-    """A vehicle in JSBSim.
+    """JSBSim instance of one vehicle.
 
-    With frozen parameters over a flat planet its nominal flight is straight and needs no control.
-    Over the Earth, and from a departure on, it is flown first: the nose is held to the flight
-    path, in the other plane in every flight.
+    With frozen parameters over a flat planet the nominal flight is straight and requires no
+    control. Over the Earth, and from an initial state on, the nominal flight is flown first, with
+    an attitude hold of the nose on the flight path; the other plane has this hold in every flight.
 
-    `vehicle`: one vehicle. `plane`: plane of the wind, the deflection and all that is measured; in
-    yaw to the right. `drift`: whether the flight path may turn. `step`: step [s]. `place`: without
-    either the planet is flat and at rest, and all parameters are frozen. `engine`: what flies it.
+    `vehicle`: one vehicle. `plane`: plane of wind, deflection and measurements; in yaw to the
+    right. `drift`: whether the flight path may turn. `step`: step [s]. `place`: the Earth, or an
+    initial state with varying parameters; None for a flat planet and frozen parameters.
     """
 
     def __init__(
@@ -185,14 +185,15 @@ class Airframe:
         angles: FloatArray,
         course: FloatArray | None = None,
     ) -> FloatArray:
-        """Return a flight from the nominal state, up to where its attitude is beyond 25 deg.
+        """Return the `OUTPUTS` of a flight from the nominal state [rad, rad/s], ``(m, 5)``.
 
-        `steering`: gives the deflection. `speeds`: wind speed [m/s] at each step, along the flight
-        or to its right, ``(n,)``; the first is zero. `angles`: the same as wind angle [rad].
-        `course`: the `OUTPUTS` in pitch that the nominal flight is held to, ``(n, 5)``; without it
-        the nominal flight goes straight on. Returned: the `OUTPUTS` [rad, rad/s] as deviations from
-        the nominal flight, ``(m, 5)``, m <= n. If m is below n, the last row is the one that is
-        beyond, or not finite.
+        They are deviations from the nominal flight, and end after the first attitude beyond 25 deg
+        or number that is not finite.
+
+        `steering`: function of the deflection. `speeds`: wind speed [m/s] at each step, along the
+        flight or to its right, ``(n,)``, m <= n; the first is zero. `angles`: wind angle [rad],
+        ``(n,)``. `course`: `OUTPUTS` in pitch of the nominal flight, ``(n, 5)``; without it the
+        nominal flight is straight.
         """
         nominal = self._nominal_rows(len(speeds), course)
         return self._flown(steering, speeds, angles, nominal, course)
@@ -203,44 +204,51 @@ class Airframe:
         speeds: FloatArray,
         angles: FloatArray,
     ) -> FloatArray:
-        """Return a flight of both planes, frozen over a flat planet, as `fly`.
+        """Return the `OUTPUTS` of a flight in both planes [rad, rad/s], ``(m, 2, 5)``.
 
-        `steering`: takes what is foreseen in pitch and in yaw, and gives both deflections [rad].
-        `speeds`, `angles`: wind along the flight and to its right, and as angles, ``(2, n)``; the
-        first are zero. Returned: the `OUTPUTS` of both planes, ``(m, 2, 5)``.
+        Parameters are frozen, over a flat planet; the flight ends as in `fly`.
+
+        `steering`: function from the predicted measurements in pitch and yaw to both deflections
+        [rad]. `speeds`, `angles`: wind along the flight and to its right [m/s], and as angles
+        [rad], ``(2, n)``; the first are zero.
         """
         self._begin()
         planes = [Prediction(self._senses[name], self._step) for name in DEFLECTIONS]
-        bends, blows = ([one[name] for name in DEFLECTIONS] for one in (self._bend, self._blows))
+        setters = (self._bend, self._blows)
+        set_deflections, set_winds = ([setter[name] for name in DEFLECTIONS] for setter in setters)
         straight = [(*self._senses[name].angles(), 0.0, 0.0) for name in DEFLECTIONS]
         nominal = [(attitude, 0.0, path, *rest) for attitude, path, *rest in straight]
         rows: list[list[Row]] = [[(0.0,) * len(OUTPUTS)] * len(planes)]
         for speed, angle in zip(speeds.T[1:].tolist(), angles.T[1:].tolist(), strict=True):
-            each = list(zip(planes, angle, nominal, strict=True))
-            deflections = steering([one.shown(a, row) for one, a, row in each])
-            for write, value in zip((*bends, *blows), (*deflections, *speed), strict=True):
+            inputs = list(zip(planes, angle, nominal, strict=True))
+            deflections = steering([plane.measurement(a, row) for plane, a, row in inputs])
+            values = (*deflections, *speed)
+            for write, value in zip((*set_deflections, *set_winds), values, strict=True):
                 write(value)
             self.engine.run()
             rows.append(
-                [one.moved(d, a, row) for d, (one, a, row) in zip(deflections, each, strict=True)]
+                [
+                    plane.moved(d, a, row)
+                    for d, (plane, a, row) in zip(deflections, inputs, strict=True)
+                ]
             )
             if not max(abs(row[0]) for row in rows[-1]) <= MAX_ATTITUDE:
                 break
         return np.array(rows)
 
     def _nominal_rows(self, count: int, course: FloatArray | None) -> Iterator[Row]:
-        """Return the outputs of the nominal flight, step by step."""
+        """Return an iterator over the outputs of the nominal flight, step by step."""
         attitude, path = self._begin()
         start = (attitude, 0.0, path, 0.0, 0.0)
         if self._gains is None:
             return repeat(start)
         if len(self._nominal) < count:
-            hold, still = _held(*self._gains), np.zeros(count)
-            ahead = np.tile(start, (count, 1))
+            hold, zeros = _hold_steering(*self._gains), np.zeros(count)
+            reference = np.tile(start, (count, 1))
             if course is not None and self._plane == "pitch":
-                ahead = course
-            flown = self._flown(hold, still, still, _each(ahead), course)
-            self._nominal = list(_each(flown + ahead[: len(flown)]))
+                reference = course
+            flown = self._flown(hold, zeros, zeros, _plain_rows(reference), course)
+            self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
                 "timepts must end before the nominal flight has turned by 25 deg, after"
@@ -249,7 +257,7 @@ class Airframe:
         return iter(self._nominal)
 
     def _begin(self) -> tuple[float, float]:
-        """Go back to the start, and return attitude and flight path angle there [rad]."""
+        """Return attitude and flight path angle [rad] at the start, after a reset to it."""
         self.engine.reset()
         return self._senses[self._plane].angles()
 
@@ -261,44 +269,45 @@ class Airframe:
         nominal: Iterator[Row],
         course: FloatArray | None,
     ) -> FloatArray:
+        """Return the `OUTPUTS` of a flight, minus given nominal outputs, ``(m, 5)``."""
         self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
-        hold_other = self._other_hold(course)
-        ahead = Prediction(self._senses[self._plane], h, turn=h * next(nominal)[1])
+        hold_other_plane = self._attitude_hold(course)
+        prediction = Prediction(self._senses[self._plane], h, turn=h * next(nominal)[1])
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):
-            deflection = steering(k, ahead.shown(angle, row))
-            hold_other()
+            deflection = steering(k, prediction.measurement(angle, row))
+            hold_other_plane()
             bend(row[4] + deflection)
             blow(speed)
             run()
-            rows.append(ahead.moved(deflection, angle, row))
+            rows.append(prediction.moved(deflection, angle, row))
             if not abs(rows[-1][0]) <= MAX_ATTITUDE:
                 break
         return np.array(rows)
 
-    def _other_hold(self, course: FloatArray | None) -> Callable[[], None]:
-        """Return what holds the nose to the path in the other plane, before each step."""
+    def _attitude_hold(self, course: FloatArray | None) -> Callable[[], None]:
+        """Return the function that holds the nose on the path in the other plane, before a step."""
         if self._gains is None:
             return _nothing
-        (other,) = set(DEFLECTIONS) - {self._plane}
-        (angles, rates, _), bend = self._senses[other], self._bend[other]
+        (other_plane,) = set(DEFLECTIONS) - {self._plane}
+        (angles, rates, _), bend = self._senses[other_plane], self._bend[other_plane]
         on_lean, on_rate = self._gains
-        ahead: Iterator[Row] = repeat((0.0, 0.0))
-        if course is not None and other == "pitch":
-            ahead = _each(course[1:, [1, 4]])
+        reference: Iterator[Row] = repeat((0.0, 0.0))
+        if course is not None and other_plane == "pitch":
+            reference = _plain_rows(course[1:, [1, 4]])
 
         def hold() -> None:
-            turn, deflection = next(ahead)
+            path_rate, deflection = next(reference)
             attitude, path = angles()
-            bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - turn))
+            bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - path_rate))
 
         return hold
 
 
-def _each(rows: FloatArray) -> Iterator[Row]:
-    """Return plain rows, for the innermost loop."""
+def _plain_rows(rows: FloatArray) -> Iterator[Row]:
+    """Return an iterator over the rows as tuples of floats, for the innermost loop."""
     return map(tuple, rows.tolist())
 
 
@@ -307,14 +316,17 @@ def _nothing() -> None:
 
 
 def _hold(c: Coefficients) -> tuple[float, float]:
-    """Return gains on the lean of the nose off the path, and on its rate, with damping one."""
-    frequency = max(_STIFF * abs(float(c.mu_alpha)) ** 0.5, _LEAST)
+    """Return the gains of the attitude hold on nose minus path, and on the rate [s]."""
+    frequency = max(
+        _HOLD_OVER_AIRFRAME_FREQUENCY * abs(float(c.mu_alpha)) ** 0.5, _MIN_HOLD_FREQUENCY
+    )
     return (frequency**2 + float(c.mu_alpha)) / float(c.mu_delta), 2.0 * frequency / float(
         c.mu_delta
     )
 
 
-def _held(on_lean: float, on_rate: float) -> Steering:
+def _hold_steering(on_lean: float, on_rate: float) -> Steering:
+    """Return the steering of the attitude hold."""
     return lambda k, measured: (
         on_lean * (measured.attitude - measured.flight_path_angle)
         + on_rate * measured.attitude_rate
@@ -323,21 +335,21 @@ def _held(on_lean: float, on_rate: float) -> Steering:
 
 _Case = tuple[Vehicle, str, bool, float, Place]
 _IDLE: dict[_Case, list[Airframe]] = {}
-_KEPT = 8
-"""Cases of which airframes are kept; the oldest goes, as an engine holds some megabytes."""
+_MAX_CASES = 8
+"""Largest number of cases whose airframes are kept: an engine holds some megabytes."""
 
 
 @contextmanager
 def reused_airframe(*case: *_Case) -> Iterator[Airframe]:
-    """Lend an airframe, for it takes a third of a flight to make one; a flight begins it anew.
+    """Provide an airframe of a case, reused if idle: a new one takes a third of a flight.
 
-    While one is out another is made, so that threads, and laws that fly ahead, have their own.
+    Airframes in use are not shared, so that threads, and laws that fly themselves, have their own.
     """
     try:
         airframe = _IDLE[case].pop()
     except (KeyError, IndexError):
         airframe = Airframe(*case)
     yield airframe
-    if case not in _IDLE and len(_IDLE) >= _KEPT:
+    if case not in _IDLE and len(_IDLE) >= _MAX_CASES:
         _IDLE.pop(next(iter(_IDLE)), None)
     _IDLE.setdefault(case, []).append(airframe)

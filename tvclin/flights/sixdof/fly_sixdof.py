@@ -43,17 +43,17 @@ if TYPE_CHECKING:
     from control import TimeResponseData
 
 
-_SHORTEST, _LONGEST = 1e-4, 0.02
-"""Steps of the engine [s] that are taken."""
-_PER_STEP = 0.05
-"""Most that the airframe's own motion may go on in a step; errors are of its square."""
-_PER_SERVO = 0.5
-"""Most of the actuator's 1/omega_n that a step may be."""
+_MIN_STEP, _MAX_STEP = 1e-4, 0.02
+"""Smallest and largest step of the engine [s]."""
+_MAX_STEP_TIMES_FREQUENCY = 0.05
+"""Largest step times the frequency of the airframe; errors are of its square."""
+_MAX_STEP_TIMES_ACTUATOR = 0.5
+"""Largest step times the natural frequency of the actuator."""
 
 
 @dataclass(frozen=True, eq=False)
 class Air:
-    """A wind as it is flown.
+    """Wind at the steps of a flight.
 
     `wind`: the wind angle [rad]. `times`: times of the steps [s], ``(n,)``; the first lies before
     the flight. `angles`, `speeds`: means over each step: wind angle [rad], and wind speed [m/s]
@@ -69,9 +69,9 @@ class Air:
 
 @dataclass(frozen=True)
 class SixDof:
-    """What is flown, checked.
+    """Vehicle and options of a flight in JSBSim, checked.
 
-    `vehicle`, `plane`, `drift`, `step`, `earth`, `condition`: as of `fly_sixdof`.
+    `vehicle`, `plane`, `drift`, `step`, `earth`, `condition`: same as in `fly_sixdof`.
     """
 
     vehicle: Vehicle
@@ -95,19 +95,19 @@ class SixDof:
                     "condition must be left out over the Earth and without drift: with one, the"
                     " flight follows its trajectory over a flat planet"
                 )
-        step = within("step", self.step, _SHORTEST, _LONGEST, "s")
+        step = within("step", self.step, _MIN_STEP, _MAX_STEP, "s")
         object.__setattr__(self, "step", number("step", step))
         c = self.coefficients
         pace = abs(float(c.mu_alpha)) ** 0.5 + float(c.damping)
-        if self.step * pace > _PER_STEP:
+        if self.step * pace > _MAX_STEP_TIMES_FREQUENCY:
             raise InputError(
-                f"step must be at most {_PER_STEP / pace:.3g} s for a vehicle that moves with"
-                f" {pace:.3g} rad/s; got {self.step:.6g} s"
+                f"step must be at most {_MAX_STEP_TIMES_FREQUENCY / pace:.3g} s for a vehicle that"
+                f" moves with {pace:.3g} rad/s; got {self.step:.6g} s"
             )
 
     @property
     def coefficients(self) -> Coefficients:
-        """The coefficients of the vehicle in this plane."""
+        """Coefficients of the vehicle in this plane."""
         return Coefficients.from_vehicle(self.vehicle, self.plane)
 
     def air(self, wind: History, start: float, stop: float) -> Air:
@@ -125,7 +125,7 @@ class SixDof:
         return Air(wind, times, angles, speeds, course)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
-        """Return what turns the nozzle within a limit [rad], step by step.
+        """Return the steering of a command within a limit [rad].
 
         `InputError` for a step too large for the actuator.
         """
@@ -135,27 +135,28 @@ class SixDof:
         if isinstance(control, ReportControl):
             trim = TrimLaw(Plant.from_vehicle(self.vehicle, "fixed-path", self.plane))
             return TrimThenHold(trim, limit, control.dead_band, air.wind, air.times, self.step)
-        if actuator is not None and self.step * float(actuator.natural_frequency) > _PER_SERVO:
+        frequency = 0.0 if actuator is None else float(actuator.natural_frequency)
+        if self.step * frequency > _MAX_STEP_TIMES_ACTUATOR:
             raise InputError(
-                f"step must be at most {_PER_SERVO / float(actuator.natural_frequency):.6g} s for"
-                f" an actuator of {actuator.natural_frequency:.6g} rad/s; got {self.step:.6g} s"
+                f"step must be at most {_MAX_STEP_TIMES_ACTUATOR / frequency:.6g} s for an actuator"
+                f" of {frequency:.6g} rad/s; got {self.step:.6g} s"
             )
         return by_law(command, limit, self.step, air.times.size)
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
-        """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
+        """Return the outputs [rad, rad/s] at the steps, ``(m, 5)``; `InputError` for NaN."""
         place: Place = self.earth
-        vehicle, held = self.vehicle, None
+        vehicle, reference = self.vehicle, None
         if air.course is not None:
-            vehicle, place, held = air.course.vehicle, air.course.departure, air.course.rows
+            vehicle, place, reference = air.course.vehicle, air.course.departure, air.course.rows
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
         with reused_airframe(numbers, self.plane, self.drift, self.step, place) as airframe:
-            rows = airframe.fly(steering, air.speeds, air.angles, held)
-        lost = np.argwhere(~np.isfinite(rows))
-        if lost.size:
+            rows = airframe.fly(steering, air.speeds, air.angles, reference)
+        invalid = np.argwhere(~np.isfinite(rows))
+        if invalid.size:
             raise InputError(
-                f"the flight fails at t = {air.times[lost[0, 0]]:.6g} s:"
-                f" {OUTPUTS[lost[0, 1]]} is not finite"
+                f"the flight fails at t = {air.times[invalid[0, 0]]:.6g} s:"
+                f" {OUTPUTS[invalid[0, 1]]} is not finite"
             )
         return rows
 
@@ -276,12 +277,12 @@ def planes_verdict(
     stop: Stop | str = "round",
     saturate: str = "radial",
 ) -> Callable[[float], bool]:
-    """Return what says of a deflection limit [rad] whether its flight survives.
+    """Return the function from a deflection limit [rad] to whether its flight survives.
 
-    `vehicle`, `frozen`, `drift`, `step`: as of `fly_sixdof`; parameters are frozen over a flat
-    planet. `wind`: one wind that ends, from t = 0 on. `control`: for both planes, as of
-    `fly_planes`. `stop`, `saturate`: as of `fly_planes`. `InputError` for what is no law, a flight
-    that is not frozen, and as `fly_sixdof` and `fly_planes`.
+    `vehicle`, `drift`, `step`: same as in `fly_sixdof`; parameters are frozen over a flat planet.
+    `wind`: one wind that ends, from t = 0 on. `control`, `stop`, `saturate`: same as in
+    `fly_planes`. `InputError` for another type than a law, parameters that are not frozen, and in
+    the same cases as `fly_sixdof` and `fly_planes`.
     """
     if isinstance(control, Autopilot):
         control = SaturatedLaw(control)
@@ -294,8 +295,8 @@ def planes_verdict(
     pole = float(cases["yaw"].coefficients.pole)
     begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)
     check_span(begin, until)
-    blown = [_blown(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
-    speeds, angles = (np.stack(one) for one in zip(*blown, strict=True))
+    winds = [_wind_at_steps(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
+    speeds, angles = (np.stack(one) for one in zip(*winds, strict=True))
     numbers = vehicle.replace(name="", time=None)
 
     def survives(limit: float) -> bool:
@@ -308,8 +309,10 @@ def planes_verdict(
     return survives
 
 
-def _blown(case: SixDof, wind: Any, begin: float, until: float) -> tuple[FloatArray, FloatArray]:
-    """Wind speeds [m/s] and angles [rad] at the steps; zeros in a plane without wind."""
+def _wind_at_steps(
+    case: SixDof, wind: Any, begin: float, until: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return wind speeds [m/s] and angles [rad] at the steps; zeros in a plane without wind."""
     if np.isfinite(wind.onset):
         air = case.air(wind, begin, until)
         return air.speeds, air.angles
@@ -320,17 +323,17 @@ def _blown(case: SixDof, wind: Any, begin: float, until: float) -> tuple[FloatAr
 def _steering(
     law: LawInPlanes, limit: float, step: float
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
-    """Return what asks the law at every step, and remembers what it remembers."""
-    learning = law.law.state_space.to_steps(step)
-    memory, most = np.zeros(len(learning.states), complex), np.array([limit])
+    """Return the steering of a law in both planes, with the law's states."""
+    steps = law.law.state_space.to_steps(step)
+    memory, limits = np.zeros(len(steps.states), complex), np.array([limit])
 
-    def asked(planes: list[Measurement]) -> tuple[float, float]:
+    def command_of(planes: list[Measurement]) -> tuple[float, float]:
         nonlocal memory
         pitch, yaw = planes
         measured = np.array(pitch) + 1j * np.array(yaw)
-        demand = law.demand(measured[np.newaxis], memory[np.newaxis], most)
-        (command,), _ = law.limited(demand, most)
-        memory = learning.A @ memory + learning.B @ measured
+        demand = law.demand(measured[np.newaxis], memory[np.newaxis], limits)
+        (command,), _ = law.limited(demand, limits)
+        memory = steps.A @ memory + steps.B @ measured
         return float(command.real), float(command.imag)
 
-    return asked
+    return command_of
