@@ -150,7 +150,7 @@ def hasty(call: Callable[..., Any]) -> Callable[..., Any]:
             patch.dict(least._AGAIN, few),
             patch.dict(worst_case._STEPS, few),
             patch.object(least, "_OVER", 64),
-            patch.object(in_step, "_LONGEST", 2000),
+            patch.object(in_step, "_MAX_SAMPLES_AFTER_WIND", 2000),
             patch.object(worst_case, "_INSIDE", 8),
         ):
             return call(**arguments)

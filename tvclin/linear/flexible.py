@@ -218,13 +218,13 @@ class FlexiblePlant(Shown, Hinted):
 
         The order is that of `states`, `inputs` and `outputs`.
         """
-        inner, forced = self._airframe
-        outputs, feedthrough = self._output_matrices(inner.shape[-1])
-        n, count = inner.shape[-1], len(self.states)
+        airframe_A, airframe_B = self._airframe
+        outputs, feedthrough = self._output_matrices(airframe_A.shape[-1])
+        n, count = airframe_A.shape[-1], len(self.states)
         A = np.zeros((*self.batch, count, count))
-        B = np.zeros((*self.batch, count, forced.shape[-1]))
+        B = np.zeros((*self.batch, count, airframe_B.shape[-1]))
         C = np.zeros((*self.batch, len(self.outputs), count))
-        A[..., :n, :n], B[..., :n, :], C[..., :n] = inner, forced, outputs
+        A[..., :n, :n], B[..., :n, :], C[..., :n] = airframe_A, airframe_B, outputs
         start = n
         for name, lag in self._sensors.items():
             row, columns = (

@@ -220,7 +220,7 @@ class StateLoop:
     def balanced(
         cls, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, delay: FloatArray
     ) -> Self:
-        """Return the loops of ``(k, n, n)``, ``(k, n)``, ``(k, n)``, ``(k,)`` and ``(k,)``.
+        """Return the loops of A ``(k, n, n)``, B and C ``(k, n)``, D and delay [s] ``(k,)``.
 
         The states are scaled by powers of two until rows and columns of A have similar norms.
         """
