@@ -282,7 +282,7 @@ def test_it_is_that_of_a_program_of_all_corners():
 def test_what_is_left_of_a_minimum_is_told(monkeypatch):
     plant, wind, cluster = measured(1.0)
     solved = tv.boundary.plane_optimum(plant, wind, cluster)
-    monkeypatch.setattr(optimum, "_ROUNDS", 4)
+    monkeypatch.setattr(optimum, "_MAX_CUTTING_PLANES", 4)
     rough = tv.boundary.plane_optimum(plant, wind, cluster)
     assert "not converged" in rough.status
     assert rough.certificate.dual <= solved.peak <= rough.peak

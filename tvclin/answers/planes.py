@@ -61,12 +61,12 @@ def vector_need(
     if isinstance(stop, CircularStop):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:
-        trim = float(stop.gauge(pair.of_moment(pair.times())).max())
+        trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
     return VectorNeed(
         trim=trim,
         required=np.array([one.limit for one in found]),
         no_forecast=found[0].bound,
-        minimum=found[0].least,
+        minimum=found[0].minimum,
         said=tuple(dict.fromkeys(note for one in found for note in one.notes)),
     )
 

@@ -335,7 +335,7 @@ def plane_chart(
     vectors = {
         STOP: limit.deflection * shape.reach(angles) * unit_vector(angles),
         TRIMS: pair.trim(times),
-        MEANS: pair.held(times),
+        MEANS: pair.required_constant(times),
         HELD: np.array([0.0, constant]),
     }
     points = np.concatenate(list(vectors.values())) * (180.0 / np.pi)

@@ -1,5 +1,5 @@
-"""Two planes that share one stop: the limit, the minimum, and the bound without a forecast.
+"""Two planes that share a deflection limit: boundary, minimum, and bound without a forecast.
 
-`pair` is what both planes of a vehicle ask for in one wind; `limit`, `optimum` and `unforeseen` are
-three answers.
+`pair` has the demands of both planes of a vehicle in one wind; `limit`, `optimum` and `unforeseen`
+compute the three quantities.
 """

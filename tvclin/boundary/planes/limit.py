@@ -1,4 +1,4 @@
-"""The boundary limit of two planes that share one stop, of one case or a batch."""
+"""The boundary limit of two planes that share a deflection limit, for one case or a batch."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ class PlaneLimit(Shown):
     Attributes
     ----------
     limit : float or ndarray
-        The least limit over the trim B alpha_w,max of the largest wind vector, B that of pitch.
+        Least limit, normalised by the trim B alpha_w,max of the largest wind vector in pitch.
     deflection : float or ndarray
-        The same [rad], positive, in the measure of the stop: the radius of a round one, the half
-        width of a square.
+        Least limit [rad], positive, in the measure of the limit shape: the radius of a round one,
+        the half width of a square.
     direction : float or ndarray
-        Angle [rad] from the pitch plane of the deflection that is held.
+        Angle [rad] from the pitch plane of the constant deflection after trim.
     in_plane, across : float or ndarray
-        Its parts in pitch and in yaw [rad], with their signs.
+        Components of that deflection in pitch and in yaw [rad], with their signs.
     pitch_alone : float or ndarray
-        The limit [rad] that the same question about the wind's pitch part alone gives.
+        Limit [rad] for the pitch component of the wind alone.
     underestimate : float or ndarray
-        `pitch_alone` over `deflection`.
+        Ratio of `pitch_alone` to `deflection`.
     without_forecast : float or ndarray
-        What no law without a forecast can do without, over the same as `limit`; at K = 1 the
-        limit is never below it.
+        Lower bound of every law without a forecast, normalised as `limit`; at K = 1 the limit is
+        never below it.
     leaving_time : float or ndarray
-        When the dead band is left [s]; NaN where it never is.
+        Exit time of the dead band [s]; NaN without an exit.
     notes : tuple of str
-        What else there is to say; of a batch, of any case.
+        Warnings and reasons; for a batch, of any case.
     """
 
     limit: Any
@@ -80,15 +80,15 @@ def plane_limit(
     wind : PlaneWind
         One wind that ends, or a batch; batches broadcast, and are solved case by case.
     stop : Stop, optional
-        The shape of what the nozzle can do; round by default. `Stop.each_plane` is what is left of
-        it where each plane is limited by itself.
+        Limit shape of the nozzle; round by default. `Stop.each_plane` is the square inside it, for
+        planes that are limited separately.
     dead_band : array_like
-        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+        K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
-        What leaves the dead band, as in `trim_then_hold`.
+        Condition for the exit of the dead band, as in `trim_then_hold`.
     yaw_plant : Plant, optional
-        Of the yaw plane; by default the same as in pitch. With other poles the vector that is held
-        is safe, and at most two percent more than `plane_optimum` up to a ratio of 1.5.
+        Plant of the yaw plane; by default the same as in pitch. With other poles the constant
+        deflection is safe, and at most two percent more than `plane_optimum` up to a ratio of 1.5.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def plane_limit(
 
     Notes
     -----
-    A limit counted in the pitch plane alone asks for 1/sqrt(1 + (tan psi/sin gamma)^2) of this, for
+    A limit of the pitch plane alone requires 1/sqrt(1 + (tan psi/sin gamma)^2) of this, for
     a horizontal wind at the angle psi to the flight and a path angle gamma.
 
     Examples
@@ -116,8 +116,8 @@ def plane_limit(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-    >>> found = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, np.radians(55)))
-    >>> np.degrees([found.deflection, found.pitch_alone]).round(3)
+    >>> limit = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, np.radians(55)))
+    >>> np.degrees([limit.deflection, limit.pitch_alone]).round(3)
     array([0.351, 0.201])
     """
     stop = CircularStop() if stop is None else stop
@@ -125,24 +125,25 @@ def plane_limit(
     K = within("dead_band", dead_band, 0.0, 1.0)
     shape = broadcast(dead_band=K.shape, plants=checked(plant, wind, stop, yaw_plant))
     if not shape:
-        return _alone(Pair((plant, yaw_plant or plant), wind), stop, float(K), switch)
-    every = np.broadcast_to(K, shape).ravel()
-    found = []
-    for case in range(every.size):
+        return _case_limit(Pair((plant, yaw_plant or plant), wind), stop, float(K), switch)
+    dead_bands = np.broadcast_to(K, shape).ravel()
+    limits = []
+    for case in range(dead_bands.size):
         first = plant.case(case, shape)
         plants = first, yaw_plant.case(case, shape) if yaw_plant else first
         pair = Pair(plants, wind.case(case, shape))
-        found.append(_alone(pair, stop, float(every[case]), switch))
-    names = [one.name for one in fields(PlaneLimit)][:-1]
-    numbers = {n: np.reshape([getattr(one, n) for one in found], shape) for n in names}
-    notes = tuple(dict.fromkeys(note for one in found for note in one.notes))
+        limits.append(_case_limit(pair, stop, float(dead_bands[case]), switch))
+    names = [field.name for field in fields(PlaneLimit)][:-1]
+    numbers = {n: np.reshape([getattr(limit, n) for limit in limits], shape) for n in names}
+    notes = tuple(dict.fromkeys(note for limit in limits for note in limit.notes))
     return PlaneLimit(**numbers, notes=notes)
 
 
-def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
+def _case_limit(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
+    """Return the limit of one case at dead band K."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    found = needed(pair, stop, (K,), literal)[0]
-    pitch_alone = found.limit
+    requirement = needed(pair, stop, (K,), literal)[0]
+    pitch_alone = requirement.limit
     if np.isfinite(pair.wind.yaw.onset):
         pitch_alone = 0.0
         if np.isfinite(pair.wind.pitch.onset):
@@ -150,14 +151,14 @@ def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
             pitch_alone = needed(Pair(pair.plants, flat), stop, (K,), literal)[0].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
-        limit=found.limit / scale if found.y is None else found.y,
-        deflection=found.limit,
-        direction=float(np.angle(found.held)),
-        in_plane=found.held.real,
-        across=found.held.imag,
+        limit=requirement.limit / scale if requirement.y is None else requirement.y,
+        deflection=requirement.limit,
+        direction=float(np.angle(requirement.deflection)),
+        in_plane=requirement.deflection.real,
+        across=requirement.deflection.imag,
         pitch_alone=pitch_alone,
-        underestimate=pitch_alone / found.limit if found.limit > 0.0 else 1.0,
-        without_forecast=found.bound / scale,
-        leaving_time=found.time,
-        notes=found.notes,
+        underestimate=pitch_alone / requirement.limit if requirement.limit > 0.0 else 1.0,
+        without_forecast=requirement.bound / scale,
+        leaving_time=requirement.time,
+        notes=requirement.notes,
     )

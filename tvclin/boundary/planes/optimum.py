@@ -28,14 +28,18 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
 _CELLS = 500
-_THINNEST = 1e-8
-"""A cell that is thinner, times the fastest pole, has no moments but rounding."""
+"""Cells for each unstable pole."""
+_MIN_WIDTH_OVER_TIME_CONSTANT = 1e-8
+"""Smallest cell width over the fastest time constant: the moments of a smaller one are rounding."""
 _NODES = 32
-"""In each cell: where a polygon's support has a kink the error falls with their square."""
-_ROUNDS, _LEFT = 200, 1e-7
-"""Of cutting planes at most, and what they may leave of a gap; some twenty do."""
-_WIDEST_GAP = 1e-3
-"""The widest gap that is called solved."""
+"""Quadrature nodes in each cell; at a kink of a polygon's support the error falls with their
+square."""
+_MAX_CUTTING_PLANES = 200
+"""Largest number of steps of the cutting-plane method; some twenty suffice."""
+_RELATIVE_GAP = 1e-7
+"""Relative gap of the cutting-plane method at which it stops."""
+_MAX_GAP = 1e-3
+"""Largest relative gap of a certificate whose status is "ok"."""
 OK = "ok"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
@@ -47,18 +51,18 @@ class PlaneOptimum(Shown):
     Attributes
     ----------
     limit : float
-        The least limit that is reached, over B alpha_w,max of the largest wind vector.
+        Least limit, normalised by B alpha_w,max of the largest wind vector.
     peak : float
-        The same [rad], in the measure of the stop.
+        Least limit [rad], in the measure of the limit shape.
     times : ndarray
-        From when on each deflection is held [s], ``(n,)``; the last for ever.
+        Times [s] from which each deflection is constant, ``(n,)``; the last does not end.
     deflections : ndarray of complex
-        What is held [rad], pitch + j yaw, ``(n,)``.
+        Constant deflections [rad], pitch + j yaw, ``(n,)``.
     certificate : Certificate
-        The peak that is reached, the bound [rad] below which no deflection can be, and the
-        violation of the conditions. Its `tail` is zero.
+        The peak [rad] of the deflections, a lower bound [rad] of every peak, and the violation
+        of the conditions. Its `tail` is zero.
     status : str
-        "ok", or in words what is different.
+        "ok", or the reason why it is not.
     """
 
     limit: float
@@ -74,12 +78,12 @@ class PlaneOptimum(Shown):
 def plane_optimum(
     plant: Plant, wind: PlaneWind, stop: Stop | None = None, yaw_plant: Plant | None = None
 ) -> PlaneOptimum:
-    """Return the deflection of least limit in both planes that leaves no growing exponential.
+    """Return the deflection of least limit in both planes that cancels every unstable mode.
 
     Parameters
     ----------
     plant, wind, stop, yaw_plant
-        As of `plane_limit`, but one plant and one wind. A cluster counts as the polygon
+        Parameters of `plane_limit`, but one plant and one wind. A cluster counts as the polygon
         `Stop.inscribed`, which is a little smaller.
 
     Returns
@@ -91,7 +95,7 @@ def plane_optimum(
     Raises
     ------
     InputError
-        As `plane_limit`, and for a batch.
+        Where `plane_limit` raises it, and for a batch.
 
     Examples
     --------
@@ -105,44 +109,45 @@ def plane_optimum(
     stop = CircularStop() if stop is None else stop
     single("plant, wind", checked(plant, wind, stop, yaw_plant))
     pair = Pair((plant, yaw_plant or plant), wind)
-    return least_in_planes(pair, stop.inside)
+    return minimum_in_planes(pair, stop.inside)
 
 
-def least_in_planes(pair: Pair, stop: Stop, left: float | None = None) -> PlaneOptimum:
-    """Return `plane_optimum` of arguments that are checked; from `left` [s] on, trimmed until then.
+def minimum_in_planes(pair: Pair, stop: Stop, exit_time: float | None = None) -> PlaneOptimum:
+    """Return `plane_optimum` of checked arguments, after trim up to `exit_time` [s].
 
-    Without `left` it is from the onset of the wind on.
+    Without `exit_time` it is from the onset of the wind on.
     """
-    if left is not None:
-        asked = np.concatenate([pair.left_at(plane, left) for plane in (0, 1)])
-        return _answer(pair, *_solved(_Moments(pair, stop, asked), left))
+    if exit_time is not None:
+        demands = np.concatenate([pair.demands_after_trim(plane, exit_time) for plane in (0, 1)])
+        return _optimum(pair, *_solved(_Moments(pair, stop, demands), exit_time))
     if pair.equal and pair.wind.unidirectional and isinstance(stop, CircularStop):
         return _along_a_line(pair)
     start = np.asarray([float(pair.wind.onset)])
     moments = _Moments(
-        pair, stop, np.concatenate([pair.of_modes(plane, start)[:, 0] for plane in (0, 1)])
+        pair, stop, np.concatenate([pair.mode_demands(plane, start)[:, 0] for plane in (0, 1)])
     )
     if pair.equal and moments.poles.size == 2:
-        held = pair.demanded(start)
-        peak = float(stop.gauge(held)[0])
-        return _answer(pair, start, held, Certificate(peak, peak, 0.0, 0.0, 0.0))
-    return _answer(pair, *_solved(moments, float(start[0])))
+        deflection = pair.wind_demand(start)
+        peak = float(stop.gauge(deflection)[0])
+        return _optimum(pair, start, deflection, Certificate(peak, peak, 0.0, 0.0, 0.0))
+    return _optimum(pair, *_solved(moments, float(start[0])))
 
 
 def _along_a_line(pair: Pair) -> PlaneOptimum:
-    """The scalar answer: in a round stop nothing is gained by leaving the line."""
+    """Return the scalar optimum, which no deflection across it improves in a round limit shape."""
     direction = pair.wind.direction
     onset = float(pair.wind.onset)
     best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
     times = np.append(onset, best.switch_times)
-    return _answer(pair, times, best.deflection(times) * unit_vector(direction), best.certificate)
+    return _optimum(pair, times, best.deflection(times) * unit_vector(direction), best.certificate)
 
 
-def _answer(
+def _optimum(
     pair: Pair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
+    """Return the record of deflections [rad] from `times` [s] on, with their certificate."""
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
-    status = OK if proof.gap < _WIDEST_GAP else NOT_CONVERGED
+    status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
     return PlaneOptimum(proof.primal / scale, proof.primal, times, deflections, proof, status)
 
 
@@ -150,7 +155,7 @@ def _answer(
 class _Moments:
     """The conditions, in cells that are even in e^(-p t) for every pole.
 
-    `demands` are what every mode of pitch and then of yaw asks for from the start of the control.
+    `demands`: of every mode of pitch and then of yaw [rad] from the start of the control, ``(k,)``.
     """
 
     pair: Pair
@@ -159,26 +164,29 @@ class _Moments:
 
     @cached_property
     def poles(self) -> FloatArray:
+        """Unstable poles [1/s] of pitch and then of yaw, ``(k,)``."""
         return np.concatenate(self.pair.poles)
 
     @cached_property
     def axes(self) -> Vectors:
-        """1 for each pole of the pitch plane, j for each of the yaw plane."""
-        pitch, yaw = (one.size for one in self.pair.poles)
+        """Unit vectors ``(k,)``: 1 for each pole of pitch, j for each pole of yaw."""
+        pitch, yaw = (poles.size for poles in self.pair.poles)
         return np.repeat([1.0 + 0.0j, 1.0j], [pitch, yaw])
 
     @cached_property
     def edges(self) -> FloatArray:
         """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last ends never."""
         even = np.arange(_CELLS) / _CELLS
-        every = [-np.log1p(-even) / p for p in np.unique(self.poles)]
-        edges = np.unique(np.concatenate(every))
-        apart = np.append(True, np.diff(edges) > _THINNEST / self.poles.max())
-        return np.append(edges[apart], np.inf)
+        times = [-np.log1p(-even) / p for p in np.unique(self.poles)]
+        edges = np.unique(np.concatenate(times))
+        separate = np.append(
+            True, np.diff(edges) > _MIN_WIDTH_OVER_TIME_CONSTANT / self.poles.max()
+        )
+        return np.append(edges[separate], np.inf)
 
     @cached_property
     def cells(self) -> Vectors:
-        """The moments of each cell, ``(k, n)``, of a deflection of one."""
+        """Moments of a unit deflection in each cell, ``(k, n)``."""
         decayed = np.exp(-self.poles[:, np.newaxis] * self.edges)
         return self.axes[:, np.newaxis] * (decayed[:, :-1] - decayed[:, 1:])
 
@@ -190,35 +198,36 @@ class _Moments:
         """
         slow = self.poles.min()
         x = np.exp(-slow * self.edges)
-        spots, parts = np.polynomial.legendre.leggauss(_NODES)
+        points, point_weights = np.polynomial.legendre.leggauss(_NODES)
         width = (x[:-1] - x[1:])[:, np.newaxis]
-        inside = (x[1:, np.newaxis] + width * (1.0 + spots) / 2.0).ravel()
-        weights = (width * parts / 2.0).ravel() / (slow * inside)
+        inside = (x[1:, np.newaxis] + width * (1.0 + points) / 2.0).ravel()
+        weights = (width * point_weights / 2.0).ravel() / (slow * inside)
         decay = np.exp(np.outer(self.poles / slow, np.log(inside)))
         return (self.poles * self.axes)[:, np.newaxis] * decay, weights
 
     def norm(self, multipliers: FloatArray) -> float:
-        """N by quadrature."""
+        """Return the support-function norm N of multipliers ``(k,)``, by Gauss quadrature."""
         values, weights = self.nodes
         return float(weights @ self.stop.support(multipliers @ values))
 
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
-    """Solve l . d -> max, N(l) <= 1 in cells, by cutting planes (Kelley 1960).
+    """Return the solution of l . d -> max, N(l) <= 1 in cells, by cutting planes (Kelley 1960).
 
-    N(l) is the largest l . m of the moments m of any deflection v within S, and one that reaches it
-    is furthest along l everywhere. Of the v_i of earlier rounds a small linear program knows
+    N(l) is the largest l . m of the moments m of any deflection v within S, attained by the one
+    furthest along l at each time. For the v_i of earlier steps a small linear program solves
 
         max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0
 
-    so that sum w_i v_i meets the conditions with the peak sum w_i, while l . d/N(l) is below. What
-    is furthest along its l comes next, and along what lies halfway from the best l to it.
+    so that sum w_i v_i satisfies the conditions with the peak sum w_i, while l . d/N(l) is a lower
+    bound. The next v_i are furthest along its l, and along the mean of it and the best l.
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
     stop, cells = moments.stop, moments.cells
-    # Functions that are orthonormal over the cells, each counted over the reach in its plane; N(l)
-    # is at least what S holds of that plane, 1/g, times |l| of its functions, and so bounds these.
+    # Functions that are orthonormal over the cells, each normalised by the largest deflection in
+    # its plane; N(l) is at least the smaller one, 1/g, times |l| of its functions, and so bounds
+    # them.
     even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = stop.support(moments.axes)
     rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]
@@ -228,36 +237,36 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     d /= size
     ends = np.maximum(stop.gauge(moments.axes), stop.gauge(-moments.axes)) * reach
     best, trial, shares = np.zeros(d.size), d, np.zeros(0)
-    known: list[Vectors] = []
-    met: list[FloatArray] = []
-    for _ in range(_ROUNDS):
+    extremes: list[Vectors] = []
+    moments_of_extremes: list[FloatArray] = []
+    for _ in range(_MAX_CUTTING_PLANES):
         for multipliers in (trial, 0.5 * (best + trial)):
-            known.append(stop.farthest(multipliers @ rows))
-            met.append(np.real(np.conj(rows) @ known[-1]))
-            one = multipliers / (multipliers @ met[-1])
-            best = one if one @ d > best @ d else best
-        found = linprog(
+            extremes.append(stop.farthest(multipliers @ rows))
+            moments_of_extremes.append(np.real(np.conj(rows) @ extremes[-1]))
+            scaled = multipliers / (multipliers @ moments_of_extremes[-1])
+            best = scaled if scaled @ d > best @ d else best
+        result = linprog(
             -d,
-            A_ub=np.array(met),
-            b_ub=np.ones(len(met)),
+            A_ub=np.array(moments_of_extremes),
+            b_ub=np.ones(len(moments_of_extremes)),
             bounds=np.stack([-ends, ends], axis=1),
             method="highs",
             options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
         )
-        if found.x is None:  # by rounding; what is known so far is a deflection too
+        if result.x is None:  # by rounding; earlier steps give a deflection too
             break
-        trial, shares = found.x, -found.ineqlin.marginals
-        if trial @ d <= (1.0 + _LEFT) * (best @ d):
+        trial, shares = result.x, -result.ineqlin.marginals
+        if trial @ d <= (1.0 + _RELATIVE_GAP) * (best @ d):
             break
-    deflections = np.asarray(known)[: shares.size].T @ shares
+    deflections = np.asarray(extremes)[: shares.size].T @ shares
     multipliers = np.linalg.lstsq(triangle, best, rcond=None)[0]
-    return _mended(moments, onset, multipliers, deflections, size)
+    return _corrected(moments, onset, multipliers, deflections, size)
 
 
-def _mended(
+def _corrected(
     moments: _Moments, onset: float, best: FloatArray, deflections: Vectors, size: float
 ) -> tuple[FloatArray, Vectors, Certificate]:
-    """Meet the conditions to rounding, and say what is reached and what is proved."""
+    """Return times [s], deflections [rad] that satisfy the conditions, and their certificate."""
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)
@@ -266,8 +275,8 @@ def _mended(
         deflections = deflections + np.linalg.lstsq(gram, missing, rcond=None)[0] @ basis
     peak = float(stop.gauge(deflections).max())
     dual = float(best @ d) / moments.norm(best)
-    left = np.abs(d - np.real(np.conj(cells) @ deflections))
-    residual = float((left / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())
+    violation = np.abs(d - np.real(np.conj(cells) @ deflections))
+    residual = float((violation / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())
     gap = (peak - dual) / peak
     proof = Certificate(peak * size, dual * size, gap, residual, 0.0)
     return onset + moments.edges[:-1], deflections * size, proof

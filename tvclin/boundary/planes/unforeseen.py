@@ -1,7 +1,7 @@
 """The bound of every law that does not know when a turning wind will stop.
 
-With I(s, T) what the wind between s and T asks for, a wind that stops at T must leave z(T) in the
-set y S of what can be returned from, so z(s) - I(s, T) is in y S as well; z(0) = 0. Hence
+With the demand I(s, T) of the wind between s and T, z(T) must be in the recoverable set y S when
+the wind stops at T, so z(s) - I(s, T) is in y S as well; z(0) = 0. Hence
 
     g_S(-I(0, T)) <= y,    I(s, T) in y (S - S)    for all s < T
 """
@@ -17,74 +17,81 @@ from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.stops import Stop
 
 _TIMES = 80
+"""Times of the first grid, about, in each of its two variables."""
 _DIRECTIONS = 180
-"""Directions of half a turn, in which S - S is counted; it is the same to the other side."""
-_CLOSER, _NARROWER, _ROUNDS = 33, 8.0, 5
-"""Points of a grid each way, by how much the next is narrower, and how many there are."""
+"""Directions in half a turn at which S - S is computed; it is symmetric."""
+_GRID_POINTS = 33
+"""Points of a refined grid in each of its two variables."""
+_REFINEMENT_FACTOR = 8.0
+"""Width of a refined grid over that of the next."""
+_GRID_REFINEMENTS = 5
+"""Number of refined grids."""
 
 
-def _apart(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
-    """The gauge of S - S, of its supports in some directions: never more than the truth."""
+def _difference_gauge(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
+    """Return the gauge of S - S, from its supports in some directions: a lower bound of it."""
     if stop.symmetric:
         return lambda vector: stop.gauge(vector) / 2.0
-    around = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
-    normals = around / (stop.support(around) + stop.support(-around))
-    parts = np.stack([normals.real, normals.imag])
-    return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ parts).max(axis=-1)
+    directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
+    normals = directions / (stop.support(directions) + stop.support(-directions))
+    components = np.stack([normals.real, normals.imag])
+    return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ components).max(
+        axis=-1
+    )
 
 
 def unforeseen(pair: Pair, stop: Stop) -> float:
-    """Return the bound [rad] of the fast modes; a law told the whole wind, but not its stop.
+    """Return the bound [rad] of the fast modes for laws that know the wind, but not when it stops.
 
-    `pair`: with planes that differ, it is counted for what a constant vector returns from, up to
-    two percent too much where the poles differ by half.
+    With planes that differ, it is computed for states that a constant vector returns from: up to
+    two percent too large where the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
     shown = pair.times()
-    every = shown[:: max(1, shown.size // _TIMES)]
-    every = np.union1d(np.append(every, [onset, end]), np.linspace(onset, end, _TIMES // 2))
-    apart = _apart(stop)
+    times = shown[:: max(1, shown.size // _TIMES)]
+    times = np.union1d(np.append(times, [onset, end]), np.linspace(onset, end, _TIMES // 2))
+    gauge = _difference_gauge(stop)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        return apart(_between(pair, s, T))
+        return gauge(_between(pair, s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
         return stop.gauge(_between(pair, np.full((1, 1), onset), T))
 
-    grid = two_sided(every[:, np.newaxis], every)
-    s, T = (every[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
-    first = from_onset(every, every)
-    latest = every[int(np.argmax(first))]
-    step = float(np.diff(every).max())
+    grid = two_sided(times[:, np.newaxis], times)
+    s, T = (times[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
+    first = from_onset(times, times)
+    latest = times[int(np.argmax(first))]
+    step = float(np.diff(times).max())
     return max(
         float(grid.max()),
         float(first.max()),
-        _closer(two_sided, (s, T), step, (onset, end)),
-        _closer(from_onset, (latest, latest), step, (onset, end)),
+        _refined_maximum(two_sided, (s, T), step, (onset, end)),
+        _refined_maximum(from_onset, (latest, latest), step, (onset, end)),
     )
 
 
 def _between(pair: Pair, s: FloatArray, T: FloatArray) -> ComplexArray:
-    """What the wind from s to T asks for [rad], zero where T is before s; the two broadcast."""
-    asked = pair.demanded(s) - pair.decayed(pair.demanded(T), np.maximum(T - s, 0.0))
-    return np.where(T > s, asked, 0.0)
+    """Return the demand [rad] of the wind from s to T, zero where T is before s; they broadcast."""
+    demand = pair.wind_demand(s) - pair.decayed(pair.wind_demand(T), np.maximum(T - s, 0.0))
+    return np.where(T > s, demand, 0.0)
 
 
-def _closer(
+def _refined_maximum(
     height: Callable[[FloatArray, FloatArray], FloatArray],
     start: tuple[float, float],
     step: float,
     ends: tuple[float, float],
 ) -> float:
-    """The largest value near a place: by grids about the best one, each `_NARROWER` than before."""
+    """Return the largest value near a start, by grids about the best point, each narrower."""
     s, T = start
     best = 0.0
-    offsets = np.linspace(-1.0, 1.0, _CLOSER)
-    for _ in range(_ROUNDS):
-        first, last = (np.clip(one + step * offsets, *ends) for one in (s, T))
+    offsets = np.linspace(-1.0, 1.0, _GRID_POINTS)
+    for _ in range(_GRID_REFINEMENTS):
+        first, last = (np.clip(centre + step * offsets, *ends) for centre in (s, T))
         values = height(first[:, np.newaxis], last)
         i, k = np.unravel_index(np.argmax(values), values.shape)
         if values[i, k] > best:
             best, s, T = float(values[i, k]), float(first[i]), float(last[k])
-        step /= _NARROWER
+        step /= _REFINEMENT_FACTOR
     return best
