@@ -431,8 +431,9 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.vehicle.LinearVehicle,
             {"coefficients": coefficients, "name": "Mine", "path_known": True},
         ),
-        "LinearVehicle.known_for": Door(
-            tv.vehicle.LinearVehicle(coefficients=coefficients).known_for, {"model": "fixed-path"}
+        "LinearVehicle.coefficients_for": Door(
+            tv.vehicle.LinearVehicle(coefficients=coefficients).coefficients_for,
+            {"model": "fixed-path"},
         ),
         "Coefficients": Door(
             tv.Coefficients,
