@@ -166,6 +166,7 @@ class PlanarMotion:
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
     def _now(self, t: Any) -> _Now:
+        """Return the nominal flight at a time [s]."""
         v = self.vehicle
         if self.nominal is None:
             return _Now(v.mass, v.velocity, v.attitude, 0.0)
@@ -183,6 +184,7 @@ class _Now:
 
 
 def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
+    """Return mass, speed, path angle and altitude of the nominal flight at times [s]."""
     return _Now(nominal.mass(t), *nominal.states_within(t))
 
 
@@ -244,6 +246,7 @@ class PlanarCase:
         return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Solution:
+        """Return the flight with a deflection history within a limit [rad]."""
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -277,9 +280,11 @@ class PlanarCase:
         return self._ended(arcs, rows)
 
     def _rates(self, t: float, x: FloatArray, limit: float, turned: Any, gust: Any) -> FloatArray:
+        """Return the derivatives of the states with a deflection history within a limit [rad]."""
         return self.motion.rates(t, x, min(max(float(turned(t)), -limit), limit), gust(t))
 
     def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
+        """Return the flight with NaN after the end of its last arc."""
         solution: Any = arcs[-1].solution
         last = float(solution.t_max)
         if last >= self.span[1]:

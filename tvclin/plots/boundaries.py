@@ -204,6 +204,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
+    """Return the boundary over durations [s] for the models and dead bands of a study."""
     each = durations[:, np.newaxis]
     wind = study.wind_in_plane.history({"wind_duration": each})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
@@ -230,6 +231,7 @@ def _draw_boundaries(
     dead_bands: Sequence[float],
     coefficients: Coefficients | None,
 ) -> ControlPlot:
+    """Return the figure of the boundary in rectangular and triangular winds."""
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)
     columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
@@ -261,11 +263,13 @@ def drift_words(c: Coefficients) -> str:
 
 
 def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
+    """Set limits and ticks of the abscissa tau*beta."""
     axes.set_xlim(0.0, float(tau_beta.max()))
     axes.locator_params(axis="x", nbins=11, steps=[1, 2, 4, 5, 10])
 
 
 def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
+    """Return the abscissas tau*beta; `InputError` unless they are a positive row."""
     given = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
     return one_row("tau_beta", np.atleast_1d(positive("tau_beta", given)))
 
@@ -277,8 +281,10 @@ def _fractions(dead_bands: Sequence[float]) -> list[float]:
 
 
 def _row(values: Any) -> FloatArray:
+    """Return values as an array of floats."""
     return np.asarray(values, dtype=float)
 
 
 def _short(vehicle: Vehicle, number: int) -> str:
+    """Return the name of a vehicle without its parentheses, or its number."""
     return vehicle.name.partition(" (")[0] or f"vehicle {number}"

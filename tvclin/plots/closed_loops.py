@@ -123,6 +123,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
 
 
 def _step_curves(response: Any, words: str) -> Curves:
+    """Return the curves of a step response."""
     rows = np.reshape(np.asarray(response.outputs, dtype=float), (len(_STEP), -1))
     columns = [Column(name, row, "deg/deg", name) for name, row in zip(_STEP, rows, strict=True)]
     return Curves("step", words, "time [s]", np.asarray(response.time), tuple(columns))
@@ -185,6 +186,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
 def _wind_curves(
     answer: WindResponse, plant: AnyPlant, wind: History, times: FloatArray, words: str
 ) -> Curves:
+    """Return the curves of a response to a wind, with the deflection of trim."""
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
     trim = np.full(times.size, -float(plant.coefficients.B) * peak)

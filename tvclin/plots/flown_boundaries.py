@@ -174,6 +174,7 @@ def _figure(
     along: ArrayLike = 4.0,
     engine: str | None = None,
 ) -> ControlPlot:
+    """Return figure 10 or 11."""
     flies = chosen_engine(engine)
     instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = one_row("dead_bands", np.atleast_1d(within("dead_bands", dead_bands, 0.0, 1.0)))
@@ -206,6 +207,7 @@ def _figure(
 def _panel(
     panel: str, name: str, K: float, x: FloatArray, durations: Sequence[FloatArray], engine: str
 ) -> list[Column]:
+    """Return the curves of one dead band."""
     c = Coefficients.from_vehicle(load_vehicle(name))
     found = {
         _FIXED: np.asarray(triangular_limit(x, K)),
@@ -230,6 +232,7 @@ def _engines(engine: str) -> list[str]:
 
 
 def _flown(engine: str) -> str:
+    """Return the label of the flights of an engine."""
     return f"flown, {ENGINES[engine].words}"
 
 
@@ -241,6 +244,7 @@ def _at(x: FloatArray, places: FloatArray, values: Sequence[float]) -> FloatArra
 
 
 def _styles(engine: str) -> dict[str, Style]:
+    """Return the line styles of theory and flights."""
     styles: dict[str, Style] = {
         _FIXED: {"color": "0.45", "ls": LINES[1], "lw": 1.6},
         _DRIFT: {"color": INK, "ls": "-", "lw": 2.0},

@@ -414,6 +414,7 @@ def _frame_near(axes: "Axes", samples: LoopSamples, marks: list[Mark]) -> None:
 
 
 def _nyquist_curves(found: Any, samples: LoopSamples) -> Curves:
+    """Return real and imaginary part of L over the frequency."""
     columns = (
         Column("real part", np.asarray(found.response.real), "-"),
         Column("imaginary part", np.asarray(found.response.imag), "-"),

@@ -170,6 +170,7 @@ def require_one(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
 
 
 def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
+    """Raise `InputError` for batches, in the name of a figure."""
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: other.batch for name, other in others.items()}
     if any(shapes.values()):
@@ -201,6 +202,7 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
 
 
 def _loop_description(loop: Loop) -> str:
+    """Return order and delay of a loop without autopilot, in words."""
     delay = f", delay {float(loop.delay):.4g} s" if loop.delay > 0.0 else ""
     return f"loop of order {loop.poles.shape[-1]}{delay}"
 
@@ -309,6 +311,7 @@ def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
 
 
 def _at(frequency: float) -> str:
+    """Return a frequency [rad/s] as text."""
     return text(significant("", frequency, unit="rad/s"))
 
 

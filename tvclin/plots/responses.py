@@ -126,6 +126,7 @@ def response_curves(
 
 
 def _limit(value: float) -> float:
+    """Return a deflection limit [rad]; `InputError` unless it is positive."""
     return number("limit", value, small_angle("a deflection", positive), "rad")
 
 
@@ -388,6 +389,7 @@ def figure_9(
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
+    """Return figure 3 or 4."""
     dead_band = _fraction(dead_band)
     # in these units any vehicle is the same
     plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
@@ -403,6 +405,7 @@ def _with_drift(
     engine: str | None = None,
     **options: Any,
 ) -> "ControlPlot":
+    """Return one of the figures 6 to 9."""
     dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     single("vehicle", loaded.batch)
@@ -419,6 +422,7 @@ def _with_drift(
 
 
 def _fraction(dead_band: float) -> float:
+    """Return a dead band K; `InputError` unless it is from 0 to 1."""
     return number("dead_band", dead_band, between(0.0, 1.0))
 
 
@@ -457,6 +461,7 @@ def _attitudes(
 
 
 def _name(factor: float, flown: bool = False) -> str:
+    """Return the label of a curve by its factor on the boundary limit."""
     theory = "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
     return f"{theory}, flown" if flown else theory
 

@@ -92,6 +92,7 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> Cont
 
 
 def _prepare(axes: Axes, radius: float) -> None:
+    """Set axes, limits and grid of a pole map."""
     axes.axhline(0.0, color="0.6", lw=0.8)
     axes.axvline(0.0, color="0.6", lw=0.8)
     axes.axvspan(0.0, radius, color=WARM, alpha=0.07)
@@ -120,6 +121,7 @@ def _mark_poles(
 
 
 def _write_residue(axes: Axes, pole: complex, residue: complex, lift: int, colour: str) -> None:
+    """Write pole and residue next to the mark of a pole."""
     if pole.imag == 0.0:
         text = f"{pole.real:.4g}: {residue.real:.4g}"
     else:
@@ -172,6 +174,7 @@ class LocusPoles:
 
     @classmethod
     def _of_polynomials(cls, loop: Loop, order: int) -> LocusPoles:
+        """Return the locus of a loop of polynomials, with a Pade delay."""
         above, below = np.trim_zeros(loop.numerator, "f"), loop.denominator
         delay = float(loop.delay)
         if delay > 0.0:
@@ -189,6 +192,7 @@ class LocusPoles:
 
     @classmethod
     def _of_samples(cls, loop: SampledLoop) -> LocusPoles:
+        """Return the locus of a sampled loop, in the s plane."""
         # In the w plane, where a command passes at once: A - k B C/(1 + k D).
         form: Any = loop.form
         A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
@@ -210,6 +214,7 @@ class LocusPoles:
 
     @classmethod
     def _of_matrices(cls, loop: Loop, order: int) -> LocusPoles:
+        """Return the locus of a loop in state space, with a Pade delay."""
         # x' = A x + B u, y = C x, the delay behind it: z' = A1 z + B1 y, w = C1 z + D1 y.
         form: Any = loop.form
         A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
@@ -265,6 +270,7 @@ class LocusPoles:
         return np.unique(np.concatenate([factors, low, *(row.ravel() for row in close)]))
 
     def _real(self, factors: FloatArray) -> IndexArray:
+        """Return the number of real poles at each factor."""
         return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
 
     def branches(self, factors: FloatArray) -> AnyArray:
@@ -438,6 +444,7 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
 
 
 def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
+    """Return the drawn lines of poles, zeros and branches."""
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0.5)
     axes.axvline(0.0, color="0.4", lw=1.0, zorder=0.5)
     lines = axes.plot(locus.poles.real, locus.poles.imag, "x", label="poles of the loop", **_END)
@@ -450,6 +457,7 @@ def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
 
 
 def _frame_round(axes: Axes, radius: float, poles: AnyArray) -> None:
+    """Set a square frame of a radius around the origin."""
     rightmost = np.max(poles.real[np.abs(poles) < radius], initial=0.0)
     _frame(axes, (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost))), (-radius, radius))
     axes.set_aspect("equal", adjustable="box")
@@ -466,6 +474,7 @@ def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
 
 
 def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
+    """Set limits, labels and grid of a locus, with the right half plane shaded."""
     axes.axvspan(0.0, xlim[1], color=WARM, alpha=0.07, zorder=0.5)
     axes.set(xlim=xlim, ylim=ylim)
     axes.set(xlabel="real part of s [1/s]", ylabel="imaginary part of s [rad/s]")

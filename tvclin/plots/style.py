@@ -417,6 +417,7 @@ class _Obstacles:
 
 
 def _write(axes: "Axes", mark: Mark) -> None:
+    """Write the number of a mark, with a leader."""
     note = axes.annotate(
         mark.text,
         (mark.x, mark.y),
@@ -461,6 +462,7 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
 
 
 def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
+    """Return the cost of a number's box, in pixels, over the obstacles of its panel."""
     from matplotlib.path import Path as Polyline
 
     frame = obstacles.frame

@@ -378,6 +378,7 @@ def study_planes_chart(study: Study) -> ControlPlot:
 
 
 def _styles() -> dict[str, Style]:
+    """Return the line styles of trim, its mean, the constant deflection and the limit shape."""
     return {
         STOP: {"color": WARM, "ls": "-", "lw": 1.4},
         TRIMS: {"color": INK, "ls": "--", "lw": 1.4},

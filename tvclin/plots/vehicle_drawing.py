@@ -139,6 +139,7 @@ def sketch_c(
 def _wind_and_control(
     name: str, title: str, wind: History, tau_beta: float, dead_band: float
 ) -> "ControlPlot":
+    """Return sketch (a) or (b): a wind, trim, and the deflection of the control."""
     plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)
     control = trim_then_hold(plant, wind, boundary.deflection, dead_band)
@@ -168,6 +169,7 @@ def _wind_and_control(
 
 
 def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> None:
+    """Mark the limit, the dead band and the switching time."""
     arrow = {"arrowstyle": "->", "color": INK, "lw": 0.9}
     axes.annotate(
         rf"$y_{{BR}} = {limit:.4f}$",
@@ -292,6 +294,7 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
 
 
 def _body(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    """Return the lines of vehicle, axis and nozzle."""
     u, n = _axes_of(attitude)
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
     outline = [a * u + side * _RADIUS * n for a, side in corners]
@@ -313,6 +316,7 @@ _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.
 
 
 def _forces(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    """Return the lines of the forces."""
     u, n = _axes_of(attitude)
     along = _axes_of(attitude + turned)[0]
     gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
@@ -338,6 +342,7 @@ def _forces(attitude: float, path: float, wind: float, turned: float) -> dict[st
 
 
 def _speeds(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    """Return the lines of flight speed, wind and air speed."""
     speed = _SPEED * _axes_of(path)[0]
     relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
     origin = np.zeros(2)
@@ -355,6 +360,7 @@ def _speeds(attitude: float, path: float, wind: float, turned: float) -> dict[st
 
 
 def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    """Return the arcs of the angles."""
     u = _axes_of(attitude)[0]
     into_wind, back = path + wind, attitude + np.pi
     return {
@@ -378,6 +384,7 @@ def _arcs(attitude: float, path: float, wind: float, turned: float) -> dict[str,
 
 
 def _arms(attitude: float, path: float, wind: float, turned: float) -> dict[str, _Line]:
+    """Return the lines of the moment arms."""
     u, n = _axes_of(attitude)
     off = 1.6 * n
     ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}
@@ -401,10 +408,12 @@ def _axes_of(angle: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _straight(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return points on a straight line, ``(n, 2)``."""
     return start + _ALONG[:, np.newaxis] * (end - start)
 
 
 def _arc(radius: float, start: float, end: float) -> FloatArray:
+    """Return points on a circular arc between two angles [rad], ``(n, 2)``."""
     angle = start + _ALONG * (end - start)
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 

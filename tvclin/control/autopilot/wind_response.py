@@ -77,6 +77,7 @@ class WindResponse:
         return abs(peak_output(self._motion, row, self._settling_time)[0])
 
     def _row(self, output: str) -> AnyArray:
+        """Return the row of an output; `InputError` for an unknown one."""
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
 
 

@@ -27,6 +27,7 @@ AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 
 
 def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = None) -> Law:
+    """Return the law of an autopilot's gains, canonical by default."""
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
@@ -34,18 +35,22 @@ def _feedback(plant: Plant, _: float, __: float, autopilot: Autopilot | None = N
 
 
 def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
+    """Return ideal trim on a fixed path, with a gain that the rate limit allows."""
     return TrimLaw.suited(Plant(plant.coefficients, "fixed-path"), peak, rate_limit)
 
 
 def _dead_band(plant: Plant, _: float, __: float, dead_band: float = 0.5) -> Law:
+    """Return the report's control with dead band K, on a fixed path."""
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
 def _half_relief(plant: Plant, _: float, __: float) -> Law:
+    """Return the law of half-relief gains."""
     return SaturatedLaw(half_relief_gains(plant.coefficients))
 
 
 def _recoverable(plant: Plant, peak: float, rate_limit: float) -> Law:
+    """Return the recoverable-attitude law for a wind peak and a rate limit."""
     return RecoverableAttitudeLaw(plant, design_peak=peak, rate_limit=rate_limit)
 
 

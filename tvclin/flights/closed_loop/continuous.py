@@ -262,6 +262,7 @@ def _rate_end(loop: Loop, regime: Regime, gust: Any, sign: float) -> End:
 
 
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
+    """Return the end of a deflection limit, or its beginning a little beyond the limit."""
     limit, order = loop.limit, loop.order
     if regime.stop:
         return End(lambda t, x: limit - sign * x[order], limit, regime._replace(stop=0.0))

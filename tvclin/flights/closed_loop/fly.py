@@ -194,6 +194,7 @@ class LinearEquations:
 
     @cached_property
     def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        """A and B of the plant."""
         return self.plant.matrices()[:2]
 
 

@@ -351,6 +351,7 @@ def flown_plane_limit(
 
 
 def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
+    """Return the plants of pitch and yaw; `InputError` unless each has one or two real poles."""
     planes = plant, plant if yaw_plant is None else yaw_plant
     for name, one in zip(("plant", "yaw_plant"), planes, strict=True):
         instance(name, one, Plant, "see Plant.from_vehicle")
@@ -360,6 +361,7 @@ def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
 
 
 def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
+    """Raise `InputError` unless wind and actuator are possible in two planes."""
     if isinstance(wind, History):
         raise InputError("wind must have a direction: give PlaneWind.towards(wind, angle)")
     instance("wind", wind, PlaneWind, "see PlaneWind.towards")
@@ -376,6 +378,7 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
 def _flown_planes(
     outcomes: PlaneOutcomes, start: float, length: float, shape: tuple[int, ...]
 ) -> FlownPlanes:
+    """Return the record of the outcomes in the shape of the limits."""
     shown = np.array(outcomes.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + outcomes.ended * length)
     return FlownPlanes(

@@ -62,6 +62,7 @@ class Engine:
 
 
 def _loaded(model: str, planet: str | None) -> Any:
+    """Return a JSBSim executive with the model and planet loaded."""
     try:
         import jsbsim
     except ImportError:

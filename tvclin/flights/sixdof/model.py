@@ -188,11 +188,13 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
 
 
 def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
+    """Return the moments of inertia about x, y and z [kg m^2]."""
     across = float(vehicle.moment_of_inertia)
     return across / _INERTIA_OVER_ROLL_INERTIA, across, across
 
 
 def _metrics(root: Element, vehicle: Vehicle) -> None:
+    """Add unit reference lengths and the point of action of the aerodynamic forces."""
     metrics = SubElement(root, "metrics")
     for name in ("wingarea", "wingspan", "chord"):
         _text(metrics, name, 1.0)
@@ -263,6 +265,7 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
 def _force(
     parent: Element, name: str, frame: str, size: Tree, direction: Direction, aft: float
 ) -> None:
+    """Add an external force with its magnitude [lb], direction and position."""
     force = SubElement(parent, "force", name=name, frame=frame)
     _function(force, size)
     _place(force, aft)
@@ -272,16 +275,19 @@ def _force(
 
 
 def _place(parent: Element, aft: float, **names: str) -> None:
+    """Add a position on the body axis, `aft` of the centre of gravity [m]."""
     location = SubElement(parent, "location", {"unit": "M", **names})
     for axis, value in zip("xyz", (aft, 0.0, 0.0), strict=True):
         _text(location, axis, value)
 
 
 def _function(parent: Element, tree: Tree, **names: str) -> None:
+    """Add a function with a formula."""
     _add(SubElement(parent, "function", names), tree)
 
 
 def _add(parent: Element, tree: Tree) -> None:
+    """Add the elements of a formula."""
     if isinstance(tree, tuple):
         inner = SubElement(parent, str(tree[0]))
         for part in tree[1:]:
@@ -291,4 +297,5 @@ def _add(parent: Element, tree: Tree) -> None:
 
 
 def _text(parent: Element, tag: str, value: str | float, **attributes: str) -> None:
+    """Add an element with a text or a number."""
     SubElement(parent, tag, attributes).text = value if isinstance(value, str) else repr(value)
