@@ -111,33 +111,33 @@ class Cluster(Stop):
     hold_roll: bool = True
 
     def __post_init__(self) -> None:
-        given = each("engines", self.engines, ClusterEngine, "each with its place")
-        if len(given) > _MOST_ENGINES or not any(one.state == "moving" for one in given):
+        engines = each("engines", self.engines, ClusterEngine, "each with its place")
+        if len(engines) > _MOST_ENGINES or not any(engine.state == "moving" for engine in engines):
             raise InputError(f"engines must be 1 to {_MOST_ENGINES}, one of them moving at least")
-        if any(one.state == "out" for one in given):
+        if any(engine.state == "out" for engine in engines):
             raise InputError(
                 "engines must all have thrust: of an engine that is out, give the vehicle without"
                 " its thrust, and a cluster of the others (Cluster.offset is what they must trim)"
             )
-        object.__setattr__(self, "engines", given)
+        object.__setattr__(self, "engines", engines)
         object.__setattr__(self, "hold_roll", flag("hold_roll", self.hold_roll))
-        around = np.exp(2j * np.pi * np.arange(_LOOKED_AT) / _LOOKED_AT)
+        directions = np.exp(2j * np.pi * np.arange(_LOOKED_AT) / _LOOKED_AT)
         bias, roll = self._stuck
         if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
             raise InputError("engines must balance the roll moment of the one that is stuck")
         worst = -bias / abs(bias) if bias else 1.0
-        if self.support(np.append(around, worst)).min() < _LEAST:
+        if self.support(np.append(directions, worst)).min() < _LEAST:
             raise InputError(
                 "engines must reach to every side; those that move cannot trim the stuck one"
             )
 
     @property
     def symmetric(self) -> bool:
-        """Whether the shape reaches as far to one side as to the other."""
-        return not any(self._stuck) and all(one.stop.symmetric for one in self._moving)
+        """Whether the shape is symmetric about its centre."""
+        return not any(self._stuck) and all(engine.stop.symmetric for engine in self._moving)
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return how far the mean deflection reaches along vectors."""
+        """Return the support function of the mean deflection along vectors."""
         d = vectors("direction", direction)
         bias, roll = self._stuck
         free = self._sum(d, np.zeros(d.shape))
@@ -171,36 +171,40 @@ class Cluster(Stop):
             the sum is enough, for the gauge of a sum is at most the sum of the gauges.
         """
         arm = number("control_arm", control_arm, nonzero, "m")
-        return complex(sum(one.at * share for one, share in self._shares) / arm)
+        return complex(sum(engine.at * share for engine, share in self._shares) / arm)
 
     @property
     def _shares(self) -> list[tuple[ClusterEngine, float]]:
-        total = sum(one.share for one in self.engines)
-        return [(one, one.share / total) for one in self.engines]
+        total = sum(engine.share for engine in self.engines)
+        return [(engine, engine.share / total) for engine in self.engines]
 
     @property
     def _moving(self) -> list[ClusterEngine]:
-        return [one for one in self.engines if one.state == "moving"]
+        return [engine for engine in self.engines if engine.state == "moving"]
 
     @property
     def _stuck(self) -> tuple[complex, float]:
-        """The mean deflection of engines that are stuck, and their roll moment."""
-        held = [(one, share) for one, share in self._shares if one.state == "stuck"]
-        bias = sum((one.deflection * share for one, share in held), 0j)
-        roll = sum(share * float(along(self._arm(one), one.deflection)) for one, share in held)
+        """Mean deflection [rad] of engines that are stuck, and their roll moment."""
+        stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
+        bias = sum((engine.deflection * share for engine, share in stuck), 0j)
+        roll = sum(
+            share * float(along(self._arm(engine), engine.deflection)) for engine, share in stuck
+        )
         return bias, roll if self.hold_roll else 0.0
 
-    def _rolls(self, side: float) -> float:
-        """The largest roll moment to one side; zero where it does not count."""
+    def _rolls(self, sign: float) -> float:
+        """Return the largest roll moment of a sign; zero where roll is not held."""
         still = np.zeros((), dtype=complex)
-        return float(self._sum(still, np.asarray(side))) if self.hold_roll else 0.0
+        return float(self._sum(still, np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
-        moving = [(one, share) for one, share in self._shares if one.state == "moving"]
-        each = [share * one.stop.support(d + rho * self._arm(one)) for one, share in moving]
-        return np.asarray(np.sum(each, axis=0))
+        moving = [(engine, share) for engine, share in self._shares if engine.state == "moving"]
+        supports = [
+            share * engine.stop.support(d + rho * self._arm(engine)) for engine, share in moving
+        ]
+        return np.asarray(np.sum(supports, axis=0))
 
-    def _arm(self, one: ClusterEngine) -> complex:
-        """Return j r of an engine, over the largest r."""
-        largest = max(abs(other.at) for other in self.engines)
-        return 1j * one.at / largest if abs(one.at) > _CENTRAL * largest else 0j
+    def _arm(self, engine: ClusterEngine) -> complex:
+        """Return j r of an engine, normalised by the largest r."""
+        largest = max(abs(member.at) for member in self.engines)
+        return 1j * engine.at / largest if abs(engine.at) > _CENTRAL * largest else 0j

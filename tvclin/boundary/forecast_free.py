@@ -1,11 +1,11 @@
 """The least deflection of any law that does not know when the wind will stop.
 
-Let W(t) be the wind still to come, discounted with the unstable pole p,
+Let W(t) be the remaining wind integral, discounted with the unstable pole p,
 
     W(t) = p * integral from t to infinity of e^(-p (r - t)) alpha_w(r) dr.
 
-A law that is told the whole wind needs sup-norm W(onset), appendix C. One that must be able to
-survive when the wind stops for good at any instant needs
+A law that knows the whole wind requires W(onset), appendix C. A law that must survive if the wind
+stops at any instant requires
 
     y* = max{ W(onset), sup W / 2 }
 
@@ -47,22 +47,22 @@ BEFORE_THE_END = "bound: a turn at the end of the wind may need a little more"
 
 @dataclass(frozen=True)
 class ForecastFreeLimit(Shown):
-    """Lower bound of the limit of all laws without a forecast; of a batch, numbers are ``(...)``.
+    """Lower bound of the limit of all laws without a forecast; for a batch, ``(...)``.
 
     Attributes
     ----------
     limit : float or ndarray
-        y*, over the trim deflection B alpha_w,max without drift.
+        Bound y*, normalised by the trim deflection B alpha_w,max without drift.
     deflection : float or ndarray
-        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
+        Bound as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     kind : str
         "exact", or for models with drift "bound of the fast mode": no law needs less. With a turn
         of less than about a right angle it is a bound as well, and says so.
     foresight : float or ndarray
-        W(onset) over the peak: what is needed when the whole wind is known.
+        W(onset), normalised by the peak: the requirement when the whole wind is known.
     worst_stop : float or ndarray
-        The instant [s] from which most is still to come: W is largest there, and a law must lean
-        by W - y* at least. What a stop then leaves to be done is another matter.
+        Instant [s] of the largest remaining wind integral W, at which the state must be W - y* at
+        least.
     """
 
     limit: Any
@@ -127,8 +127,8 @@ def forecast_free_limit(
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> found = tv.forecast_free_limit(plant, tv.TriangularWind(peak=0.1, duration=40.0))
-    >>> round(found.limit, 4), round(found.foresight, 4)
+    >>> bound = tv.forecast_free_limit(plant, tv.TriangularWind(peak=0.1, duration=40.0))
+    >>> round(bound.limit, 4), round(bound.foresight, 4)
     (0.4653, 0.1)
     >>> wind = tv.TriangularWind(peak=0.1, duration=16.0)
     >>> for turn in (0.5, 1.0, 1.5, 3.0):
@@ -141,7 +141,7 @@ def forecast_free_limit(
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
-    turned = np.cos(number("turn", turn, between(0.0, np.pi), "rad"))
+    turn_cosine = np.cos(number("turn", turn, between(0.0, np.pi), "rad"))
     ending("wind", wind.end)
     shape = broadcast(plant=plant.batch, wind=wind.batch)
     poles = unstable_poles(plant)
@@ -164,17 +164,17 @@ def forecast_free_limit(
             " wind of one sign, and what may follow it as reversal"
         )
     winds, which = kernel_arrays((wind * (1.0 / peak)).pieces, shape)
-    found = np.empty((which.size, 3))
+    results = np.empty((which.size, 3))
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
-    work = (winds, which, pole.flatten(), found)
+    work = (winds, which, pole.flatten(), results)
     run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)
-    foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
+    foresight, largest, when = np.moveaxis(results.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
-    beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)
-    lost = R * np.maximum((R - ahead * turned) / beside, 0.0)
-    limit = strength * np.maximum(foresight, np.maximum((ahead + np.minimum(lost, R)) / 2.0, R))
+    denominator = np.where(largest - R * turn_cosine > 0.0, largest - R * turn_cosine, np.inf)
+    excess = R * np.maximum((R - largest * turn_cosine) / denominator, 0.0)
+    limit = strength * np.maximum(foresight, np.maximum((largest + np.minimum(excess, R)) / 2.0, R))
     kind = EXACT if plant.model == "fixed-path" else BOUND
-    if kind == EXACT and R > 0.0 and np.any(turned > -R / 2.0 / np.maximum(limit, R)):
+    if kind == EXACT and R > 0.0 and np.any(turn_cosine > -R / 2.0 / np.maximum(limit, R)):
         kind = BEFORE_THE_END
     return ForecastFreeLimit(
         plain(limit),

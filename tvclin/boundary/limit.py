@@ -35,7 +35,7 @@ from tvclin.winds.pulses import check_end, equivalent_triangle
 
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
-_TOGETHER = 1e-4
+_MIN_POLE_SEPARATION = 1e-4
 """Two real poles nearer than this part are together: one limit cannot meet both conditions."""
 
 OK = "ok"
@@ -57,11 +57,11 @@ class BoundaryLimit(Shown):
     limit : float or ndarray
         y_BR, the least limit over the trim deflection B alpha_w,max without drift.
     deflection : float or ndarray
-        The same as a deflection [rad], -y_BR B alpha_w,max; its sign opposes the wind.
+        Boundary limit as a deflection [rad], -y_BR B alpha_w,max; its sign opposes the wind.
     switch_time : float or ndarray
-        a [s], when the dead band is left on the boundary; NaN where it never is.
+        Time a [s] of the exit of the dead band on the boundary; NaN without an exit.
     status : str or ndarray of str
-        "ok", or in words why the limit is not a solution of (4b).
+        "ok", or the reason why the limit is not a solution of (4b).
     """
 
     limit: Any
@@ -75,10 +75,13 @@ class BoundaryLimit(Shown):
     def table(self, caption: str, axis: str, places: FloatArray, dead_bands: FloatArray) -> Table:
         """Return limits ``(n, k)`` at n places along an axis, for each of k dead bands."""
         rows: list[tuple[Line, ...]] = []
-        for place, limits in zip(places, self.limit, strict=True):
+        for position, limits in zip(places, self.limit, strict=True):
             named = zip(dead_bands, limits, strict=True)
-            cells = (lines.minimum_limit(number(f"limit.{place:g}.{K:g}", one)) for K, one in named)
-            rows.append((significant(f"limit.{place:g}", place), *cells))
+            cells = (
+                lines.minimum_limit(number(f"limit.{position:g}.{K:g}", limit))
+                for K, limit in named
+            )
+            rows.append((significant(f"limit.{position:g}", position), *cells))
         return Table(caption, (axis, *(f"K = {K:g}" for K in dead_bands)), tuple(rows))
 
 
@@ -97,19 +100,20 @@ def boundary_limit(
     wind : History
         Wind angle of attack that does not change its sign; batches broadcast.
     dead_band : array_like
-        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+        K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
-        What leaves the dead band, as in `trim_then_hold`. They differ on models with drift.
+        Condition for the exit of the dead band, as in `trim_then_hold`. They differ on models with
+        drift.
 
     Returns
     -------
     BoundaryLimit
-        The condition (4b) is met at the largest unstable pole. Slower poles of the exact models
-        are not met; `judge` reports them. (A stable vehicle on an exact model may have only a
-        slow one, of the flight path; then it is that.) Where several limits meet the condition
-        (winds of several peaks) it is the largest. A complex pair that grows as fast asks for
-        two conditions, which one limit cannot meet: then it is the largest trim deflection over K,
-        with which the dead band is never left (infinite for K = 0), and the status says so.
+        The condition (4b) is satisfied at the largest unstable pole, not at slower poles of the
+        exact models; `judge` reports them. (A stable vehicle on an exact model may have only a
+        slow one, of the flight path; then it is that.) Where several limits satisfy the condition
+        (winds of several peaks) it is the largest. A complex pair that grows as fast requires
+        two conditions, which one limit cannot satisfy: then it is the largest trim deflection over
+        K, with which the dead band has no exit (infinite for K = 0), and the status says so.
         Whether a capability is sufficient is the question of `is_sufficient`, which compares it
         with `required_deflection`, the largest of several requirements; y_BR is one of them.
 
@@ -143,11 +147,11 @@ def boundary_limit(
     limit = np.where(unstable, solved.demand, 0.0)
     never = unstable & solved.never & ~at_onset & ~paired
     if np.any(never | paired):
-        trim_alone = problem.largest_trim(never | paired)
+        largest_trim = problem.largest_trim(never | paired)
         with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
-            limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
-    known = [~unstable, paired, never, solved.jumps & ~at_onset]
-    word = np.select(known, range(1, 1 + len(known)), 0)
+            limit = np.where(paired, largest_trim / K, np.where(never, largest_trim, limit))
+    statuses = [~unstable, paired, never, solved.jumps & ~at_onset]
+    word = np.select(statuses, range(1, 1 + len(statuses)), 0)
     status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
     return BoundaryLimit(
         plain(limit),
@@ -161,40 +165,42 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
     """Return the relative error of the boundary when a wind is replaced by its equivalent triangle.
 
     It holds for the given plant: the triangle's boundary deflection over that of the wind itself,
-    minus one. Negative where the triangle promises too much; NaN where no deflection is needed.
+    minus one. Negative where the triangle is optimistic; NaN where no deflection is required.
 
     Parameters
     ----------
     plant, wind, dead_band
-        As of `boundary_limit`.
+        Same parameters as `boundary_limit`.
 
     Raises
     ------
     InputError
-        As `boundary_limit` and `equivalent_triangle`.
+        Where `boundary_limit` or `equivalent_triangle` raises it.
     """
-    both = (wind, equivalent_triangle(wind))
-    true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in both)
+    winds = (wind, equivalent_triangle(wind))
+    true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in winds)
     with np.errstate(invalid="ignore"):
         return plain(np.asarray(triangle / true - 1.0))
 
 
 def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
-    """Return the growth rate that decides [1/s], and where a pair of poles has a part in it.
+    """Return the growth rate [1/s] of the leading pole, and whether a pair of poles contributes.
 
-    `plant`: as of `unstable_poles`. Returned `rate`: NaN where no mode grows, ``(...)``. Returned
-    `paired`: where a complex pair grows comparably with the fastest real pole, or two real poles
-    are together, so that one limit cannot meet both conditions (4b).
+    Returned `rate`: ``(...)``, NaN where no mode is unstable. Returned `paired`: ``(...)``, true
+    where a complex pair grows comparably with the fastest real pole, or two real poles
+    coincide, so that one limit cannot satisfy both conditions (4b).
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:
         return np.full(poles.shape[:-1], np.nan), np.zeros(poles.shape[:-1], dtype=bool)
-    grows, there = np.real(poles), ~np.isnan(poles)
-    complex_pole = there & (np.imag(poles) != 0.0)
-    every = np.sort(np.where(there & ~complex_pole, grows, 0.0), axis=-1)
-    real, second = every[..., -1], every[..., :-1].max(axis=-1, initial=0.0)
-    pair = np.where(complex_pole, grows, 0.0).max(axis=-1)
-    paired = (pair > COMPARABLE * real) | (second > (1.0 - _TOGETHER) * np.maximum(real, 1e-300))
+    rates, present = np.real(poles), ~np.isnan(poles)
+    complex_pole = present & (np.imag(poles) != 0.0)
+    real_rates = np.sort(np.where(present & ~complex_pole, rates, 0.0), axis=-1)
+    real, second = real_rates[..., -1], real_rates[..., :-1].max(axis=-1, initial=0.0)
+    pair = np.where(complex_pole, rates, 0.0).max(axis=-1)
+    paired = (pair > COMPARABLE * real) | (
+        second > (1.0 - _MIN_POLE_SEPARATION) * np.maximum(real, 1e-300)
+    )
     leading = np.maximum(real, pair)
     return np.where(leading > 0.0, leading, np.nan), paired
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.boundary.after_trim import least_after_trim
+from tvclin.boundary.after_trim import limit_after_trim
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import OK, BoundaryLimit, boundary_limit, leading_pole
 from tvclin.boundary.optimum.least_peaks import least_peaks
@@ -65,7 +65,7 @@ def open_loop_requirements(
     Parameters
     ----------
     plant, wind, dead_band
-        As of `boundary_limit`.
+        Same parameters as `boundary_limit`.
     boundary : BoundaryLimit
         The boundary limit of these with the literal switch, as in a flight.
     sufficient : ndarray, optional
@@ -103,7 +103,7 @@ def with_larger_requirements(
     Parameters
     ----------
     plant, wind, dead_band
-        As of `boundary_limit`.
+        Same parameters as `boundary_limit`.
     boundary : BoundaryLimit
         The boundary limit of these, with either switch.
     """
@@ -114,25 +114,28 @@ def with_larger_requirements(
     larger = largest > size * (1.0 + ROUNDING)
     if not np.any(larger):
         return boundary
-    governs = [(one >= largest)[larger] for one in required.values()]
-    words, alone = np.select(governs, [reason.larger for reason in required], ""), status[larger]
-    both = np.where(alone == OK, words, np.char.add(np.char.add(alone, "; "), words))
-    status = status.astype(np.result_type(status, both))
-    status[larger] = both
+    governs = [(sizes >= largest)[larger] for sizes in required.values()]
+    words, reasons = np.select(governs, [reason.larger for reason in required], ""), status[larger]
+    combined = np.where(reasons == OK, words, np.char.add(np.char.add(reasons, "; "), words))
+    status = status.astype(np.result_type(status, combined))
+    status[larger] = combined
     return replace(boundary, status=status if status.ndim else str(status))
 
 
-def _after_trim(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
-    """Return the largest limit [rad] that is lost after trim up to K times it; 0 up to `least`."""
+def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray) -> FloatArray:
+    """Return the largest limit [rad] that diverges after trim up to K times it, else 0.
+
+    Limits up to `smallest` [rad] count as zero.
+    """
     poles = unstable_poles(plant)
     if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
-        return np.zeros(least.shape)
+        return np.zeros(smallest.shape)
     pole, paired = leading_pole(plant)
-    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), least.shape)
+    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), smallest.shape)
     full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
-        lower = least / full
-    limit = least_after_trim(problem, poles, lower)
+        lower = smallest / full
+    limit = limit_after_trim(problem, poles, lower)
     return np.where(limit > lower, limit * full, 0.0)
 
 

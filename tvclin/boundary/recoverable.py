@@ -101,13 +101,13 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
 def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
     """Return the reach [rad] on whose edge the coordinates of two real modes lie.
 
-    It is the least peak of u = deflection/B that brings them to rest.
+    It is the least peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
 
     `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
     the fast one, in (0, 1), ``(n,)``.
     """
-    found = np.empty(fast.size)
-    columns = [np.require(one, float, ["C", "W"]) for one in (fast, slow, ratio)]
-    count = found.size
-    run(minimum_reaches, (*columns, found), count, REACH_PLAIN * count, REACH_COMPILED * count)
-    return found
+    reaches = np.empty(fast.size)
+    columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
+    count = reaches.size
+    run(minimum_reaches, (*columns, reaches), count, REACH_PLAIN * count, REACH_COMPILED * count)
+    return reaches

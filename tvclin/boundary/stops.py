@@ -102,9 +102,9 @@ class Stop(ABC):
         return 1.0 / self.gauge(unit_vector(directions("angle", angle)))
 
     def each_plane(self) -> PolygonStop:
-        """Return what is left where each plane is limited by itself: the square inside.
+        """Return the square inside the shape, for planes that are limited separately.
 
-        Of a round stop it is 1/sqrt(2) in each plane, so up to 1.41 times the limit is needed.
+        For a round shape it is 1/sqrt(2) in each plane, so up to 1.41 times the limit is required.
         """
         corners = np.array([1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j, 1.0 - 1.0j])
         return PolygonStop(corners / self.gauge(corners).max())
@@ -237,7 +237,7 @@ class PolygonStop(Stop):
                 "corners must go once around a convex polygon that has zero inside; got"
                 f" {shown(self.corners)}"
             )
-        object.__setattr__(self, "corners", _turned_at(c))
+        object.__setattr__(self, "corners", _vertices(c))
 
     @cached_property
     def symmetric(self) -> bool:
@@ -265,21 +265,21 @@ class PolygonStop(Stop):
         return np.asarray(np.roll(self.corners, -1)[_sector(self._normals, d)])
 
 
-def _turned_at(corners: Vectors) -> Vectors:
-    """Return the corners at which a convex polygon turns: none twice, and none along an edge."""
+def _vertices(corners: Vectors) -> Vectors:
+    """Return the vertices of a convex polygon, without repeated ones and points on an edge."""
     corners = corners[corners != np.roll(corners, -1)]
     while True:
         edges = np.roll(corners, -1) - corners
-        turns = np.angle(edges * np.conj(np.roll(edges, 1))) > 0.0
-        if np.all(turns):
+        is_vertex = np.angle(edges * np.conj(np.roll(edges, 1))) > 0.0
+        if np.all(is_vertex):
             return corners
-        corners = corners[turns]
+        corners = corners[is_vertex]
 
 
 def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
-    """Return the ray that each vector comes after; the rays go once around, counterclockwise."""
-    turned = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
-    angles = np.maximum.accumulate(np.append(0.0, turned))
+    """Return the index of the last ray before each vector; the rays go once around."""
+    turns = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
+    angles = np.maximum.accumulate(np.append(0.0, turns))
     beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
     return np.searchsorted(angles, beyond_first, side="right") - 1
 
@@ -300,20 +300,20 @@ class SquareStop(PolygonStop):
         )
 
 
-_WORDS: dict[str, Callable[[], Stop]] = {
+_SHAPES: dict[str, Callable[[], Stop]] = {
     "round": CircularStop,
     "round-each-plane": lambda: CircularStop().each_plane(),
     "square": SquareStop,
     "square-45": lambda: SquareStop(np.pi / 4.0),
 }
-STOPS = tuple(_WORDS)
+STOPS = tuple(_SHAPES)
 """Stops that files and options name."""
 
 
 def stop_of(stop: Stop | str) -> Stop:
-    """Return a stop itself, or that of a word of `STOPS`; raise `InputError` for anything else."""
+    """Return a limit shape, or the shape of a name of `STOPS`; else raise `InputError`."""
     if isinstance(stop, Stop):
         return stop
     if not isinstance(stop, str):
         raise InputError(f"stop must be one of {', '.join(STOPS)}, or a Stop; got {shown(stop)}")
-    return _WORDS[one_of("stop", stop, STOPS)]()
+    return _SHAPES[one_of("stop", stop, STOPS)]()

@@ -66,40 +66,44 @@ class Problem:
         return Switch(time, demand, status == switches.JUMP, status == switches.UNREACHED)
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
-        """Return the largest trim over B alpha_w,max of some cases; zero for the others."""
-        found = np.zeros(self.shape)
+        """Return the largest trim of cases, normalised by B alpha_w,max; zero for the others."""
+        trims = np.zeros(self.shape)
         winds, which, numbers = self._arrays
-        some = np.flatnonzero(cases)
-        out = np.empty(some.size)
-        self._run(switches.largest_trims, self._filtering, winds, which[some], numbers[some], out)
-        found.ravel()[some] = out
-        return found
+        selected = np.flatnonzero(cases)
+        out = np.empty(selected.size)
+        self._run(
+            switches.largest_trims, self._filtering, winds, which[selected], numbers[selected], out
+        )
+        trims.ravel()[selected] = out
+        return trims
 
-    def left_at(self, cases: IndexArray, heights: FloatArray, poles: AnyArray) -> AnyArray:
-        """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
+    def demands_after_trim(
+        self, cases: IndexArray, heights: FloatArray, poles: AnyArray
+    ) -> AnyArray:
+        """Return the demand of each mode after trim up to a height, normalised by B alpha_w,max.
 
-        `cases`: places of some cases in the flattened batch, ``(n,)``. `heights`: of trim to
-        either side, positive, ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``.
-        Returned: the limit that each mode by itself asks for, held from then on, ``(n, m)``.
+        `cases`: indices in the flattened batch, ``(n,)``. `heights`: sizes of trim, positive,
+        ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``. Returned: the constant
+        deflection from then on that each mode requires by itself, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
-        found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
+        demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights)
-        self._run(demands_at_heights, 1, winds, which[cases], *work, found)
-        return found if np.iscomplexobj(poles) else np.real(found)
+        self._run(demands_at_heights, 1, winds, which[cases], *work, demands)
+        return demands if np.iscomplexobj(poles) else np.real(demands)
 
     @cached_property
     def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
-        """The winds over their peaks, the wind of each case, and the numbers of each."""
+        """Winds normalised by their peaks, the wind index of each case, and its parameters."""
         winds, which = kernel_arrays((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
-        every = (self.pole, self.dead_band, *filtering)
-        columns = [np.broadcast_to(one, self.shape).ravel() for one in every]
+        numbers = (self.pole, self.dead_band, *filtering)
+        columns = [np.broadcast_to(values, self.shape).ravel() for values in numbers]
         return winds, which, np.stack(columns, axis=-1)
 
     @property
     def _filtering(self) -> int:
-        """How often as long it takes to follow trim as where it is the wind."""
+        """Ratio of the time to compute trim to that where trim is the wind itself."""
         winds, _, numbers = self._arrays
         return switches.FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
 
