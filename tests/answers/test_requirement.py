@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import eig
@@ -451,6 +451,7 @@ def test_frozen_and_varying_requirements_are_the_same(seed, model):
 
 
 @drawn(6, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS[:2]), st.sampled_from([0.75, 0.5]))
+@example(157, "drift", 0.75)  # drift turns trim over
 def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_band):
     """Winds of one peak; on a quick path trim may change its sign, and exit again."""
     rng, count = np.random.default_rng(seed), 12
@@ -462,9 +463,8 @@ def test_with_a_dead_band_the_march_meets_the_exact_switching(seed, model, dead_
     found = tv.required_deflection(plant, wind, dead_band)
     equations = Equations.of_plant(plant)
     march = batch_requirements(equations, NominalWind(wind), dead_band)
-    march, slow = march / np.abs(plant.coefficients.B * wind.peak), ~equations.quick_path
-    assert np.all(march >= found.limit - 1e-6)
-    assert march[slow] == pytest.approx(found.limit[slow], abs=1e-6)
+    march = march / np.abs(plant.coefficients.B * wind.peak)
+    assert march == pytest.approx(found.limit, abs=1e-6)
 
 
 def test_where_there_is_no_moment_and_nothing_grows_nothing_is_needed():

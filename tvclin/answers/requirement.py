@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.answers.time_varying import batch_requirements
-from tvclin.answers.varying_equations import Equations
+from tvclin.answers.varying_equations import Equations, has_quick_path
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
@@ -108,8 +108,9 @@ def required_deflection(
     min(trim, demand), and where the path is quick, trim meets the limit more than once, or a flight
     with half a percent more diverges, the smallest limit above all with which the limited law was
     seen to diverge, tried every two percent, and for six percent above the highest such limit every
-    0.2 percent. A wind too long to be followed requires the largest trim. For a pair it is that
-    largest trim deflection over K, infinite for K = 0.
+    0.2 percent. For 0 < K < 1 `time_varying` counts on a quick path too, where drift may turn trim
+    over, so that the dead band is left again. A wind too long to be followed requires the largest
+    trim over K, and so does a pair, infinite for K = 0.
 
     Examples
     --------
@@ -134,10 +135,16 @@ def required_deflection(
         needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)
-    limited = (K == 1.0) & ~paired & ~np.isnan(rate) & np.isfinite(least)
+    known = ~paired & ~np.isnan(rate) & np.isfinite(least)
+    limited = (K == 1.0) & known
     if plant.model == "fixed-path" and whole is None:
         limited = limited & _rises_again(wind)
-    law = _trim_law(plant, law_wind, np.broadcast_to(limited, least.shape))
+    again = (0.0 < K) & (K < 1.0) & known & has_quick_path(plant)
+    cases = np.broadcast_to(limited | again, least.shape)
+    law = np.zeros(least.shape)
+    for value in np.unique(K).tolist():
+        winds = law_wind if value == 1.0 else wind
+        law += _trim_law(plant, winds, cases & (value == K), value)
     static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     needs[Reason.TRIM_LAW] = np.where(law > least + _MARCH_ERROR * static, law, 0.0)
     governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
@@ -158,15 +165,16 @@ def required_deflection(
     )
 
 
-def _trim_law(plant: Plant, wind: History, cases: BoolArray) -> FloatArray:
-    """Return the required deflections [rad] of the ideal trim law in some cases, else zero."""
+def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -> FloatArray:
+    """Return the required deflections [rad] of the trim law with K in some cases, else zero."""
     which = np.flatnonzero(cases)
     if not which.size:
         return np.zeros(cases.shape)
     plants, winds = plant.cases(which, cases.shape), wind.cases(which, cases.shape)
-    found = batch_requirements(Equations.of_plant(plants), NominalWind(winds), 1.0)
+    found = batch_requirements(Equations.of_plant(plants), NominalWind(winds), dead_band)
     if np.any(too_long := np.isnan(found)):
-        found = np.where(too_long, np.abs(trim_deflection(plants, winds).peak), found)
+        trim = np.abs(trim_deflection(plants, winds).peak)
+        found = np.where(too_long, trim / dead_band, found)
     required = np.zeros(cases.size)
     required[which] = found
     return required.reshape(cases.shape)
