@@ -1,4 +1,4 @@
-"""Cases that are computed together: their plants and winds, in one plane or in both."""
+"""Plants, winds and gains of the cases that are computed together, in a plane or in both."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from tvclin.winds.plane_wind import PlaneWind
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Cases to be computed together.
+    """Plants, winds and gains of `count` cases that are computed together.
 
-    `plant`: a batch of shape ``(n,)``, or one plant for all. `wind`: a batch of shape ``(n,)``, or
-    one wind for all. `gains`: gains of the autopilot, if one flies, ``(n,)`` where they are
-    dispersed. `vehicle`: what the plant was made of. `flexible`: the same vehicles with their
-    structure. `values`: dispersed values by name, ``(n,)``. `parts`:
-    the same in each plane in which the wind blows, where both are judged.
+    `plant`, `wind`: batches of shape ``(n,)``, or a single plant or wind for all cases. `gains`:
+    gains of the autopilot where an output depends on them, ``(n,)`` where they are dispersed.
+    `vehicle`: the vehicles that the plant linearises. `flexible`: flexible plants of the vehicles
+    with their structure. `values`: dispersed values by name, ``(n,)``. `parts`: batches by plane,
+    for each plane with a component of the wind, where both planes are judged.
     """
 
     plant: Plant
@@ -41,34 +41,34 @@ class Batch:
 
     @property
     def each(self) -> tuple[Batch, ...]:
-        """Those of all planes that are judged."""
+        """The batches of all planes that are judged; this batch where only a single plane is."""
         return tuple(self.parts.values()) or (self,)
 
     @property
     def plants(self) -> dict[str, Plant]:
-        """The plants of both planes."""
+        """The plants by plane, for both planes."""
         model = self.plant.model
         return {name: Plant.from_vehicle(self.vehicle, model, name) for name in PLANES}
 
     @property
     def vectors(self) -> PlaneWind:
-        """The winds of both planes; of one in which nothing blows zero."""
-        winds = {name: one.wind for name, one in self.parts.items()}
+        """The winds of both planes; zero in a plane without a component of the wind."""
+        winds = {plane: batch.wind for plane, batch in self.parts.items()}
         return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
 
     @property
     def wind_angle(self) -> FloatArray:
-        """Largest wind angle [rad], of both planes that of the vector, ``(n,)`` or one for all."""
+        """Largest wind angle [rad], for both planes that of the vector, ``(n,)`` or a scalar."""
         return np.abs(np.asarray((self.vectors if self.parts else self.wind).peak))
 
     @property
     def flying(self) -> AnyPlant:
-        """What flies, and what the autopilot controls."""
+        """The plant that flies and that the autopilot controls: flexible with a structure."""
         return self.plant if self.flexible is None else self.flexible
 
     @cached_property
     def first(self) -> Batch:
-        """The first case, no longer as a batch."""
+        """The first case, with scalars in place of a batch axis."""
         shape = (self.count,)
         return Batch(
             self.plant.case(0, shape),
@@ -82,11 +82,11 @@ class Batch:
 
 
 def in_planes(name: str) -> dict[str, str]:
-    """Return the names of a column of both planes in each."""
+    """Return the names of a column by plane, for a column that both planes have together."""
     return {plane: f"{name}_{plane}" for plane in PLANES}
 
 
 def required_name(dead_band: float, kind: str = "required") -> str:
-    """Return the name of the column of a dead band."""
+    """Return the name of the column of a dead band K, as in "required_K1"."""
     short = f"{dead_band:g}"
     return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"

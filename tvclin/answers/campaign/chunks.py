@@ -1,4 +1,4 @@
-"""Chunks: so many cases computed and written as one Parquet file, whole or not at all.
+"""Chunks: cases that are computed together and written as one Parquet file, whole or not at all.
 
 A file says in its metadata to which campaign it belongs, which chunk it is, and the hash of its
 columns. It is read as a whole, and the hash is that of the very arrays that are returned: whatever
@@ -26,13 +26,14 @@ if TYPE_CHECKING:
     import pyarrow
 
 FOLDER = "chunks"
-_OLD = 3600.0
-"""Seconds after which nobody writes to a temporary file any more."""
+_MAX_WRITING_S = 3600.0
+"""Longest time [s] for which a temporary file is still written to; an older file is removed."""
 _SEAL, _CHUNK, _CONTENT = b"tvclin_campaign", b"tvclin_chunk", b"tvclin_content"
+"""Keys of the metadata: hash of the manifest, number of the chunk, hash of its columns."""
 
 
 def chunk_file(folder: Path, chunk: int) -> Path:
-    """Return where a chunk is kept."""
+    """Return the path of the Parquet file of a chunk."""
     return folder / FOLDER / f"{chunk:08d}.parquet"
 
 
@@ -49,7 +50,7 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 
 
 def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str, AnyArray]) -> None:
-    """Write the columns of a chunk; what stands in its place and is no file is moved aside."""
+    """Write the columns of a chunk; a folder or pipe of the same name is renamed."""
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
         {
@@ -59,17 +60,17 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
             for name, values in columns.items()
         }
     )
-    kept = {
+    metadata = {
         _SEAL: manifest.seal.encode(),
         _CHUNK: str(chunk).encode(),
         _CONTENT: _content(_columns(table)).encode(),
     }
-    table = table.replace_schema_metadata(kept)
+    table = table.replace_schema_metadata(metadata)
     if not exists(folder / NAME):
         raise InputError(f"{called(folder)} was removed, with its manifest, while the campaign ran")
     make_directory(folder / FOLDER)
     file = chunk_file(folder, chunk)
-    if exists(file) and not file.is_file():  # nothing of whoever made it is deleted
+    if exists(file) and not file.is_file():  # of unknown origin, and so not deleted
         file.rename(Path(mkdtemp(prefix=f"{file.name}.", dir=file.parent)) / file.name)
     options = {"compression": "none", "write_statistics": False, "write_page_checksum": True}
     write_whole(
@@ -79,15 +80,15 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
 
 
 def sweep(folder: Path) -> None:
-    """Remove what killed workers left half written; young files may still be written to."""
+    """Remove the temporary files of killed workers, older than `_MAX_WRITING_S`."""
     for file in (folder / FOLDER).glob(".*.parquet.*"):
         with suppress(OSError):
-            if time() - file.stat().st_mtime > _OLD:
+            if time() - file.stat().st_mtime > _MAX_WRITING_S:
                 file.unlink()
 
 
 def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
-    """Return in words what is wrong with the whole file of a chunk; None if nothing is."""
+    """Return the fault of the file of a chunk in words; None for a sound file."""
     if not chunk_file(folder, chunk).exists():
         return "missing"
     try:
@@ -100,8 +101,8 @@ def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
 def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyArray]:
     """Return the columns of a chunk by name, ``(n,)`` each.
 
-    They are the very arrays whose hash is that of the file, so that no damage to it, of values,
-    types, names or order, changes a number without a word.
+    The hash in the file is that of these very arrays, so that damage to values, types, names or
+    order raises an exception and never changes a number.
 
     Raises
     ------
@@ -111,14 +112,14 @@ def read_columns(folder: Path, manifest: Manifest, chunk: int) -> dict[str, AnyA
     file = chunk_file(folder, chunk)
     resume = f"tvclin campaign resume {folder}"
     try:
-        columns, content, kept = _read(file)
+        columns, content, metadata = _read(file)
     except FileNotFoundError:
         raise InputError(f"{file} is missing; go on with: {resume}") from None
     except Exception:  # pyarrow raises whatever a damaged file leads to
         raise InputError(f"{file} is damaged; compute it anew with: {resume}") from None
-    if kept.get(_SEAL) != manifest.seal.encode() or kept.get(_CHUNK) != b"%d" % chunk:
+    if metadata.get(_SEAL) != manifest.seal.encode() or metadata.get(_CHUNK) != b"%d" % chunk:
         raise InputError(f"{file} is not chunk {chunk} of this campaign")
-    if kept.get(_CONTENT) != content.encode():
+    if metadata.get(_CONTENT) != content.encode():
         raise InputError(
             f"{file} is damaged: its columns do not have the hash that it says; compute it anew"
             f" with: {resume}"
@@ -137,26 +138,28 @@ def _read(file: Path) -> tuple[dict[str, AnyArray], str, dict[bytes, bytes]]:
 
 
 def _columns(table: "pyarrow.Table") -> dict[str, AnyArray]:
+    """Return the columns of a table as arrays, ``(n,)`` each."""
     return {name: np.asarray(table[name].to_numpy()) for name in table.column_names}
 
 
 def _content(columns: dict[str, AnyArray]) -> str:
-    """The hash of names, types and values, whatever the encoding."""
-    found = sha256()
+    """Return the SHA-256 of names, types and values of columns, whatever the encoding."""
+    digest = sha256()
     for name, values in columns.items():
         raw = "\0".join(values).encode() if values.dtype == object else values.tobytes()
-        found.update(f"{name}:{values.dtype}:{len(raw)}:".encode())
-        found.update(raw)
-    return found.hexdigest()
+        digest.update(f"{name}:{values.dtype}:{len(raw)}:".encode())
+        digest.update(raw)
+    return digest.hexdigest()
 
 
 @lru_cache(maxsize=1)
 def _manifest(folder: str, seal: str) -> Manifest:
-    found = read_manifest(Path(folder))
-    if found.seal != seal:
+    """Return the manifest of a folder; `InputError` for another hash or other versions."""
+    manifest = read_manifest(Path(folder))
+    if manifest.seal != seal:
         raise InputError(f"{folder} holds another campaign now than when this one was begun")
-    check_versions(found)
-    return found
+    check_versions(manifest)
+    return manifest
 
 
 def arrow() -> Any:

@@ -1,4 +1,4 @@
-"""What is uncertain, and by how much: from numbers in (0, 1) to vehicles and winds."""
+"""Dispersions of vehicle and wind: dispersed values from random numbers in (0, 1)."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -19,8 +19,8 @@ from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
 SHAPES = ("normal", "uniform", "truncated")
 WIND = {"wind_peak": "angle", "wind_duration": "time"}
-_CUT = 3.0
-"""A truncated normal distribution ends at so many standard deviations."""
+_MAX_NORMAL_DEVIATE = 3.0
+"""End of a truncated normal distribution, in standard deviations of the normal one."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Dispersion:
     spread : float
         One standard deviation; of a uniform distribution half its width.
     relative : bool
-        Whether the spread is a part of the nominal value, or in its SI unit.
+        Whether the spread is a fraction of the nominal value, or else in its SI unit.
     """
 
     parameter: str
@@ -53,30 +53,30 @@ class Dispersion:
         flag("relative", self.relative)
 
     def deviates(self, normal: FloatArray) -> FloatArray:
-        """Return deviations in units of the spread from standard normal ones, ``(n,)``."""
+        """Return deviations in units of the spread, ``(n,)``, from standard normal deviates."""
         from scipy.special import ndtr, ndtri
 
         if self.shape == "normal":
             return normal
         if self.shape == "uniform":
             return np.asarray(2.0 * ndtr(normal) - 1.0)
-        ends = ndtr(np.array([-_CUT, _CUT]))
+        ends = ndtr(np.array([-_MAX_NORMAL_DEVIATE, _MAX_NORMAL_DEVIATE]))
         return np.asarray(ndtri(ends[0] + (ends[1] - ends[0]) * ndtr(normal)))
 
 
 @dataclass(frozen=True, eq=False)
 class Dispersed:
-    """Dispersed numbers, ``(n,)`` each, and which of the cases are possible.
+    """Dispersed values of cases, and whether each case is possible, ``(n,)`` each.
 
-    `values`: by parameter [SI], and under "wind" which of an ensemble. `possible`: False where a
-    number cannot be: a thrust below zero is no vehicle.
+    `values`: by parameter [SI], and under "wind" the index of the wind in an ensemble. `possible`:
+    False where a value has no meaning, such as a thrust below zero.
     """
 
     values: dict[str, AnyArray]
     possible: BoolArray
 
     def take(self, which: AnyArray) -> "Dispersed":
-        """Return some of the cases."""
+        """Return the cases with these indices."""
         return Dispersed({k: v[which] for k, v in self.values.items()}, self.possible[which])
 
 
@@ -101,9 +101,9 @@ class Dispersions:
     correlation: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        every = each("each", self.each, Dispersion, "one for each parameter")
-        object.__setattr__(self, "each", every)
-        names = [one.parameter for one in self.each]
+        dispersions = each("each", self.each, Dispersion, "one for each parameter")
+        object.__setattr__(self, "each", dispersions)
+        names = list(self.parameters)
         if len(set(names)) < len(names):
             raise InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
         if self.correlation is not None:
@@ -113,22 +113,22 @@ class Dispersions:
     def words(self) -> str:
         """Parameters, distributions and standard deviations, in words."""
         return ", ".join(
-            f"{one.parameter.replace('_', ' ')} ({one.shape}, "
+            f"{dispersion.parameter.replace('_', ' ')} ({dispersion.shape}, "
             + (
-                f"{100 * one.spread:.4g} %)"
-                if one.relative
-                else f"{one.spread:.4g} in its SI unit)"
+                f"{100 * dispersion.spread:.4g} %)"
+                if dispersion.relative
+                else f"{dispersion.spread:.4g} in its SI unit)"
             )
-            for one in self.each
+            for dispersion in self.each
         )
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of what is dispersed."""
-        return tuple(one.parameter for one in self.each)
+        """Names of the dispersed parameters."""
+        return tuple(dispersion.parameter for dispersion in self.each)
 
     def apply(self, nominal: Mapping[str, Any], numbers: ArrayLike) -> Dispersed:
-        """Return the dispersed values of cases.
+        """Return the dispersed values of cases [SI], ``(n,)`` by parameter.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Dispersions:
         Raises
         ------
         InputError
-            For a parameter that has no nominal value, and a part of a nominal value of zero.
+            For a parameter without a nominal value, and a relative spread of a nominal zero.
         """
         from scipy.special import ndtri
 
@@ -155,31 +155,32 @@ class Dispersions:
             raise InputError("numbers must all be above 0 and below 1")
         normal = ndtri(drawn)
         if self.correlation is not None:
-            # Element by element: a product of matrices has other bits in other company.
+            # Element by element: the bits of a matrix product depend on the number of cases.
             columns = zip(normal.T, self._factor.T, strict=True)
-            normal = sum((one[:, np.newaxis] * row for one, row in columns), np.zeros(drawn.shape))
+            normal = sum((column[:, np.newaxis] * row for column, row in columns), 0.0 * drawn)
         values, possible = {}, np.ones(len(normal), dtype=bool)
-        for column, one in zip(normal.T, self.each, strict=True):
-            centre = self._centre(nominal, one)
-            scale = one.spread * (abs(centre) if one.relative else 1.0)
-            value = centre + scale * one.deviates(column)
-            values[one.parameter] = value
+        for column, dispersion in zip(normal.T, self.each, strict=True):
+            centre = self._centre(nominal, dispersion)
+            scale = dispersion.spread * (abs(centre) if dispersion.relative else 1.0)
+            value = centre + scale * dispersion.deviates(column)
+            values[dispersion.parameter] = value
             for names, rule in _RULES:
-                if one.parameter in names:
+                if dispersion.parameter in names:
                     possible &= rule(value, centre)
-            if is_of_modes(one.parameter):
+            if is_of_modes(dispersion.parameter):
                 possible &= value > 0.0
         return Dispersed(values, possible)
 
     @staticmethod
-    def _centre(nominal: Mapping[str, Any], one: Dispersion) -> float:
-        if nominal.get(one.parameter) is None:
-            raise InputError(f"{one.parameter} is dispersed, but has no nominal value here")
-        centre = number(one.parameter, nominal[one.parameter])
-        if one.relative and centre == 0.0:
+    def _centre(nominal: Mapping[str, Any], dispersion: Dispersion) -> float:
+        """Return the nominal value of a parameter; `InputError` where it cannot be dispersed."""
+        if nominal.get(dispersion.parameter) is None:
+            raise InputError(f"{dispersion.parameter} is dispersed, but has no nominal value here")
+        centre = number(dispersion.parameter, nominal[dispersion.parameter])
+        if dispersion.relative and centre == 0.0:
             raise InputError(
-                f"{one.parameter} is zero, and no part of zero can be its spread; give one in"
-                " its unit"
+                f"{dispersion.parameter} is zero, and no part of zero can be its spread; give one"
+                " in its unit"
             )
         return centre
 
@@ -212,14 +213,14 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], 
     (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
 )
 MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
-"""Factors on the modes of a flexible vehicle, on all; of one mode as in bending_2_frequency."""
+"""Factors on all modes of a flexible vehicle; on a single mode as in bending_2_frequency."""
 _ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
 PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MODES)
-"""What can be dispersed, beside a single mode."""
+"""Parameters that can be dispersed; a factor on a single mode can be as well."""
 
 
 def known_parameter(what: str, name: Any) -> str:
-    """Return the name of what can be dispersed; `InputError` for another."""
+    """Return the name of a parameter that can be dispersed; `InputError` for another name."""
     if isinstance(name, str) and _ONE_MODE.fullmatch(name):
         return name
     return one_of(what, name, PARAMETERS)
@@ -232,30 +233,33 @@ def is_of_modes(name: str) -> bool:
 
 def names_of_modes(structure: Structure | None) -> dict[str, list[str]]:
     """Return names of modes, as in "bending_1", by kind, in the order of their bands."""
-    parts = {} if structure is None else {"bending": structure.bending, "slosh": structure.slosh}
-    each = {kind: range(1, len(modes) + 1) for kind, modes in parts.items() if modes}
-    return {kind: [f"{kind}_{k}" for k in numbers] for kind, numbers in each.items()}
+    kinds = {} if structure is None else {"bending": structure.bending, "slosh": structure.slosh}
+    return {
+        kind: [f"{kind}_{k}" for k in range(1, len(modes) + 1)]
+        for kind, modes in kinds.items()
+        if modes
+    }
 
 
 def modes_nominal(structure: Structure | None) -> dict[str, float]:
-    """Return what can be dispersed in a structure: factors on the numbers of its modes, one.
+    """Return the nominal factors, all 1.0, on frequencies and dampings of the modes of a structure.
 
     "bending_frequency" is a factor on all bending modes, "bending_2_frequency" on the second one.
     """
     names = names_of_modes(structure)
-    bodies = [*names, *(name for some in names.values() for name in some)]
+    bodies = [*names, *(name for modes in names.values() for name in modes)]
     return {f"{body}_{number}": 1.0 for body in bodies for number in ("frequency", "damping")}
 
 
 KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND
-"""Of what kind of `UNITS` the spread of each is, where a file gives it as a number."""
+"""Kind of `UNITS` of the spread by parameter, where a file gives a spread that is no fraction."""
 UNITS_OF = {name: si_unit(kind) for name, kind in KINDS.items()} | {
     "attitude_gain": "rad/rad",
     "rate_gain": "s",
     "alpha_gain": "rad/rad",
     "integral_gain": "1/s",
 }
-"""Their SI units."""
+"""SI units by parameter."""
 DISPERSION_TABLE = FileTable(
     "[[dispersion]]", {"part": "number", "percent": "hundredths"}, words=("parameter", "shape")
 )
@@ -263,7 +267,7 @@ CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"
 
 
 def spread_table(parameter: Any) -> FileTable:
-    """Return the keys of the dispersion of a parameter; `InputError` where there is none."""
+    """Return the table of the keys of a dispersion; `InputError` for an unknown parameter."""
     name = known_parameter("parameter in [[dispersion]]", parameter)
     kinds = DISPERSION_TABLE.quantities | {"spread": KINDS.get(name, "number")}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
@@ -280,4 +284,4 @@ DEFAULT_DISPERSIONS = Dispersions(
         Dispersion("wind_duration", "uniform", 0.3),
     )
 )
-"""Assumed, for a first answer: standard deviations as parts of the nominal values."""
+"""Assumed for a first answer: standard deviations as fractions of the nominal values."""

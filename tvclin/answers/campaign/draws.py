@@ -1,8 +1,8 @@
 """Random numbers that belong to the case: the same for any chunk, worker, machine or order.
 
 Case i of a seed has the same numbers whatever else is computed. Plain numbers come from a
-counter-based generator, one key for each block of cases; those of a Sobol sequence have an index
-anyway; a Latin hypercube is laid over the whole campaign, and so needs its size.
+counter-based generator, one key for each block of cases; the numbers of a Sobol sequence have an
+index by definition; a Latin hypercube covers the whole campaign, and so needs its size.
 """
 
 import numpy as np
@@ -12,14 +12,15 @@ from tvclin.base.errors import InputError, one_of, whole_number
 
 METHODS = ("plain", "sobol", "latin")
 _BLOCK = 1024
-_INSIDE = 2.0**-54
-"""Numbers are kept so far from zero and one, where distributions have their ends."""
+"""Cases whose plain numbers come from one key of the generator."""
+_MIN_NUMBER = 2.0**-54
+"""Smallest random number: distributions are infinite at zero and at one."""
 
 
 def draw(
     seed: int, first: int, count: int, dimension: int, *, method: str = "plain", size: int = 0
 ) -> FloatArray:
-    """Return numbers in (0, 1) for the cases `first` to `first + count`, ``(count, dimension)``.
+    """Return random numbers in (0, 1) of the cases from `first` on, ``(count, dimension)``.
 
     `method`: independent numbers ("plain"), a scrambled Sobol sequence ("sobol"), or a Latin
     hypercube ("latin"), which alone needs the `size` of the whole campaign.
@@ -35,7 +36,7 @@ def draw(
         begin, end = first // _BLOCK, -(-(first + count) // _BLOCK)
         seeds = (np.random.SeedSequence(seed, spawn_key=(block,)) for block in range(begin, end))
         blocks = [
-            np.random.Generator(np.random.Philox(one)).random((_BLOCK, dimension)) for one in seeds
+            np.random.Generator(np.random.Philox(key)).random((_BLOCK, dimension)) for key in seeds
         ]
         numbers = np.concatenate(blocks)[first - begin * _BLOCK :][:count]
     else:
@@ -50,4 +51,4 @@ def draw(
                 sequence.fast_forward(first)
             total = 1 << max(count - 1, 0).bit_length()  # scipy warns of other sizes
             numbers = sequence.random(total)[:count]
-    return np.clip(numbers, _INSIDE, 1.0 - 2.0**-53)
+    return np.clip(numbers, _MIN_NUMBER, 1.0 - 2.0**-53)

@@ -1,7 +1,6 @@
 """Run the chunks of a campaign with any executor, or one after the other.
 
-There is no engine here: a chunk is a pure function of the folder and its number, done when its
-file is there, and whoever can call a function can run it.
+A chunk is a pure function of the folder and its number, and it is finished when its file exists.
 """
 
 import re
@@ -23,8 +22,8 @@ from tvclin.kernels.choice import available, pinned, repeated
 Progress = Callable[[int, int], None]
 Shard = tuple[int, int]
 
-_WAITING = 256
-"""So many chunks are handed to an executor at a time."""
+_MAX_SUBMITTED = 256
+"""Largest number of chunks that an executor has at a time."""
 
 
 def run_campaign(
@@ -53,12 +52,12 @@ def run_campaign(
         Whether compiled kernels are used; by default where there is a compiler. All chunks of a
         campaign use the same.
     progress : callable, optional
-        Is told how many cases are done, and how many there are.
+        Called with the number of finished cases and the number of all cases.
 
     Returns
     -------
     CampaignResults
-        What is there now: all of the campaign, or with a shard perhaps only a part.
+        All finished chunks: those of the whole campaign, or with a shard perhaps fewer.
 
     Raises
     ------
@@ -79,11 +78,12 @@ def run_campaign(
     ...     chunk=256,
     ... )
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = tv.run_campaign(campaign, folder)
-    ...     found.cases, found.complete, round(float(np.degrees(found.quantile().estimate)), 3)
+    ...     results = tv.run_campaign(campaign, folder)
+    ...     covered = float(np.degrees(results.quantile().estimate))
+    ...     results.cases, results.complete, round(covered, 3)
     (300, True, 0.433)
     """
-    place = _door(folder, executor, progress)
+    place = _checked(folder, executor, progress)
     instance("campaign", campaign, Campaign, "see load_campaign")
     if compiled is not None:
         flag("compiled", compiled)
@@ -99,7 +99,7 @@ def resume_campaign(
     shard: str | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Continue the campaign in a folder; chunks damaged or of another one are computed again.
+    """Continue the campaign in a folder; a damaged or foreign chunk is computed again.
 
     Parameters
     ----------
@@ -111,12 +111,12 @@ def resume_campaign(
     InputError
         As `run_campaign`, and when the folder holds no campaign or its manifest was changed.
     """
-    place = _door(folder, executor, progress)
+    place = _checked(folder, executor, progress)
     return _work(read_manifest(place), place, executor, shard, progress)
 
 
 def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
-    """Return what the campaign in a folder has found so far.
+    """Return the results of the campaign in a folder, of all chunks that are finished.
 
     Parameters
     ----------
@@ -132,13 +132,13 @@ def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
 
 
 def damaged(folder: Path, manifest: Manifest) -> dict[int, str]:
-    """Return what is wrong with the chunks that are there but cannot be used."""
-    there = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
-    return {k: said for k in there if (said := flaw(folder, manifest, k)) is not None}
+    """Return the faults, in words, of chunk files that exist but cannot be used, by chunk."""
+    chunks = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
+    return {k: fault for k in chunks if (fault := flaw(folder, manifest, k)) is not None}
 
 
-def _door(folder: object, executor: object, progress: object) -> Path:
-    """Return the folder as a path; `InputError` unless these are what a run can use."""
+def _checked(folder: object, executor: object, progress: object) -> Path:
+    """Return the folder as a path; `InputError` for arguments that a run cannot use."""
     if executor is not None:
         instance("executor", executor, Executor, "such as ProcessPoolExecutor")
     if progress is not None:
@@ -153,6 +153,7 @@ def _work(
     shard: str | None,
     progress: Progress | None,
 ) -> CampaignResults:
+    """Compute the chunks of a shard that are not finished, and return the results of the folder."""
     campaign = manifest.campaign
     if shard is not None and campaign.until is not None:
         raise InputError(
@@ -161,18 +162,18 @@ def _work(
     check_versions(manifest)
     sweep(folder)
     first, step = _shard(shard)
-    mine = range(first, campaign.chunks, step)
-    total, done = sum(campaign.span(k)[1] for k in mine), 0
+    chunks = range(first, campaign.chunks, step)
+    total, done = sum(campaign.span(k)[1] for k in chunks), 0
     if executor is not None and not available():
         _count_work(campaign, total)
-    for group in _groups(campaign, mine):
+    for group in _groups(campaign, chunks):
         todo = []
         for k in group:
             if flaw(folder, manifest, k) is None:
                 done += campaign.span(k)[1]
             else:
                 todo.append(k)
-        for k in _each(todo, str(folder.absolute()), manifest.seal, executor):
+        for k in _finished(todo, str(folder.absolute()), manifest.seal, executor):
             done += campaign.span(k)[1]
             if progress is not None:
                 progress(done, total)
@@ -182,15 +183,18 @@ def _work(
 
 
 def _count_work(campaign: Campaign, cases: int) -> None:
-    """Count the work of workers without numba here, by that of a case: they warn nobody."""
+    """Count the work of workers without numba in this process, as `cases` times that of one case.
+
+    The workers themselves print no warning.
+    """
     with pinned(False), repeated(cases):
         evaluate(campaign, 0, 1)
 
 
-def _groups(campaign: Campaign, mine: range) -> Iterator[range]:
-    """All chunks, or those between two looks at whether the answer has converged."""
+def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
+    """Yield all chunks, or with `until` the chunks between two checkpoints of convergence."""
     if campaign.until is None:
-        yield mine
+        yield chunks
         return
     begin = 0
     for end in checkpoints(campaign.chunks):
@@ -198,19 +202,21 @@ def _groups(campaign: Campaign, mine: range) -> Iterator[range]:
         begin = end
 
 
-def _each(chunks: list[int], folder: str, seal: str, executor: Executor | None) -> Iterator[int]:
+def _finished(
+    chunks: list[int], folder: str, seal: str, executor: Executor | None
+) -> Iterator[int]:
     """Run chunks and yield their numbers as they are finished."""
     if executor is None:
         yield from (run_chunk(folder, seal, k) for k in chunks)
         return
-    left = iter(chunks)
+    remaining = iter(chunks)
 
     def submit(count: int) -> Iterable[Future[int]]:
-        return [executor.submit(run_chunk, folder, seal, k) for k in islice(left, count)]
+        return [executor.submit(run_chunk, folder, seal, k) for k in islice(remaining, count)]
 
     running: set[Future[Any]] = set()
     try:
-        running.update(submit(_WAITING))
+        running.update(submit(_MAX_SUBMITTED))
         while running:
             finished, running = wait(running, return_when=FIRST_COMPLETED)
             for future in finished:
@@ -227,11 +233,11 @@ def _each(chunks: list[int], folder: str, seal: str, executor: Executor | None) 
 
 
 def _shard(text: str | None) -> Shard:
-    """Which chunk is the first, and how many further each next one lies."""
+    """Return the first chunk of a shard, from zero, and the step from chunk to chunk."""
     if text is None:
         return 0, 1
-    found = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None
-    index, count = (int(part) for part in found.groups()) if found else (0, 0)
+    match = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None
+    index, count = map(int, match.groups()) if match else (0, 0)
     if not 1 <= index <= count:
         raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {shown(text)}")
     return index - 1, count

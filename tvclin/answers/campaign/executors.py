@@ -1,4 +1,4 @@
-"""Executors to run a campaign with: processes of this machine, or a Dask cluster that is there."""
+"""Executors to run a campaign with: processes of this machine, or a running Dask cluster."""
 
 import asyncio
 import os
@@ -23,17 +23,19 @@ from tvclin.kernels.threads import VARIABLE
 
 _TIMEOUT = 5.0
 """Seconds in which a scheduler must answer."""
-_MOST_WORKERS = 4096
+_MAX_WORKERS = 4096
+"""Largest number of worker processes."""
 _STDERR = 2
+"""File descriptor of the standard error stream."""
 _interrupted = Event()
-"""Whether Ctrl-C came, in a worker."""
+"""Set in a worker after Ctrl-C."""
 
 
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
-    """Lend so many processes of this machine, each with one thread."""
-    if not 1 <= whole_number("workers", workers) <= _MOST_WORKERS:
-        raise InputError(f"workers must be from 1 to {_MOST_WORKERS}; got {workers}")
+    """Yield an executor of `workers` processes of this machine with a single thread each."""
+    if not 1 <= whole_number("workers", workers) <= _MAX_WORKERS:
+        raise InputError(f"workers must be from 1 to {_MAX_WORKERS}; got {workers}")
     context = get_context("spawn")
     resource_tracker.ensure_running()  # its start would let Ctrl-C through again
     with _Processes(workers, mp_context=context, initializer=_begin_worker) as pool:
@@ -47,7 +49,7 @@ def processes(workers: int) -> Iterator[Executor]:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Executor]:
-    """Lend the workers of a Dask scheduler.
+    """Yield an executor of the workers of a Dask scheduler.
 
     `address`: of the scheduler, such as "tcp://10.0.0.1:8786". `InputError` when no scheduler
     answers there within five seconds, or it or its workers are lost for good.
@@ -71,9 +73,9 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Processes that Ctrl-C (SIGINT) interrupts in their tasks alone.
+    """Processes that Ctrl-C (SIGINT) interrupts only in their tasks.
 
-    One that is interrupted while it starts, or waits for a task, would print a traceback.
+    A process that is interrupted while it starts or waits for a task would print a traceback.
     """
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -82,7 +84,7 @@ class _Processes(ProcessPoolExecutor):
 
 
 def _interruptible(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
-    """Call a function in a worker, where Ctrl-C interrupts it and all that follow."""
+    """Call a function in a worker, where Ctrl-C interrupts it and all later calls."""
     if _interrupted.is_set():
         raise KeyboardInterrupt
     try:
@@ -107,7 +109,7 @@ def _interrupts(change: str) -> Iterator[None]:
 
 
 async def _connect(distributed: Any, address: str) -> None:
-    """Connect to a scheduler and close that again; a `Client` that fails hangs as it is deleted."""
+    """Connect to a scheduler and close the connection; a `Client` that fails hangs when deleted."""
 
     async def connect() -> None:
         connection = await distributed.comm.connect(address, timeout=_TIMEOUT)
@@ -117,13 +119,14 @@ async def _connect(distributed: Any, address: str) -> None:
 
 
 def _begin_worker() -> None:
+    """Give a worker a single thread, no warning of slow kernels, and the life of its parent."""
     os.environ[VARIABLE] = "1"
     warnings.filterwarnings("ignore", "this takes about .* without numba", MachineWarning)
-    Thread(target=_leave_with_parent, daemon=True).start()
+    Thread(target=_exit_with_parent, daemon=True).start()
 
 
-def _leave_with_parent() -> None:
-    """End this worker when the process that lent it was killed: nobody would hand it work."""
+def _exit_with_parent() -> None:
+    """End this worker when its parent process was killed: it would get no more work."""
     parent = parent_process()
     if parent is not None:
         parent.join()
@@ -131,9 +134,10 @@ def _leave_with_parent() -> None:
 
 
 def _quiet_tracker() -> None:
-    """Start multiprocessing's tracker of semaphores anew, unheard, if it was killed as well.
+    """Restart multiprocessing's tracker of semaphores without its messages, if it was killed.
 
-    It does not know those that it is told to forget now, and would print a KeyError for each.
+    The new tracker has no record of the semaphores that are released afterwards, and would print a
+    KeyError for each.
     """
     errors, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
     try:

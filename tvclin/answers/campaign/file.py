@@ -1,4 +1,4 @@
-"""Campaign files: TOML in, a `Campaign` out; and the tables that study files share with them."""
+"""Campaign files: the `Campaign` of a TOML file, and the tables that study files share with it."""
 
 from collections.abc import Mapping
 from importlib.resources import files
@@ -36,13 +36,13 @@ from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, wind_for_vehicle, winds_of
 
-_OF_STUDIES = (
+_STUDY_TABLES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
     *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE),
 )
-"""Tables that no campaign reads; what stands in them is checked nevertheless."""
-_SINGLE = (
-    *_OF_STUDIES,
+"""Tables that no campaign reads; their keys are checked nevertheless."""
+_SINGLE_TABLES = (
+    *_STUDY_TABLES,
     CAMPAIGN_TABLE,
     GUST_TABLE,
     SOURCE_TABLE,
@@ -50,12 +50,13 @@ _SINGLE = (
     QUESTION_TABLE,
     NOZZLE_TABLE,
 )
-TABLES = (*_SINGLE, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
-"""Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
-_SUBJECT = ("vehicle", "time_s", "model", "plane", "sign")
-"""What is studied: keys of [study], or of [campaign] where there is no [study]."""
+"""Tables that a file has at most once."""
+TABLES = (*_SINGLE_TABLES, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
+"""All tables of a file for studies, campaigns and pages, each of which reads some of them."""
+_SUBJECT_KEYS = ("vehicle", "time_s", "model", "plane", "sign")
+"""Keys of vehicle, model and plane, in [study] or in [campaign]."""
 _FIELDS = {"names": "outputs"}
-"""Fields of `Campaign` of another name than their keys."""
+"""Fields of `Campaign` by key, where the two names differ."""
 
 
 def load_campaign(path: str | PathLike[str]) -> Campaign:
@@ -69,8 +70,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     Raises
     ------
     InputError
-        For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
-        offered), and as `Campaign`. One sentence says which and how to mend it.
+        For a file that cannot be read, is not TOML, or has an unknown key (similar keys are
+        suggested), and as `Campaign`. One sentence says which and how to correct it.
     """
     file = a_path("path", path)
     start = f"write a campaign file with: tvclin campaign init {called(file)}"
@@ -112,7 +113,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
 
 
 def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return what is studied: the vehicle, and model and plane where they are given.
+    """Return vehicle, model, plane and sign of a document by field, where they are specified.
 
     They stand in [study] or in [campaign], so that one file serves both.
     """
@@ -121,36 +122,36 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             "the file is neither a vehicle file (it has no [vehicle]) nor a study (no [study])"
         )
     _check_tables(document, folder)
-    each = {table: table.one(document) for table in _SINGLE}
+    keys = {table: table.one(document) for table in _SINGLE_TABLES}
     if not {"study", "campaign"} & document.keys():
         raise InputError("[study] is missing: it names the vehicle")
-    study, campaign = each[STUDY_TABLE], each[CAMPAIGN_TABLE]
-    for key in _SUBJECT:
+    study, campaign = keys[STUDY_TABLE], keys[CAMPAIGN_TABLE]
+    for key in _SUBJECT_KEYS:
         if key in study and key in campaign:
             raise InputError(f"{key} is given in [study] and in [campaign]; keep one")
-    found = {key: table[key] for table in (study, campaign) for key in _SUBJECT if key in table}
+    subject = {k: table[k] for table in (study, campaign) for k in _SUBJECT_KEYS if k in table}
     where = STUDY_TABLE if "study" in document else CAMPAIGN_TABLE
-    where.need(found, ["vehicle"])
-    time = found.pop("time_s", None)
+    where.need(subject, ["vehicle"])
+    time = subject.pop("time_s", None)
     if time is not None:
         time = number("time_s", time)
-    return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name, time)}
+    return subject | {"vehicle": _vehicle(subject["vehicle"], folder, where.name, time)}
 
 
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
-    """Raise `InputError` for all that is at fault in the tables of a file, a line for each."""
+    """Raise `InputError` for all faults in the tables of a file, a line for each fault."""
     faults = Faults()
     with faults.kept():
         vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
         known("table", document, [*vehicle, *(table.name for table in TABLES)])
-    for table in _SINGLE:
+    for table in _SINGLE_TABLES:
         with faults.kept():
-            given = table.one(document)
+            keys = table.one(document)
             if table is SOURCE_TABLE:
                 continue  # it may hold a whole flight
-            if table.name in document or table in _OF_STUDIES:
-                _at_home(table, given)
-                table.read(given)
+            if table.name in document or table in _STUDY_TABLES:
+                _check_keys(table, keys)
+                table.read(keys)
     with faults.kept():
         if "wind" in document:
             winds_of(document, folder)
@@ -159,11 +160,11 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     faults.tell()
 
 
-def _at_home(table: FileTable, given: Mapping[str, Any]) -> None:
-    """Raise `InputError` for keys that another table has, and say which."""
+def _check_keys(table: FileTable, keys: Mapping[str, Any]) -> None:
+    """Raise `InputError` for keys that belong to another table, and name that table."""
     faults = Faults()
-    for key in given:
-        homes = [one.heading for one in TABLES if key in one.every_key]
+    for key in keys:
+        homes = [other.heading for other in TABLES if key in other.every_key]
         with faults.kept():
             if homes and key not in (*table.every_key, *table.quantities):
                 raise InputError(f"{key} stands in {' or '.join(homes)}, not in {table.heading}")
@@ -171,16 +172,17 @@ def _at_home(table: FileTable, given: Mapping[str, Any]) -> None:
 
 
 def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return probability and confidence where they are given."""
+    """Return probability and confidence by field, where the document specifies them."""
     return QUESTION_TABLE.read(QUESTION_TABLE.one(document))
 
 
 def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
-    """Return what the table [nozzle] says."""
+    """Return the nozzle of the table [nozzle]; without the table, a nozzle without any limit."""
     return NOZZLE_TABLE.made(document, Nozzle.from_table) or Nozzle()
 
 
 def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVehicle:
+    """Return the vehicle of a table, of the package by name, or of a file by path."""
     if isinstance(source, dict):
         if time is not None:
             raise InputError(f"time_s is that of a flight schedule; take it out of [{where}]")
@@ -191,13 +193,13 @@ def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVe
 
 
 def beside(source: str, folder: Path) -> str | Path:
-    """The name of a vehicle of the package, or the path of a file, in the folder if it is there."""
+    """Return the name of a vehicle of the package, or a path, in `folder` if the file exists."""
     path = folder / source
     return path if source not in list_vehicles() and exists(path) else source
 
 
 def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
-    """Return what the table [autopilot] asks for; None without it."""
+    """Return the autopilot design of the table [autopilot]; None without the table."""
     return AUTOPILOT_TABLE.made(document, AutopilotDesign.from_table)
 
 
@@ -205,35 +207,35 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
     rows = DISPERSION_TABLE.each(document)
     correlation = CORRELATION_TABLE.each(document)
-    made, faults = [], Faults()
+    dispersions, faults = [], Faults()
     for row in rows:
         with faults.kept():
-            made.append(_dispersion(row))
+            dispersions.append(_dispersion(row))
     faults.tell()
-    names = [one.parameter for one in made]
+    names = [dispersion.parameter for dispersion in dispersions]
     if not correlation:
-        return Dispersions(tuple(made))
-    matrix = np.eye(len(made))
+        return Dispersions(tuple(dispersions))
+    matrix = np.eye(len(dispersions))
     for row in correlation:
-        given = CORRELATION_TABLE.read(row)
-        between = given.get("between")
+        keys = CORRELATION_TABLE.read(row)
+        between = keys.get("between")
         if not isinstance(between, list) or len(between) != 2 or between[0] == between[1]:
             raise InputError(
                 f"between in [[correlation]] must name two parameters; got {shown(between)}"
             )
         i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
-        matrix[i, j] = matrix[j, i] = number("coefficient", given.get("coefficient", ""))
-    return Dispersions(tuple(made), tuple(map(tuple, matrix.tolist())))
+        matrix[i, j] = matrix[j, i] = number("coefficient", keys.get("coefficient", ""))
+    return Dispersions(tuple(dispersions), tuple(map(tuple, matrix.tolist())))
 
 
 def _dispersion(row: dict[str, Any]) -> Dispersion:
     table = spread_table(row.get("parameter"))
-    given = table.read(row)
-    parameter, shape = given.pop("parameter"), given.pop("shape", "normal")
-    if len(given) != 1:
+    keys = table.read(row)
+    parameter, shape = keys.pop("parameter"), keys.pop("shape", "normal")
+    if len(keys) != 1:
         raise InputError(
             f"the spread of {parameter} must be given once, as percent or as"
             f" {table.spelled('spread').replace(' or ', ', ')}"
         )
-    ((name, spread),) = given.items()
+    ((name, spread),) = keys.items()
     return Dispersion(parameter, shape, spread, relative=name != "spread")

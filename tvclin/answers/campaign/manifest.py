@@ -1,4 +1,4 @@
-"""The manifest: what a campaign is and what it is computed with, sealed with a hash.
+"""The manifest: a campaign and the versions that compute it, with their hash.
 
 It is written before the first chunk, every value of the campaign by its kind and its fields, in SI
 units, and every chunk carries its hash. Work goes on only with the versions that it names, so that
@@ -31,10 +31,12 @@ from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 NAME = "manifest.json"
 _FORMAT = 2
-_MENDED = (
+"""Version of the layout of a manifest."""
+_REMEDY = (
     "delete it and run the campaign file into this folder again: that writes the same manifest, and"
     " keeps the chunks"
 )
+"""How a damaged manifest is restored, for messages."""
 _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -44,11 +46,15 @@ _KINDS: dict[str, Any] = {
         *(ShapedWind, WindEnsemble, Piecewise, Pieces),
     )
 }
+"""Classes of the values that a manifest holds, by name."""
 
 
 @dataclass(frozen=True)
 class Manifest:
-    """A campaign, the versions of what computes it (with numba, if compiled), and their SHA-256."""
+    """A campaign, the versions of the packages that compute it, and the SHA-256 of both.
+
+    `versions`: by package, with numba where kernels are compiled. `seal`: the hash.
+    """
 
     campaign: Campaign
     versions: dict[str, str]
@@ -61,31 +67,31 @@ class Manifest:
 
 
 def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
-    """Return the manifest of a campaign that is computed here, compiled where that can be."""
-    wanted = available() if compiled is None else compiled
-    versions = _versions(wanted)
+    """Return the manifest of a new campaign, by default with compiled kernels where available."""
+    compiled = available() if compiled is None else compiled
+    versions = _versions(compiled)
     return Manifest(campaign, versions, _seal(_content(campaign, versions)))
 
 
 def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
-    """Write the manifest into a folder, or find it there, and return it."""
+    """Return the manifest of a folder, and write it where the folder has none."""
     if exists(folder / NAME):
-        found = read_manifest(folder)
-        if written(found.campaign) != written(campaign):
+        existing = read_manifest(folder)
+        if written(existing.campaign) != written(campaign):
             raise InputError(
                 f"{called(folder)} holds another campaign, or this one before it was changed; name"
                 " another folder, or put the campaign file back as it was"
             )
-        return found
-    made = new_manifest(campaign, compiled)
+        return existing
+    manifest = new_manifest(campaign, compiled)
     make_directory(folder)
-    document = _content(campaign, made.versions) | {"sha256": made.seal}
+    document = _content(campaign, manifest.versions) | {"sha256": manifest.seal}
     write_text(folder / NAME, json.dumps(document, indent=1) + "\n")
-    return made
+    return manifest
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Return the manifest of a folder, unless it was changed after the campaign began."""
+    """Return the manifest of a folder; `InputError` if it changed after the campaign began."""
     file = folder / NAME
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
@@ -97,18 +103,18 @@ def read_manifest(folder: Path) -> Manifest:
             f"{called(folder)} holds no campaign: {NAME} cannot be read ({reason(error)})"
         ) from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise InputError(f"{called(file)} is damaged: it is no manifest; {_MENDED}") from None
+        raise InputError(f"{called(file)} is damaged: it is no manifest; {_REMEDY}") from None
     if kind != _FORMAT:
         raise InputError(f"{file} has the format {shown(kind)}, and this version reads {_FORMAT}")
     if _seal(document) != seal:
         raise InputError(
-            f"{called(file)} was changed after the campaign began; put it back, or {_MENDED}"
+            f"{called(file)} was changed after the campaign began; put it back, or {_REMEDY}"
         )
     return Manifest(read(described), versions, seal)
 
 
 def check_versions(manifest: Manifest) -> None:
-    """Raise `InputError` unless this process computes with what the manifest names."""
+    """Raise `InputError` unless this process has the versions that the manifest names."""
     if manifest.compiled and not available():
         begun_with = manifest.versions["numba"]
         raise InputError(
@@ -125,6 +131,7 @@ def check_versions(manifest: Manifest) -> None:
 
 
 def _versions(compiled: bool) -> dict[str, str]:
+    """Return the installed versions by package, with numba for compiled kernels."""
     try:
         numba = {"numba": version("numba")} if compiled else {}
     except PackageNotFoundError:
@@ -133,38 +140,41 @@ def _versions(compiled: bool) -> dict[str, str]:
 
 
 def _content(campaign: Campaign, versions: dict[str, str]) -> dict[str, Any]:
+    """Return the document of a manifest without its hash."""
     return {"format": _FORMAT, "versions": versions, "design": written(campaign)}
 
 
 def _seal(content: dict[str, Any]) -> str:
+    """Return the SHA-256 of the document of a manifest."""
     return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def written(value: Any) -> Any:
-    """Return a campaign, or a part of it, as JSON holds it; of a gust its exact pieces."""
+    """Return a campaign, or a value of it, as JSON holds it; a gust by its exact pieces."""
     if isinstance(value, History):
         value = Piecewise(value.pieces)
     if is_dataclass(value):
-        parts = {one.name: written(getattr(value, one.name)) for one in fields(value)}
-        return {"kind": type(value).__name__} | parts
+        members = {field.name: written(getattr(value, field.name)) for field in fields(value)}
+        return {"kind": type(value).__name__} | members
     if isinstance(value, np.ndarray):
-        whole = {"real": value.real.tolist(), "imag": value.imag.tolist()}
-        return whole if np.iscomplexobj(value) else value.tolist()
-    return [written(one) for one in value] if isinstance(value, tuple) else value
+        if np.iscomplexobj(value):
+            return {"real": value.real.tolist(), "imag": value.imag.tolist()}
+        return value.tolist()
+    return [written(item) for item in value] if isinstance(value, tuple) else value
 
 
 def read(record: Any) -> Any:
-    """Return what was `written`; `InputError` where it is none that this version writes."""
+    """Return the value that `written` has made a record of; `InputError` for any other record."""
     if isinstance(record, list):
-        return tuple(read(one) for one in record)
+        return tuple(read(item) for item in record)
     if not isinstance(record, dict):
         return record
-    parts = {name: read(one) for name, one in record.items() if name != "kind"}
+    members = {name: read(item) for name, item in record.items() if name != "kind"}
     try:
         if "kind" not in record:
-            return np.array(parts["real"]) + 1j * np.array(parts["imag"])
+            return np.array(members["real"]) + 1j * np.array(members["imag"])
         if record["kind"] == Pieces.__name__:
-            parts = {name: np.array(one) for name, one in parts.items()}
-        return _KINDS[record["kind"]](**parts)
+            members = {name: np.array(item) for name, item in members.items()}
+        return _KINDS[record["kind"]](**members)
     except (KeyError, TypeError):
         raise InputError("a manifest must hold every number of a campaign, and no others") from None

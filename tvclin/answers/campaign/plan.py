@@ -1,4 +1,4 @@
-"""What a campaign is: one frozen value that says everything its numbers depend on."""
+"""The specification of a campaign: a frozen value of all that its numbers depend on."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -38,50 +38,52 @@ from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
-_MOST_CASES = 10**10
-_MOST_LATIN_CASES = 10**7
+_MAX_CASES = 10**10
+"""Largest number of cases of a campaign."""
+_MAX_LATIN_CASES = 10**7
+"""Largest number of cases of a Latin hypercube, which is drawn at once."""
 
 
-def _some(name: str, value: object) -> int:
-    """Return a number of cases; `InputError` for none, and for more than anyone draws."""
-    if 0 < (number := whole_number(name, value)) <= _MOST_CASES:
+def _case_count(name: str, value: object) -> int:
+    """Return a number of cases; `InputError` unless it is from 1 to `_MAX_CASES`."""
+    if 0 < (number := whole_number(name, value)) <= _MAX_CASES:
         return number
     raise InputError(f"{name} must be from 1 to 1e10; got {shown(value)}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Campaign(Case):
-    """Many dispersed cases of one vehicle, to be run chunk by chunk: of a case, the nominal one.
+    """Many dispersed cases of a vehicle, to be run chunk by chunk, around a nominal case.
 
-    The structure of its vehicle counts for "margins" and "flight", and all else is of the rigid
-    one. Autopilot and law are designed on the nominal rigid vehicle; the filters of the autopilot
-    stand in every law, and its gains may be dispersed.
+    The structure of the vehicle counts for "margins" and "flight"; all other outputs are of the
+    rigid vehicle. Autopilot and law are designed on the nominal rigid vehicle; the filters of the
+    autopilot stand in every law, and its gains may be dispersed.
 
     With a stop of both planes, which needs a wind with a direction, both are judged: autopilot and
-    law are designed in each, and columns of each plane stand beside those of both. "margins" are
-    those of `plane`.
+    law are designed in each, and there are columns of each plane and of both. "margins" are
+    the margins in `plane`.
 
     Attributes
     ----------
     vehicle : Vehicle
-        The nominal vehicle, one.
+        The nominal vehicle, no batch.
     wind : ShapedWind or WindEnsemble
-        Its winds, in the plane, or with a direction and a stop of both planes. A gust without a
-        time is placed where the nominal vehicle requires most at the first of `dead_bands`, as in a
-        study, and stays so far from the middle of the wind in all cases.
+        The wind or winds, in the plane, or with a direction and a stop of both planes. A gust
+        without a time is placed where the nominal vehicle requires most at the first of
+        `dead_bands`, as in a study, and keeps its time from the middle of the wind in all cases.
     dispersions : Dispersions
-        What is uncertain; the default ones are assumed, not any programme's.
+        Uncertain parameters; the default dispersions are assumed, not any programme's.
     cases : int
-        How many cases at most.
+        Largest number of cases.
     seed : int
         Case i is drawn from the seed and i alone.
     outputs : tuple of str
-        What is computed for each case: "required" (`required_deflection` at each dead band),
-        "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
+        Outputs computed for each case: "required" (`required_deflection` at each dead band),
+        "forecast-free" (the minimum for any law without a forecast), "minimum" (appendix C),
         "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
         mode of a flexible vehicle),
-        "flight" (what comes of flying the law with its nozzle), "flown" (the boundary at each dead
-        band by flights with six degrees of freedom, some tenths of a second for each).
+        "flight" (survival and peaks of a flight of the law with its nozzle), "flown" (the boundary
+        at each dead band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
         K of "required" and "flown", each in [0, 1].
     method : str
@@ -89,13 +91,14 @@ class Campaign(Case):
     chunk : int
         Cases in one file.
     probability : float
-        Fraction of all flights that the deflection asked for is to cover.
+        Fraction of all flights that the quantile of the deflection is to cover.
     confidence : float
-        Confidence with which it does.
+        Confidence of each bound of that quantile.
     law : str
         The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
     until : float, optional
-        Stop when both bounds of the first output lie within this part of its quantile.
+        End the campaign when both bounds of the first output lie within this fraction of its
+        quantile.
 
     Raises
     ------
@@ -107,12 +110,12 @@ class Campaign(Case):
     vehicle: Vehicle
     wind: ShapedWind | WindEnsemble
     dispersions: Dispersions = DEFAULT_DISPERSIONS
-    cases: int = count(check=_some)
+    cases: int = count(check=_case_count)
     seed: int = count(0)
     outputs: tuple[str, ...] = word(OUTPUTS, ("required",), many=True)
     dead_bands: tuple[float, ...] = quantity("number", (1.0,), between(0.0, 1.0), many=True)
     method: str = word(METHODS, "plain")
-    chunk: int = count(1024, _some)
+    chunk: int = count(1024, _case_count)
     probability: float = quantity("number", 0.99865, fraction)
     confidence: float = quantity("number", 0.9, fraction)
     law: str = word(LAWS, AUTOPILOT)
@@ -131,11 +134,12 @@ class Campaign(Case):
             object.__setattr__(self, "wind", self.wind_at(self.dead_bands[0]))
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         self._check_outputs()
-        if self.method == "latin" and self.cases > _MOST_LATIN_CASES:
+        if self.method == "latin" and self.cases > _MAX_LATIN_CASES:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
 
     def _check_planes(self) -> None:
+        """Raise `InputError` for a wind, stop and outputs that do not fit together."""
         if self.nozzle.stop is None:
             if isinstance(self.wind, ShapedWind) and self.heading is not None:
                 self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
@@ -156,23 +160,24 @@ class Campaign(Case):
 
     @cached_property
     def parts(self) -> dict[str, Self]:
-        """The campaign in each plane in which its wind blows; the same one without a stop of both.
+        """The campaign by plane, for each plane with wind; this campaign without a stop of both.
 
         Raises
         ------
         InputError
-            For a wind that has no part in `plane`.
+            For a wind without a component in `plane`.
         """
         if self.nozzle.stop is None or not isinstance(self.wind, ShapedWind):
             return {self.plane: self}
         path, nozzle = float(np.asarray(self.vehicle.attitude)), replace(self.nozzle, stop=None)
-        blows = [name for name, peak in self.wind.peaks(path).items() if peak]
+        windy = [name for name, peak in self.wind.peaks(path).items() if peak]
         return {
             name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, path))
-            for name in dict.fromkeys((self.plane, *blows))
+            for name in dict.fromkeys((self.plane, *windy))
         }
 
     def _check_outputs(self) -> None:
+        """Raise `InputError` for outputs that lack a law, limit, sign or gains."""
         if self.law != AUTOPILOT and "flight" not in self.outputs:
             raise InputError(
                 'a law is flown by the output "flight"; add that, or leave out the law'
@@ -186,14 +191,14 @@ class Campaign(Case):
 
     @property
     def nominal(self) -> dict[str, Any]:
-        """Nominal values [SI] of everything that can be dispersed here."""
-        held: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
-        held |= {"control_force_slope": self.vehicle.control_force}
-        return held | self.wind.nominal | self.gains | modes_nominal(self.vehicle.structure)
+        """Nominal values [SI] of all parameters that can be dispersed, by name."""
+        values: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
+        values |= {"control_force_slope": self.vehicle.control_force}
+        return values | self.wind.nominal | self.gains | modes_nominal(self.vehicle.structure)
 
     @property
     def gains(self) -> dict[str, float]:
-        """The nominal gains of the autopilot; nothing where no output depends on them."""
+        """The nominal gains of the autopilot by name; empty where no output depends on them."""
         flown = "flight" in self.outputs and self.law == AUTOPILOT
         if not flown and "margins" not in self.outputs:
             return {}
@@ -211,11 +216,11 @@ class Campaign(Case):
 
     @property
     def chunks(self) -> int:
-        """How many chunks make up all cases."""
+        """Number of chunks of all cases."""
         return -(-self.cases // self.chunk)
 
     def span(self, chunk: int) -> tuple[int, int]:
-        """Return the first case of a chunk and how many it has."""
+        """Return the first case of a chunk and its number of cases."""
         if whole_number("chunk", chunk) >= self.chunks:
             raise InputError(f"chunk must be below {self.chunks}; got {shown(chunk)}")
         first = chunk * self.chunk
@@ -223,9 +228,9 @@ class Campaign(Case):
 
 
 def checkpoints(chunks: int) -> Iterator[int]:
-    """Yield after how many chunks it is asked whether the answer has converged.
+    """Yield the numbers of finished chunks after which convergence is checked.
 
-    They grow by a tenth, so that asking costs no more than a part of the work.
+    Each is a tenth larger than the number before, so that checks cost a fraction of the work.
     """
     end = 0
     while end < chunks:

@@ -1,4 +1,4 @@
-"""The first answer: how much deflection covers a dispersed vehicle, in seconds, without a file."""
+"""The deflection that covers a dispersed vehicle, within seconds and without a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,10 +38,12 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import within_linear
 
-_QUICK_CASES, _VECTORS = 2000, 32
-"""Cases of `part_in_a_wind`, and of these whose vectors are solved before it looks again."""
-_MOST_CASES = 10_000_000
-"""Cases that are held in memory at once; a campaign has more."""
+_QUICK_CASES = 2000
+"""Number of cases of `part_in_a_wind`."""
+_VECTOR_CASES = 32
+"""Number of cases whose vectors are solved between two checks of `raise_to_vectors`."""
+_MAX_CASES = 10_000_000
+"""Largest number of cases in memory at once; a campaign may have more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,23 +53,24 @@ class DispersedStudy(Shown):
     Attributes
     ----------
     nominal : Study
-        The study itself.
+        The nominal study.
     dispersions : Dispersions
-        What was uncertain.
+        The uncertain parameters.
     seed : int
         Case i is drawn from the seed and i alone.
     values : dict of str to ndarray
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        of both planes where the study judges both; NaN where there is none. At the wind angle and
-        dynamic pressure that each case encounters.
+        of both planes where the study judges both; NaN where a case has no answer. At the wind
+        angle and dynamic pressure that each case encounters.
     status : ndarray of str
-        Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
+        Status of each case: "ok", "no unstable pole" (the required deflection is zero), or why it
+        has no answer.
     required : Quantile
-        The deflection [rad] that covers the probability asked for.
+        The quantile of the deflection [rad] at the specified probability.
     success : Success or None
-        How probable the limit of the study is sufficient.
+        Probability that the limit of the study is sufficient.
     drivers : dict of str to float
         Rank correlation of each parameter with the required deflection, the strongest first.
     """
@@ -97,7 +100,7 @@ class DispersedStudy(Shown):
         return "".join(map(table, self.tables()))
 
     def tables(self) -> tuple[Table, Table]:
-        """Return what covers the dispersions, and what drives it."""
+        """Return the tables of the covering deflection and of its drivers."""
         r = self.required
         of_cases, of_flights = shares(r.probability, r.confidence)
         covers = degrees("dispersed.upper", r.upper, unit="deg")
@@ -123,7 +126,7 @@ class DispersedStudy(Shown):
 
     @property
     def spreads(self) -> str:
-        """What is dispersed, and by how much, in sentences."""
+        """The dispersed parameters and their distributions, in sentences."""
         return (
             f"Dispersed are {self.dispersions.words}. The number is one standard deviation, of a"
             " uniform distribution half its width; a truncated one is normal and cut at three"
@@ -138,12 +141,12 @@ class DispersedStudy(Shown):
 
     @property
     def median(self) -> float:
-        """The median [rad] of the deflections that are known."""
+        """The median [rad] of the deflections of cases that have an answer."""
         return float(np.nanmedian(self.deflection))
 
     @property
     def part(self) -> float:
-        """What dispersions add, as a part of the nominal requirement; infinite if not known."""
+        """Relative increase of the requirement by dispersions; infinite if not known."""
         nominal = self.nominal.required_deflection
         if nominal == 0.0:
             return 0.0 if self.required.upper == 0.0 else np.inf
@@ -167,7 +170,7 @@ def disperse_study(
     study : Study
         The nominal vehicle, wind, model and dead band, and the limit in question.
     dispersions : Dispersions
-        What is uncertain; the default ones are assumed, not any programme's.
+        Uncertain parameters; the default dispersions are assumed, not any programme's.
     cases : int
         How many.
     seed : int
@@ -189,26 +192,26 @@ def disperse_study(
     >>> nominal = tv.Study.from_vehicle(
     ...     tv.load_vehicle("configuration-i"), duration=7.5, peak=np.radians(5)
     ... )
-    >>> found = tv.answers.disperse_study(nominal, cases=2000, seed=1)
-    >>> bool(found.required.upper > nominal.required_deflection)
+    >>> dispersed = tv.answers.disperse_study(nominal, cases=2000, seed=1)
+    >>> bool(dispersed.required.upper > nominal.required_deflection)
     True
     """
     campaign = _campaign(study, dispersions, cases, seed, method)
-    for name, part in (("probability", probability), ("confidence", confidence)):
-        fraction(name, part)
-    found = evaluate(campaign, 0, cases)
-    deflection = found[required_name(study.dead_band)] * study.of_both
-    good = ~np.isnan(deflection)
-    if not np.any(good):
-        raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
-    values = {name: found[name] for name in dispersions.parameters}
+    for name, value in (("probability", probability), ("confidence", confidence)):
+        fraction(name, value)
+    columns = evaluate(campaign, 0, cases)
+    deflection = columns[required_name(study.dead_band)] * study.of_both
+    answered = ~np.isnan(deflection)
+    if not np.any(answered):
+        raise InputError(f"no case has an answer; the first is: {columns['status'][0]}")
+    values = {name: columns[name] for name in dispersions.parameters}
     if study.case.heading is not None:
-        peaks = found.get("wind_peak", np.full(cases, study.placed.peak))
-        vectors = good & ~within_linear(
+        peaks = columns.get("wind_peak", np.full(cases, study.placed.peak))
+        vectors = answered & ~within_linear(
             np.abs(peaks / pulse_of(study.case).peak) * study.wind_angle
         )
-        deflection[vectors], found["status"][vectors] = np.inf, BEYOND
-    counted, limit = deflection[good], study.limit
+        deflection[vectors], columns["status"][vectors] = np.inf, BEYOND
+    counted, limit = deflection[answered], study.limit
     sufficient = 0 if limit is None else int(np.sum(covers(limit, counted)))
     return DispersedStudy(
         nominal=study,
@@ -216,21 +219,22 @@ def disperse_study(
         seed=int(seed),
         values=values,
         deflection=deflection,
-        status=found["status"].astype(str),
+        status=columns["status"].astype(str),
         required=quantile_bound(counted, probability, confidence),
         success=None
         if limit is None
         else success_probability(sufficient, counted.size, confidence),
-        drivers=sensitivities({k: v[good] for k, v in values.items()}, counted),
+        drivers=sensitivities({k: v[answered] for k, v in values.items()}, counted),
     )
 
 
 def _campaign(
     study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
 ) -> Campaign:
+    """Return the campaign of a study: its vehicle and placed wind, dispersed."""
     instance("study", study, Study, "see Study.from_vehicle")
-    if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
-        raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
+    if not 1 <= whole_number("cases", cases) <= _MAX_CASES:
+        raise InputError(f"cases must be from 1 to {_MAX_CASES}; got {shown(cases)}")
     return Campaign(
         vehicle=complete_vehicle(study.vehicle, "a dispersed study"),
         wind=study.placed,
@@ -248,51 +252,54 @@ def _campaign(
 def part_in_a_wind(
     vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
 ) -> float:
-    """Return what default dispersions of a vehicle add in a wind that is none of the standard ones.
+    """Return the relative increase of the required deflection by default dispersions of a vehicle.
 
-    As a part of what the nominal vehicle needs, of 2000 cases, as `DispersedStudy.part`: in the
-    plane of the case, or of the vector in both with its stop.
+    `wind` is of any shape, and not dispersed. Of 2000 cases, relative to the nominal requirement,
+    as `DispersedStudy.part`: in the plane of the case, or of the vector in both with its stop.
     """
-    own = Dispersions(tuple(one for one in DEFAULT_DISPERSIONS.each if one.parameter not in WIND))
-    held = {name: getattr(vehicle, name) for name in own.parameters}
-    cases = own.apply(held, draw(0, 0, _QUICK_CASES, len(own.each)))
+    dispersions = Dispersions(tuple(x for x in DEFAULT_DISPERSIONS.each if x.parameter not in WIND))
+    nominal_values = {name: getattr(vehicle, name) for name in dispersions.parameters}
+    numbers = draw(0, 0, _QUICK_CASES, len(dispersions.each))
+    cases = dispersions.apply(nominal_values, numbers)
     needs = np.full(_QUICK_CASES, np.nan)
 
-    def of(which: IndexArray) -> Vehicle:
-        return vehicle.replace(**{name: one[which] for name, one in cases.values.items()})
+    def vehicles(which: IndexArray) -> Vehicle:
+        return vehicle.replace(**{name: values[which] for name, values in cases.values.items()})
 
     def answer(which: IndexArray) -> None:
-        needs[which] = _needed(of(which), wind, case, dead_band)
+        needs[which] = _needed(vehicles(which), wind, case, dead_band)
 
     divide(answer, lambda *_: None, np.flatnonzero(cases.possible))
     if isinstance(wind, PlaneWind):
-        blows = wind
-        raise_to_vectors(needs, lambda one: _of_vectors(of(one), blows, case, dead_band))
-    known = needs[~np.isnan(needs)]
-    if not known.size:
+        vector = wind
+        raise_to_vectors(needs, lambda which: _of_vectors(vehicles(which), vector, case, dead_band))
+    answers = needs[~np.isnan(needs)]
+    if not answers.size:
         raise InputError("no dispersed case of this flight time has an answer in this wind")
     nominal = (
         _of_vectors(vehicle, wind, case, dead_band)
         if isinstance(wind, PlaneWind)
         else _needed(vehicle, wind, case, dead_band)
     )
-    return _upper(known) / float(nominal) - 1.0
+    return _upper(answers) / float(nominal) - 1.0
 
 
 def _upper(needs: FloatArray) -> float:
+    """Return the upper bound [rad] of the quantile that covers a campaign by default."""
     return quantile_bound(needs, Campaign.probability, Campaign.confidence).upper
 
 
 def raise_to_vectors(needs: FloatArray, vectors: Callable[[IndexArray], FloatArray]) -> None:
-    """Raise the largest needs of each plane by itself to those of the vector.
+    """Raise the largest requirements [rad] of the planes by themselves to those of the vector.
 
-    Vectors are solved one by one; the others are left where even twice the largest excess that was
-    found would not bring them to what is covered.
+    `needs`: ``(n,)``, changed in place. `vectors`: from indices of cases to the requirements of the
+    vector [rad]. Vectors are solved from the largest requirement downwards, until even twice the
+    largest relative excess so far does not raise the next case to the quantile.
     """
     order = np.argsort(-needs)[: int(np.sum(~np.isnan(needs)))]
     excess = 0.0
-    for first in range(0, order.size, _VECTORS):
-        which = order[first : first + _VECTORS]
+    for first in range(0, order.size, _VECTOR_CASES):
+        which = order[first : first + _VECTOR_CASES]
         if first and needs[which[0]] * (1.0 + 2.0 * excess) <= _upper(needs[order]):
             return
         alone, needs[which] = needs[which], vectors(which)
@@ -302,7 +309,7 @@ def raise_to_vectors(needs: FloatArray, vectors: Callable[[IndexArray], FloatArr
 def _needed(
     vehicle: Vehicle, wind: History | PlaneWind, case: Case, dead_band: float
 ) -> FloatArray:
-    """What vehicles require [rad] in one wind, in both planes what each by itself does."""
+    """Return required deflections [rad] in a wind, of both planes with each by itself, ``(n,)``."""
     if isinstance(wind, PlaneWind):
         alone = alone_needed(_plants(vehicle, case), wind, dead_band)
         return rectangle(stop_of(case.nozzle.stop or ""), alone["pitch"], alone["yaw"])
@@ -311,11 +318,11 @@ def _needed(
 
 
 def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float) -> FloatArray:
-    """What vehicles require [rad] of both planes in one wind with its vectors."""
+    """Return required deflections [rad] of both planes in a wind with its vectors, ``(n,)``."""
     stop = stop_of(case.nozzle.stop or "")
-    found = planes_needed(_plants(vehicle, case), wind, stop, dead_band)
-    return np.asarray(found.deflection)
+    return np.asarray(planes_needed(_plants(vehicle, case), wind, stop, dead_band).deflection)
 
 
 def _plants(vehicle: Vehicle, case: Case) -> dict[str, Plant]:
+    """Return the plants of vehicles by plane."""
     return {plane: Plant.from_vehicle(vehicle, case.model, plane) for plane in PLANES}

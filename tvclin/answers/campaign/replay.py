@@ -1,4 +1,4 @@
-"""One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
+"""A case of a campaign in full: its inputs and outputs, plant, wind and exact response."""
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -30,16 +30,16 @@ from tvclin.vehicle.coefficients import BOTH
 if TYPE_CHECKING:
     from control import TimeResponseData
 
-_WATCHED = 20.0
-"""A flight ends so long after its wind, over the fastest unstable pole."""
+_FLOWN_TIME_CONSTANTS = 20.0
+"""Duration of a flight after its wind, in time constants of the fastest unstable pole."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPlane:
-    """One case in one plane.
+    """A case in a plane.
 
-    `made`: its plant and wind. `law`: what flew it, where the campaign flies. `share`: the part of
-    the limit that it was flown with.
+    `made`: its plant and wind. `law`: the law of its flight; None where nothing is flown. `share`:
+    the fraction of the limit that its flight has.
     """
 
     made: Batch
@@ -49,12 +49,12 @@ class ReplayedPlane:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """One case of a campaign.
+    """A case of a campaign.
 
-    `inputs`: what was drawn for it [SI]. `outputs`: what was found [SI]; with the versions of the
-    manifest the same bits as in the campaign. `status`: "ok", or in words what is different.
-    `planes`: the case in each plane that is judged and in which its wind blows; none where it
-    cannot be. Where a method takes a plane, that of the campaign is meant without one.
+    `inputs`: its dispersed parameters [SI]. `outputs`: its answers [SI]; with the versions of the
+    manifest the same bits as in the campaign. `status`: "ok", or in words why it has no answer.
+    `planes`: the case in each plane that is judged and has wind; empty where the case is
+    impossible. Methods with a `plane` take the plane of the campaign by default.
     """
 
     campaign: Campaign
@@ -71,13 +71,14 @@ class Replay:
 
     @cached_property
     def required(self) -> float:
-        """The deflection [rad] that is required at `dead_band` at nominal dynamic pressure.
+        """Required deflection [rad] at `dead_band`, at nominal dynamic pressure.
 
         In the plane of the campaign; its sign opposes the wind.
         """
         return self._required("")
 
     def _required(self, plane: str) -> float:
+        """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure."""
         from tvclin.answers.requirement import required_deflection
 
         made = self._plane(plane).made
@@ -86,12 +87,12 @@ class Replay:
     def response(
         self, capability: float = 1.0, points: int = 401, plane: str = ""
     ) -> "TimeResponseData":
-        """Return the exact response to the wind and to trim until the dead band is left.
+        """Return the exact response to the wind and to trim, with the limit from the switch on.
 
-        `capability`: deflection limit over what is required, positive. With more than one the limit
-        that is held for ever drives the attitude away to the other side. `points`: how many times,
-        from the onset of the wind to twice its duration. `InputError` when the case cannot be, or
-        needs no deflection.
+        The switch is the exit of the dead band. `capability`: deflection limit normalised by the
+        required deflection, positive; above 1 the constant limit drives the attitude away in the
+        opposite direction. `points`: number of times, from the onset of the wind to twice its
+        duration. `InputError` when the case is impossible, or requires no deflection.
         """
         made = self._plane(plane).made
         required = self._required(plane) if plane else self.required
@@ -107,10 +108,10 @@ class Replay:
 
     @property
     def capability(self) -> float:
-        """The limit over what it needs, where it is lost with the limit of the campaign; else one.
+        """Ratio of the limit of the campaign to the requirement, if the case is lost; else 1.
 
-        What it needs counts the dynamic pressure met in its wind. A case that is flown by a law is
-        judged by its flight.
+        The requirement is at the dynamic pressure encountered in its wind. A case that is flown by
+        a law is judged by its flight, and has the ratio 1.
         """
         limit, needs = self.campaign.nozzle.limit, self._needs
         if limit is None or "flight_survived" in self.outputs or not limit < needs < np.inf:
@@ -119,21 +120,22 @@ class Replay:
 
     @property
     def _needs(self) -> float:
-        known = self.outputs.get(required_name(self.dead_band))
-        if known is not None or self.campaign.planes != BOTH:
-            return abs(self.required) if known is None else known
-        asked = replace(self.campaign, outputs=("required",), law=AUTOPILOT)
-        return float(evaluate(asked, self.case, 1)[required_name(self.dead_band)][0])
+        """The required deflection [rad] at `dead_band`, of both planes where both are judged."""
+        column = self.outputs.get(required_name(self.dead_band))
+        if column is not None or self.campaign.planes != BOTH:
+            return abs(self.required) if column is None else column
+        campaign = replace(self.campaign, outputs=("required",), law=AUTOPILOT)
+        return float(evaluate(campaign, self.case, 1)[required_name(self.dead_band)][0])
 
     @property
     def fate(self) -> str:
-        """What becomes of the case at the limit of the campaign, in words; empty without one."""
+        """Survival or loss at the limit of the campaign, in words; empty without a limit."""
         limit = self.campaign.nozzle.limit
         if limit is None or not self.planes:
             return ""
         if "flight_survived" in self.outputs:
-            known = {1.0: "survives", 0.0: "lost"}
-            word = known.get(self.outputs["flight_survived"], "neither survives nor is lost")
+            words = {1.0: "survives", 0.0: "lost"}
+            word = words.get(self.outputs["flight_survived"], "neither survives nor is lost")
         else:
             word = "survives" if self._needs <= limit else "lost"
         return f"{word} with a limit of {np.degrees(limit):.4g} deg"
@@ -145,10 +147,9 @@ class Replay:
 
     @property
     def extremes(self) -> dict[str, float]:
-        """What is largest in `response` [deg], and its end [s]; nothing where there is none.
+        """Largest angles in `response` [deg], and its end [s], by name; empty without a response.
 
-        It has as much of what it needs as the limit, where it is lost, and else all. Of two planes
-        the names say which.
+        The response is that with `capability`. With two planes the names begin with the plane.
         """
         return self._extremes(
             lambda plane: self.response(self.capability, plane=plane),
@@ -157,25 +158,26 @@ class Replay:
 
     @property
     def extremes_flown(self) -> dict[str, float]:
-        """The same of `flown`, with the deflection."""
+        """Largest angles in `flown` [deg], with the deflection, and its end [s], by name."""
         return self._extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
 
     def _extremes(
         self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
     ) -> dict[str, float]:
-        every = {plane: _extremes(partial(made, plane), names) for plane in self.planes}
-        if len(every) < 2:
-            return next(iter(every.values()), {})
-        return {f"{plane}_{k}": v for plane, found in every.items() for k, v in found.items()}
+        """Return the largest angles [deg] of responses in all planes, and their ends [s]."""
+        planes = {plane: _extremes(partial(made, plane), names) for plane in self.planes}
+        if len(planes) < 2:
+            return next(iter(planes.values()), {})
+        return {f"{plane}_{k}": v for plane, peaks in planes.items() for k, v in peaks.items()}
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON; units are told."""
+        """Return the record as the command line prints it as JSON, with units by name."""
         return picked(
             self, "case status fate inputs outputs units response=extremes flight=extremes_flown"
         )
 
     def tables(self) -> tuple[Table, ...]:
-        """Return what was drawn, what it needs, what was flown, and the response."""
+        """Return the tables of inputs, required deflections, flight, margins and response."""
         angles = {k: v for k, v in self.outputs.items() if self.units[k] == "rad"}
         needs = {k: v for k, v in angles.items() if not k.startswith("flight_")}
         margins = {k: v for k, v in self.outputs.items() if k.startswith("margin_")}
@@ -183,56 +185,59 @@ class Replay:
             (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
             for k, v in self.inputs.items()
         )
-        part = "on the boundary"
+        reference = "on the boundary"
         if self.planes and self.capability < 1.0:
-            part = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
-        every = (
+            reference = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
+        tables = (
             quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
             quantities("It needs", _angles(needs)),
             quantities("Flown with the limit", _plain(self.extremes_flown)),
             quantities("Margins of the autopilot", _plain(margins)),
-            quantities(f"Response {part}, K = {self.dead_band:g}", _plain(self.extremes)),
+            quantities(f"Response {reference}, K = {self.dead_band:g}", _plain(self.extremes)),
         )
-        return tuple(one for one in every if one.rows)
+        return tuple(table for table in tables if table.rows)
 
     def flown(self, plane: str = "") -> "TimeResponseData":
-        """Return its flight with limits, at the samples of its law, until some time after its wind.
+        """Return the flight with limits, at the samples of its law.
 
-        `InputError` when the case cannot be, or the campaign flies nothing.
+        It ends 20 time constants of the fastest unstable pole after the wind. `InputError` when the
+        case is impossible, or the campaign flies nothing.
         """
-        one = self._plane(plane)
-        wind = one.made.wind
-        if one.law is None or self.campaign.nozzle.limit is None:
+        replayed = self._plane(plane)
+        wind = replayed.made.wind
+        if replayed.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
-        poles = np.real(unstable_modes(one.made.plant).poles)
+        poles = np.real(unstable_modes(replayed.made.plant).poles)
         begin, rate = float(wind.onset), hardware["sample_rate"]
-        end = float(wind.end) + (_WATCHED / float(poles.max()) if poles.size else 0.0)
+        end = float(wind.end) + (_FLOWN_TIME_CONSTANTS / float(poles.max()) if poles.size else 0.0)
         return fly(
-            one.made.flying,
-            one.law,
+            replayed.made.flying,
+            replayed.law,
             wind,
             begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
-            deflection_limit=self.campaign.nozzle.limit * one.share,
+            deflection_limit=self.campaign.nozzle.limit * replayed.share,
             **hardware,
         )
 
     def _plane(self, plane: str) -> ReplayedPlane:
+        """Return the case in a plane; `InputError` for an impossible case or another plane."""
         if not self.planes:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
         return self.planes[one_of("plane", plane or self.campaign.plane, self.planes)]
 
 
-def _angles(found: dict[str, float]) -> Iterator[Row]:
-    for name, angle in found.items():
+def _angles(angles: dict[str, float]) -> Iterator[Row]:
+    """Yield a row for each angle [rad], in degrees."""
+    for name, angle in angles.items():
         lost = np.isinf(angle)
         yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
 
 
 def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
-    """The largest of some outputs of a response [deg], and its end [s]; nothing without one.
+    """Return the largest values of outputs of a response [deg], and its end [s].
 
-    It ends where the vehicle has fallen over.
+    It ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`. Empty where the case has no response.
     """
     try:
         response = made()
@@ -240,20 +245,21 @@ def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) ->
         return {}
     fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
     end = int(fallen[0]) if fallen.size else response.time.size - 1
-    found = {
+    peaks = {
         f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))
         for name in names
     }
-    return found | {"until_s": float(response.time[end])}
+    return peaks | {"until_s": float(response.time[end])}
 
 
-def _plain(found: dict[str, float]) -> Iterator[Row]:
-    for name, value in found.items():
+def _plain(values: dict[str, float]) -> Iterator[Row]:
+    """Yield a row for each value, in the unit of its name."""
+    for name, value in values.items():
         yield name.replace("_", " "), significant(f"output.{name}", value)
 
 
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
-    """Return one case of a campaign, computed anew, by compiled kernels or without them."""
+    """Return a case of a campaign, computed again, with compiled kernels or without them."""
     if whole_number("case", case) >= campaign.cases:
         raise InputError(
             f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
@@ -273,14 +279,14 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
 
 
 def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
-    """The first case of a batch in each plane."""
+    """Return the first case of a batch by plane."""
     flies = "flight" in campaign.outputs
     shares = shares_of(campaign, made) if made.parts else {}
     return {
         plane: ReplayedPlane(
-            one.first,
-            law_of(campaign.parts[plane], one) if flies else None,
+            in_plane.first,
+            law_of(campaign.parts[plane], in_plane) if flies else None,
             float(np.ravel(shares.get(plane, 1.0))[0]),
         )
-        for plane, one in (made.parts or {campaign.plane: made}).items()
+        for plane, in_plane in (made.parts or {campaign.plane: made}).items()
     }

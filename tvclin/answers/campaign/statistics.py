@@ -1,4 +1,4 @@
-"""What a sample proves: quantiles and probabilities with confidence, and what drives them."""
+"""Statistics of a sample: quantiles and probabilities with confidence, and their drivers."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, fraction, whole_number
 from tvclin.base.lines import Line, number
 
-_ROUNDING = 1e-12
-"""A probability that is so near to a confidence is equal to it."""
+_PROBABILITY_TOLERANCE = 1e-12
+"""Largest difference of a probability and a confidence that count as equal."""
 
 
 def shares(probability: float, confidence: float) -> tuple[str, str]:
-    """Return what tables call a quantile of a sample, and its upper bound."""
+    """Return the labels, in tables, of a quantile of a sample and of its upper bound."""
     percent = f"{100 * probability:g} %"
     return f"{percent} of the cases", f"{percent} of flights, {100 * confidence:g} % sure"
 
@@ -26,9 +26,8 @@ class Quantile(Shown):
     """A quantile of a sample with its confidence bounds, by order statistics.
 
     `probability`, `confidence`: of the quantile, and of each bound. `estimate`: the sample
-    quantile. `upper`: with the confidence asked for, the quantile is no larger; infinite if the
-    sample is too small to say so. `lower`: with the same confidence it is no smaller; minus
-    infinite if that cannot be said. `cases`: size of the sample.
+    quantile. `upper`, `lower`: bounds of the quantile, each with that confidence; plus and minus
+    infinity if the sample is too small to bound it. `cases`: size of the sample.
     """
 
     probability: float
@@ -46,8 +45,8 @@ class Quantile(Shown):
         return self.within(0.01)
 
     def within(self, part: float) -> bool:
-        """Return whether both bounds lie within a part of the estimate of each other."""
-        if not np.isfinite(self.estimate):  # so many flights are lost
+        """Return whether the bounds differ by at most a fraction `part` of the estimate."""
+        if not np.isfinite(self.estimate):  # with too many lost flights
             return False
         return bool(self.upper - self.lower <= part * abs(self.estimate))
 
@@ -64,8 +63,12 @@ class Success(Shown):
     def line(self, name: str) -> Line:
         """Return the probability and its interval in percent, as a line with that name."""
         percent = (
-            number(f"{name}{end}", 100.0 * part, 2)
-            for end, part in (("", self.estimate), ("_lower", self.lower), ("_upper", self.upper))
+            number(f"{name}{end}", 100.0 * probability, 2)
+            for end, probability in (
+                ("", self.estimate),
+                ("_lower", self.lower),
+                ("_upper", self.upper),
+            )
         )
         estimate, lower, upper = percent
         return (*estimate, " % (", *lower, " to ", *upper, " %)")
@@ -75,10 +78,10 @@ class Success(Shown):
 
 @dataclass(frozen=True)
 class Driver:
-    """How an input goes with the loss of flights.
+    """The correlation of an input with the loss of flights.
 
     `rank`: rank correlation with the loss: positive where larger values are lost more often.
-    `sure`: one minus the probability that, of as many inputs that drive nothing, one shows as much.
+    `sure`: one minus the probability that any of as many inputs without effect correlates as much.
     """
 
     rank: float
@@ -105,10 +108,13 @@ def quantile_bound(
     n = sample.size
 
     def below(rank: int) -> float:
+        """Return the probability that at most `rank` values lie below the quantile."""
         return float(bdtr(rank, n, p))
 
-    upper = bisect_left(range(n), c - _ROUNDING, key=below)  # counted from zero, as `sample` is
-    lower = bisect_right(range(n), 1.0 - c + _ROUNDING, key=below) - 1
+    upper = bisect_left(
+        range(n), c - _PROBABILITY_TOLERANCE, key=below
+    )  # counted from zero, as `sample` is
+    lower = bisect_right(range(n), 1.0 - c + _PROBABILITY_TOLERANCE, key=below) - 1
     return Quantile(
         p,
         c,
@@ -127,41 +133,41 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
     if not 0 < n or k > n:
         raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
     c = fraction("confidence", confidence)
-    missed = (1.0 - c) / 2.0
-    low = betaincinv(k, n - k + 1, missed) if k else 0.0
-    high = betaincinv(k + 1, n - k, 1.0 - missed) if k < n else 1.0
+    tail = (1.0 - c) / 2.0
+    low = betaincinv(k, n - k + 1, tail) if k else 0.0
+    high = betaincinv(k + 1, n - k, 1.0 - tail) if k < n else 1.0
     return Success(k / n, float(low), float(high), c)
 
 
 def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:
     """Return the rank correlation of each input with the output, the strongest first.
 
-    `inputs`: dispersed values, ``(n,)`` each. `output`: what they drive, ``(n,)``, without NaN;
+    `inputs`: dispersed values, ``(n,)`` each. `output`: values without NaN, ``(n,)``;
     infinite values have the highest rank.
 
-    Spearman's coefficient: its square is about the part of the variance of the ranks that the
-    input explains alone, when inputs are independent. Zero where one of the two is constant.
+    Spearman's coefficient: its square is about the fraction of the variance of the ranks that the
+    input explains by itself, when inputs are independent. Zero where input or output is constant.
     """
     from scipy.stats import spearmanr
 
     result = np.asarray(output, dtype=float)
     if np.any(np.isnan(result)):
         raise InputError("output must be a sample without NaN")
-    found = {
+    ranks = {
         name: float(spearmanr(values, result).statistic)
         if np.ptp(values) and result.min() < result.max()
         else 0.0
         for name, values in inputs.items()
     }
-    return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
+    return dict(sorted(ranks.items(), key=lambda item: -abs(item[1])))
 
 
 def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
-    """Return how each input goes with the loss of flights, the strongest first.
+    """Return the correlation of each input with the loss of flights, the strongest first.
 
-    `inputs`: dispersed values, ``(n,)`` each. Nothing where no flight or every flight is lost.
+    `inputs`: dispersed values, ``(n,)`` each. Empty where no flight or every flight is lost.
 
-    How sure it is comes from the test of Mann and Whitney, exact for few flights without ties,
+    `Driver.sure` comes from the test of Mann and Whitney, exact for few flights without ties,
     times the number of inputs (Bonferroni).
 
     Examples
@@ -169,8 +175,8 @@ def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Dr
     >>> import numpy as np
     >>> from tvclin.answers.campaign.statistics import loss_drivers
     >>> thrust = np.linspace(0.95, 1.05, 8)
-    >>> found = loss_drivers({"thrust": thrust}, thrust < 0.98)["thrust"]
-    >>> round(found.rank, 3), round(found.sure, 3)
+    >>> driver = loss_drivers({"thrust": thrust}, thrust < 0.98)["thrust"]
+    >>> round(driver.rank, 3), round(driver.sure, 3)
     (-0.845, 0.964)
     """
     from scipy.stats import mannwhitneyu
@@ -180,6 +186,7 @@ def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Dr
         return {}
 
     def chance(values: FloatArray) -> float:
+        """Return the probability of so strong a correlation by chance, times the inputs."""
         if not np.ptp(values):
             return 1.0
         return len(inputs) * float(mannwhitneyu(values[which], values[~which]).pvalue)

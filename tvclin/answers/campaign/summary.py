@@ -1,4 +1,4 @@
-"""What a campaign has found so far: which deflection covers it, what drives it, how sure it is."""
+"""Summary of a campaign: the deflection that covers it, its drivers, and its confidence."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, sig
 from tvclin.base.quantities import sufficiency, survival
 from tvclin.vehicle.coefficients import BOTH
 
-_MOST = 5
-"""So many cases and drivers are shown."""
-_SURE = 0.999
+_MAX_SHOWN = 5
+"""Largest number of cases and of drivers that are shown."""
+_MAX_SHOWN_CONFIDENCE = 0.999
+"""Largest confidence that is shown as a number; a higher one is "above 99.9 %"."""
 
 
 @dataclass(frozen=True, eq=False)
 class CampaignSummary(Shown):
-    """One output of a campaign, over all finished cases; make it with `of`.
+    """Statistics of an output of a campaign, over all finished cases; make it with `of`.
 
-    `output`: the angle in question. `limit`: the limit in question [rad]. `required`: what covers
-    the probability asked for [rad]. `answers`: the output of the cases that have an answer [rad],
-    ``(n,)``. `success`, `survival`, `loss`: how probable the limit is sufficient, a flight
-    survives, and is lost.
+    `found`: the results. `output`: name of the angle. `limit`: deflection limit [rad].
+    `required`: quantile of the output [rad] at the specified probability. `answers`: the output of
+    the cases that have an answer [rad], ``(n,)``. `success`, `survival`, `loss`: probabilities that
+    the limit is sufficient, that a flight survives, and that it is lost.
     """
 
     found: CampaignResults
@@ -52,7 +53,7 @@ class CampaignSummary(Shown):
         probability: float | None = None,
         confidence: float | None = None,
     ) -> CampaignSummary:
-        """Return the summary of an output; arguments and errors of `CampaignResults`."""
+        """Return the summary of an output; parameters and exceptions of `CampaignResults`."""
         return cls(
             found=found,
             required=found.quantile(output, probability, confidence),
@@ -68,12 +69,12 @@ class CampaignSummary(Shown):
     def trusts_a_forecast(self) -> bool:
         """Whether the output is a boundary with a dead band below one."""
         bands = {required_name(K): K for K in self.found.campaign.dead_bands}
-        bands |= {of: K for name, K in bands.items() for of in in_planes(name).values()}
+        bands |= {k: K for name, K in bands.items() for k in in_planes(name).values()}
         return bands.get(self.output, 1.0) < 1.0
 
     @property
     def pressure(self) -> str:
-        """Which dynamic pressure the output has, in words."""
+        """The dynamic pressure of the output, in words."""
         plan, required = self.found.campaign, self.output.startswith("required_")
         both = plan.planes == BOTH
         across = plan.plane != "pitch" and not both
@@ -92,8 +93,8 @@ class CampaignSummary(Shown):
 
     @property
     def worst(self) -> dict[int, float]:
-        """The cases that need the most [rad], the worst first."""
-        cases = self.found.worst(_MOST, self.output).tolist()
+        """The largest answers [rad] by index of the case, the worst first."""
+        cases = self.found.worst(_MAX_SHOWN, self.output).tolist()
         return dict(zip(cases, np.sort(self.answers)[::-1].tolist(), strict=False))
 
     def as_dict(self) -> dict[str, Any]:
@@ -116,22 +117,22 @@ class CampaignSummary(Shown):
             "drivers": found.drivers(self.output),
             "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
             "convergence": [
-                picked(one, "cases lower_deg estimate_deg upper_deg")
-                for one in found.convergence(self.output)
+                picked(quantile, "cases lower_deg estimate_deg upper_deg")
+                for quantile in found.convergence(self.output)
             ],
         }
 
     def tables(self) -> tuple[Table, Table]:
-        """Return the answer with what drives it, and how it converges."""
+        """Return the tables of the answer with its drivers, and of its convergence."""
         plan, r = self.found.campaign, self.required
         planes = f", both planes, {plan.nozzle.stop} stop" if plan.planes == BOTH else ""
         caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
         rows = tuple(
             (
-                significant(f"convergence.{one.cases}", one.cases, 9),
-                *(self._bound(f"convergence.{one.cases}.{k}", getattr(one, k)) for k in _BOUNDS),
+                significant(f"convergence.{q.cases}", q.cases, 9),
+                *(self._bound(f"convergence.{q.cases}.{k}", getattr(q, k)) for k in _BOUNDS),
             )
-            for one in self.found.convergence(self.output)
+            for q in self.found.convergence(self.output)
         )
         converges = (
             f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"
@@ -140,6 +141,7 @@ class CampaignSummary(Shown):
         return quantities(caption, self._rows()), Table(converges, head, rows)
 
     def _rows(self) -> list[Row]:
+        """Return the rows of the answer with its drivers."""
         found, flights = self.found, self.found.flights
         of_cases, of_flights = shares(self.required.probability, self.required.confidence)
         done = f"{found.cases} of {found.campaign.cases}"
@@ -153,8 +155,16 @@ class CampaignSummary(Shown):
             (of_flights, self._bound("upper", self.required.upper)),
         ]
         limit = f"{np.degrees(self.limit or 0.0):.3f} deg is {sufficiency(True)} in"
-        parts = {limit: self.success, survival(True): self.survival, survival(False): self.loss}
-        rows += [(k, one.line(k)) for k, one in parts.items() if one is not None]
+        probabilities = {
+            limit: self.success,
+            survival(True): self.survival,
+            survival(False): self.loss,
+        }
+        rows += [
+            (k, probability.line(k))
+            for k, probability in probabilities.items()
+            if probability is not None
+        ]
         if flights is not None:
             rows.append(
                 ("flights", (f"{flights[0]} {survival(True)}, {flights[1]} {survival(False)}",))
@@ -164,13 +174,13 @@ class CampaignSummary(Shown):
         if self.trusts_a_forecast:
             said = "trusts a forecast of the wind; K = 1 needs none"
             rows.append(("this dead band", (said,)))
-        drivers = list(found.drivers(self.output).items())[:_MOST]
-        worst = [_of(str(k), _angle(f"worst.{k}", one)) for k, one in self.worst.items()]
-        driven = [_of(k, (*number(f"driver.{k}", one, 2),)) for k, one in drivers]
+        drivers = list(found.drivers(self.output).items())[:_MAX_SHOWN]
+        worst = [_with_name(str(k), _angle(f"worst.{k}", angle)) for k, angle in self.worst.items()]
+        driven = [_with_name(k, (*number(f"driver.{k}", rank, 2),)) for k, rank in drivers]
         return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
 
     def _bound(self, name: str, angle: float) -> Line:
-        """An angle; where flights are lost there may be no largest."""
+        """Return the text of a bound [rad], which may be infinite where flights are lost."""
         if not np.isinf(angle):
             return _angle(name, angle)
         flights = self.found.flights
@@ -182,30 +192,40 @@ class CampaignSummary(Shown):
         )
 
     def _driven(self, survived: int, lost: int) -> str:
-        """What drives the loss of flights, as far as the confidence asked for reaches."""
+        """Return the drivers of the loss of flights with the confidence of `required`, in words."""
         if not lost or not survived:
             return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
-        known = {
-            k: v for k, v in self.found.loss_drivers().items() if v.sure >= self.required.confidence
-        }
-        shown = [f"{k} ({v.rank:+.2f}, {_sure(v.sure)} sure)" for k, v in known.items()]
-        return ", ".join(shown[:_MOST]) or "nothing that stands out from chance"
+        shown = [
+            f"{name} ({driver.rank:+.2f}, {_sure(driver.sure)} sure)"
+            for name, driver in self.found.loss_drivers().items()
+            if driver.sure >= self.required.confidence
+        ]
+        return ", ".join(shown[:_MAX_SHOWN]) or "nothing that stands out from chance"
 
 
 _BOUNDS = ("lower", "estimate", "upper")
+"""Fields of `Quantile` in the table of convergence."""
 
 
 def _angle(name: str, angle: float) -> Line:
+    """Return the text of an angle [rad], in degrees."""
     return ("lost",) if np.isinf(angle) else degrees(f"campaign.{name}", angle, unit="deg")
 
 
-def _of(name: str, line: Line) -> Line:
+def _with_name(name: str, line: Line) -> Line:
+    """Return a name with a value in brackets."""
     return (f"{name} (", *line, ")")
 
 
 def _joined(lines: list[Line]) -> Line:
+    """Return lines as a single line, separated by commas."""
     return tuple(part for k, line in enumerate(lines) for part in ((", ",) if k else ()) + line)
 
 
 def _sure(sure: float) -> str:
-    return f"above {100 * _SURE:g} %" if sure > _SURE else f"{100 * sure:.1f} %"
+    """Return a confidence in percent, as text."""
+    return (
+        f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
+        if sure > _MAX_SHOWN_CONFIDENCE
+        else f"{100 * sure:.1f} %"
+    )
