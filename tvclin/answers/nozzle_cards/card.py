@@ -1,4 +1,4 @@
-"""What a motion asks of the nozzle that makes it: angle, rate, travel, torque, power and energy."""
+"""Duty of a nozzle in a motion: angle, rate, travel, torque, power and energy."""
 
 from __future__ import annotations
 
@@ -28,18 +28,19 @@ from tvclin.base.lines import number as figure
 from tvclin.linear.extremes import Point
 from tvclin.vehicle.vehicle import Vehicle
 
-_AT_STOP = 1e-3
-"""A deflection so near to the limit, relative, is at the stop."""
+_STOP_TOLERANCE = 1e-3
+"""Distance from the limit, relative to it, within which a deflection is at the limit."""
 WINDOW = 0.5
 """Length [s] of the usual window of a steady rate."""
 WITHOUT_DATA = (
     "torque, power and energy need the engine and its hinge: mass_kg, arm_m and more in [nozzle]"
 )
+"""Note on a card without nozzle data."""
 
 
 @dataclass(frozen=True)
 class NozzleCard(Shown):
-    """What a motion of the nozzle asks of it; peaks with their signs and times.
+    """Duty of a nozzle in a motion; peaks with their signs and times.
 
     Attributes
     ----------
@@ -51,17 +52,17 @@ class NozzleCard(Shown):
     steady_rate : float
         Largest mean rate [rad/s] over a window.
     window : float
-        Its length [s].
+        Length of that window [s].
     travel : float
         Integral of ``|delta'|`` [rad].
     reversals : int
-        How often the rate changes its sign.
+        Number of sign changes of the rate.
     time_at_stop : float or None
-        Time [s] within a thousandth of the limit; None without one.
+        Time [s] within a thousandth of the limit; None without a limit.
     work : Work or None
-        Torque, power and energy, where nozzle data are given.
+        Torque, power and energy; None without nozzle data.
     notes : tuple of str
-        What is left out, and why.
+        Omitted terms, and why they are omitted.
     """
 
     angle: Point
@@ -90,14 +91,14 @@ class NozzleCard(Shown):
     def tables(self) -> tuple[Table, ...]:
         """Return the card as a table of names and values."""
 
-        def at(point: Point, key: str, unit: str) -> Row:
-            when = figure(f"card.{key}_s", point.time, 2)
-            return key, (*degrees(f"card.{key}", point.value, unit=unit), " at ", *when, " s")
+        def peak(point: Point, key: str, unit: str) -> Row:
+            time = figure(f"card.{key}_s", point.time, 2)
+            return key, (*degrees(f"card.{key}", point.value, unit=unit), " at ", *time, " s")
 
         rows = [
-            at(self.angle, "angle", "deg"),
-            at(self.rate, "rate", "deg/s"),
-            at(self.acceleration, "acceleration", "deg/s2"),
+            peak(self.angle, "angle", "deg"),
+            peak(self.rate, "rate", "deg/s"),
+            peak(self.acceleration, "acceleration", "deg/s2"),
             ("rms rate", degrees("card.rms_rate", self.rms_rate, unit="deg/s")),
             (
                 f"steady rate over {self.window:g} s",
@@ -135,24 +136,24 @@ def nozzle_card(
     angle_of_attack: ArrayLike | None = None,
     attitude: ArrayLike | None = None,
 ) -> NozzleCard:
-    """Return what a motion of the nozzle, flown or given, asks of it.
+    """Return the duty of a nozzle in a motion, flown or given.
 
     Parameters
     ----------
     times : array_like
         Times [s], ``(n,)``, three or more, which increase.
     deflection : array_like
-        Deflection [rad] at these, ``(n,)``.
+        Deflection [rad] at these times, ``(n,)``.
     limit : float, optional
-        The stop [rad].
+        Deflection limit [rad].
     window : float
         Length [s] over which the steady rate is a mean.
     nozzle : NozzleData, optional
-        For torque, power and energy.
+        Engine and hinge, for torque, power and energy.
     vehicle : Vehicle, optional
-        One vehicle, for what its thrust and its motion add to the torque; on a bench without.
+        A single vehicle, whose thrust and motion add to the torque; without it, on a bench.
     angle_of_attack, attitude : array_like, optional
-        Of the flight [rad], ``(n,)``; they need a vehicle.
+        Angle of attack and attitude of the flight [rad], ``(n,)``; they need a vehicle.
 
     Raises
     ------
@@ -172,7 +173,7 @@ def nozzle_card(
             + M_f sgn(delta') + m_E a_x e + T e_T.
 
     Deflections are straight between the times, and accelerations differences of their slopes: a
-    deflection that jumps, or kinks, has larger ones the closer the times are.
+    deflection that jumps, or kinks, has larger accelerations the closer the times are.
 
     Examples
     --------
@@ -199,11 +200,11 @@ def nozzle_card(
             notes.append("without angle of attack and attitude the vehicle does not turn")
     elif angle_of_attack is not None or attitude is not None:
         raise InputError("angle_of_attack and attitude need a vehicle")
-    still = np.zeros(t.size)
-    alpha = still if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
-    turned = still if attitude is None else _row("attitude", attitude, t)
-    found = card_of(Motion.of_samples(t, delta, alpha, turned), limit, window, nozzle, vehicle)
-    return found if nozzle is None else replace(found, notes=(*notes, *found.notes))
+    zero = np.zeros(t.size)
+    alpha = zero if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
+    theta = zero if attitude is None else _row("attitude", attitude, t)
+    card = card_of(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
+    return card if nozzle is None else replace(card, notes=(*notes, *card.notes))
 
 
 def card_of(
@@ -213,7 +214,7 @@ def card_of(
     nozzle: NozzleData | None,
     vehicle: Vehicle | None,
 ) -> NozzleCard:
-    """Return the card of a motion; arguments as of `nozzle_card`."""
+    """Return the duty of a nozzle in a motion; same parameters as of `nozzle_card`."""
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))
     turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
@@ -225,7 +226,7 @@ def card_of(
         work, notes = work_of(motion, nozzle, vehicle)
     at_stop = None
     if limit is not None:
-        near = np.abs(delta) >= limit * (1.0 - _AT_STOP)
+        near = np.abs(delta) >= limit * (1.0 - _STOP_TOLERANCE)
         at_stop = float(steps[near[1:] & near[:-1]].sum())
     return NozzleCard(
         angle=largest(delta, t),
@@ -243,6 +244,7 @@ def card_of(
 
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
+    """Return angles [rad] at the times `t`, ``(n,)``; `InputError` for another shape or size."""
     row = (directions if name == "attitude" else small_angle("an angle"))(name, values, "rad")
     if row.shape != t.shape:
         raise InputError(f"{name} must be a row of {t.size} numbers, as times; got {row.shape}")

@@ -1,4 +1,4 @@
-"""What a law's flight asks of the nozzle."""
+"""Duty of a nozzle in the flight of a law."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from tvclin.winds.wind_angles import beyond_linear
 
 @dataclass(frozen=True)
 class FlownCard(Shown):
-    """What a law's flight asks of the nozzle.
+    """Duty of a nozzle in the flight of a law, and the verdict on its data sheet.
 
-    `status` is what became of the flight, as of `fly_many`. The card is until 15 times the fast
-    mode's time after the wind; None of a flight that is lost. Notes are of the design of the law,
-    and of what is left out of the card. In a wind beyond linear aerodynamics nothing is known.
+    `status` is the outcome of the flight, as of `fly_many`. The card ends 15 time constants of the
+    fast mode after the wind; it is None for a lost flight. `notes` are on the design of the law,
+    and on terms that the card omits. In a wind beyond linear aerodynamics nothing is known.
     """
 
     law: str
@@ -53,18 +53,18 @@ class FlownCard(Shown):
         if beyond := beyond_linear(float(case.history.peak)):
             return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        said, cards, lost = tuple(design_notes(law)), [], []
-        why = flight_reason(case.plant, flight.status)
-        if flight.times.size and not why:
+        notes, cards, lost = tuple(design_notes(law)), [], []
+        reason = flight_reason(case.plant, flight.status)
+        if flight.times.size and not reason:
             cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
-            said = (*said, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
-        if flight.status != SURVIVED and not why:
+            notes = (*notes, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
+        if flight.status != SURVIVED and not reason:
             lost = [f"{name} {OUTCOME_WORDS[flight.status]}"]
         travel = cards[0].travel if cards else np.nan
-        unknown = [f"the flight of {name}: {why}"] if why else []
+        unknown = [f"the flight of {name}: {reason}"] if reason else []
         needed = needed_of(case.nozzle, cards, travel) if cards or lost else {}
         verdict = NozzleVerdict.of(case.nozzle, needed, lost, unknown)
-        return cls(name, flight.status, cards[0] if cards else None, said, verdict)
+        return cls(name, flight.status, cards[0] if cards else None, notes, verdict)
 
     @property
     def survived(self) -> bool:
@@ -73,16 +73,16 @@ class FlownCard(Shown):
 
     @property
     def words(self) -> str:
-        """What becomes of the flight, in words."""
+        """The outcome of the flight, in words."""
         return f"{self.law} {OUTCOME_WORDS[self.status]} with this limit and rate"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the card and what is left of the nozzle; nothing of a flight that is lost."""
+        """Return the tables of the card and of the data sheet; empty for a lost flight."""
         return () if self.card is None else (*self.card.tables(), *self.verdict.tables())
 
 
 def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
-    """Yield what an actuator leaves out of rates and accelerations."""
+    """Yield notes on rates and accelerations that the model of the actuator omits."""
     if actuator is None:
         yield "there is no actuator: rates and accelerations are from sample to sample"
     elif actuator.damping is None:

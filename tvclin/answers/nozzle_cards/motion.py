@@ -1,4 +1,4 @@
-"""How a nozzle moves, between each two times one after the other: given, or flown."""
+"""Motion of a nozzle, step by step in time: from samples, or from a flight."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from tvclin.linear.extremes import Point
 class Motion:
     """A motion of a nozzle and of its vehicle.
 
-    Times [s] and deflections [rad] ``(n + 1,)`` have straight lines between. All else is of `at`,
-    one time of each step, ``(n,)``: the deflection and its derivatives [rad/s, rad/s2], the
-    vehicle's angle of attack [rad] and its angular acceleration, `swing` [rad/s2]. `weights` [s]
-    are those of an integral over time, ``(n,)``. `sharpest` is the largest acceleration.
+    `times` [s], `deflection` [rad]: ``(n + 1,)``, with straight lines between. `at` [s]: a time in
+    each step, ``(n,)``, and at these times: `angle`, `rate`, `acceleration`: the deflection and its
+    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `swing`: the angular acceleration of
+    the vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``. `sharpest`: the largest
+    acceleration [rad/s2].
     """
 
     times: FloatArray
@@ -38,26 +39,26 @@ class Motion:
         cls, t: FloatArray, delta: FloatArray, alpha: FloatArray, attitude: FloatArray
     ) -> Self:
         """Return a motion whose derivatives are differences, in the middle of each step."""
-        bends = _bends(t, delta)
+        acceleration = _second_derivative(t, delta)
         return cls(
             times=t,
             deflection=delta,
             at=_middle(t),
             angle=_middle(delta),
             rate=np.diff(delta) / np.diff(t),
-            acceleration=_middle(np.pad(bends, 1, mode="edge")),
-            sharpest=largest(bends, t[1:-1]),
+            acceleration=_middle(np.pad(acceleration, 1, mode="edge")),
+            sharpest=largest(acceleration, t[1:-1]),
             angle_of_attack=_middle(alpha),
-            swing=_middle(np.pad(_bends(t, attitude), 1, mode="edge")),
+            swing=_middle(np.pad(_second_derivative(t, attitude), 1, mode="edge")),
             weights=np.diff(t),
         )
 
     @classmethod
     def of_flight(cls, f: NozzleFlight) -> Self:
-        """Return the motion of a flight with its actuator, right after the begin of each step.
+        """Return the motion of a flight with its actuator, right after the start of each step.
 
-        Integrals take every second time, the middle between two at which a command may change.
-        Without an actuator the motion is that from sample to sample.
+        Integrals take every second time, in the middle between two changes of the command.
+        Without an actuator the motion is taken from sample to sample.
         """
         if f.rate is None or f.acceleration is None:
             rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
@@ -73,7 +74,7 @@ class Motion:
             acceleration=f.acceleration[:-1],
             sharpest=largest(f.acceleration, f.times),
             angle_of_attack=f.angle_of_attack[:-1],
-            swing=np.pad(_bends(f.times, f.attitude), (1, 0), mode="edge"),
+            swing=np.pad(_second_derivative(f.times, f.attitude), (1, 0), mode="edge"),
             weights=weights,
         )
 
@@ -83,21 +84,21 @@ class Motion:
         return np.diff(self.times)
 
     def between(self, start: float, stop: float) -> Self | None:
-        """Return the steps from one time [s] to another; None where there are fewer than two."""
+        """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps."""
         inside = np.flatnonzero((self.times[:-1] >= start) & (self.times[1:] <= stop))
         if inside.size < 2:
             return None
-        some = slice(inside[0], inside[-1] + 1)
-        own = {k: getattr(self, k)[some] for k in ("at", "angle", "rate", "acceleration")}
-        ends = slice(some.start, some.stop + 1)
+        steps = slice(inside[0], inside[-1] + 1)
+        rows = {k: getattr(self, k)[steps] for k in ("at", "angle", "rate", "acceleration")}
+        ends = slice(steps.start, steps.stop + 1)
         return type(self)(
             times=self.times[ends],
             deflection=self.deflection[ends],
-            **own,
-            sharpest=largest(own["acceleration"], own["at"]),
-            angle_of_attack=self.angle_of_attack[some],
-            swing=self.swing[some],
-            weights=self.weights[some],
+            **rows,
+            sharpest=largest(rows["acceleration"], rows["at"]),
+            angle_of_attack=self.angle_of_attack[steps],
+            swing=self.swing[steps],
+            weights=self.weights[steps],
         )
 
 
@@ -112,10 +113,11 @@ def rms(values: FloatArray, weights: FloatArray) -> float:
     return float(np.sqrt(np.average(values**2, weights=weights)))
 
 
-def _bends(t: FloatArray, values: FloatArray) -> FloatArray:
-    """Second derivative at the inner times: the change of slope over half of both steps."""
+def _second_derivative(t: FloatArray, values: FloatArray) -> FloatArray:
+    """Return second derivatives at the inner times, ``(n - 1,)``, from differences of slopes."""
     return np.diff(np.diff(values) / np.diff(t)) / ((t[2:] - t[:-2]) / 2.0)
 
 
 def _middle(values: FloatArray) -> FloatArray:
+    """Return the means of neighbouring values, ``(n,)``."""
     return (values[1:] + values[:-1]) / 2.0

@@ -1,4 +1,4 @@
-"""What a whole flight asks of its nozzle: each flight time in each wind, and all of it together."""
+"""Record of the duty of a nozzle over a flight: by flight time and wind, and of the whole."""
 
 from __future__ import annotations
 
@@ -20,33 +20,37 @@ from tvclin.base.lines import Line, Table, significant
 from tvclin.base.lines import number as figure
 from tvclin.flights.closed_loop.fly_many import SURVIVED
 
-_LEAST = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
-_CARD = (
+_MINIMUM_KEYS = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
+"""Keys of the minima in a known wind."""
+_CARD_KEYS = (
     "angle_deg=|angle.value| rate_deg_per_s=|rate.value| steady_rate_deg_per_s"
     " acceleration_deg_per_s2=|acceleration.value| travel_deg reversals time_at_stop_s"
 )
-_WORK = (
+"""Keys of the card of a flight."""
+_WORK_KEYS = (
     "torque_N_m=|torque.value| holding_torque_N_m=holding rms_torque_N_m=rms_torque"
     " power_W=power.value energy_J=energy"
 )
-_SHOWN = (
+"""Keys of torque, power and energy."""
+_COLUMN_KEYS = (
     *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
     "acceleration_deg_per_s2",
 )
+"""Columns of the table by flight time."""
 
 
 @dataclass(frozen=True, eq=False)
 class CardPoint(Shown):
-    """The nozzle at one flight time [s] in one wind, in one plane.
+    """Duty of a nozzle at a flight time [s] in a wind, in a plane.
 
-    The wind has its sign along the path where that matters. `least` is the least angle [rad] at any
-    rate, the wind being known; `pole` the fast unstable one [1/s], zero where nothing grows, not a
-    number where two are a pair; `limit` the part of the stop [rad] that this plane has. `status` is
-    what became of the flight, as of `fly_many`, empty where nothing is flown, and `why` the reason
-    where it cannot be judged; `card` is None then, and where it is lost. `said` is of the design of
-    the law. `alone` is travel [rad] and energy [J] of the flight beside what
-    noise takes by itself, `quiet` that [rad/s, W]. `direction`, head or tail, is that of a pulse
-    whose dynamic pressure depends on it.
+    `wind`: its name, with its direction along the path where that matters. `limit`: the share of
+    the deflection limit [rad] that this plane has. `least`: minimum angle [rad] at any rate in a
+    known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
+    complex pair. `status`: outcome of the flight, as of `fly_many`; empty where nothing is flown.
+    `why`: the reason where the flight cannot be judged. `card`: duty in the flight; None where it
+    is lost or cannot be judged. `said`: notes on the design of the law. `alone`: travel [rad] and
+    energy [J] of the flight without the share of noise. `quiet`: travel and energy of noise per
+    time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic pressure depends on it.
     """
 
     time: float
@@ -81,11 +85,11 @@ class CardPoint(Shown):
     @property
     def numbers(self) -> dict[str, float]:
         """All numbers by keys with their units."""
-        found = picked(self, _LEAST)
+        numbers = picked(self, _MINIMUM_KEYS)
         if self.card is not None:
-            found |= picked(self.card, _CARD)
-            found |= {} if self.card.work is None else picked(self.card.work, _WORK)
-        return {key: float(value) for key, value in found.items()}
+            numbers |= picked(self.card, _CARD_KEYS)
+            numbers |= {} if self.card.work is None else picked(self.card.work, _WORK_KEYS)
+        return {key: float(value) for key, value in numbers.items()}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the point as the command line prints it as JSON, angles in degrees."""
@@ -94,11 +98,10 @@ class CardPoint(Shown):
 
 @dataclass(frozen=True)
 class Duty(Shown):
-    """What a whole flight in one wind asks of a nozzle, one moment after the other.
+    """Travel and energy of a nozzle in a whole flight in a wind.
 
-    Travel is the integral of ``|delta'|`` [rad], not a number where a flight is lost or cannot be
-    judged; energy [J]
-    what the actuators give, not a number without nozzle data.
+    `travel`: integral of ``|delta'|`` [rad]; NaN where a flight is lost or cannot be judged.
+    `energy`: work of the actuators [J]; NaN without nozzle data.
     """
 
     wind: str
@@ -111,20 +114,20 @@ class Duty(Shown):
 
 @dataclass(frozen=True, eq=False)
 class FlightCard(Shown):
-    """What a whole flight asks of its nozzle; make it with `flight_card`.
+    """Duty of a nozzle over a whole flight; make it with `flight_card`.
 
     Attributes
     ----------
     vehicle, law : str
-        Their names.
+        Names of vehicle and law.
     points : tuple of CardPoint
-        By flight time and wind.
+        Duty by flight time and wind.
     duties : tuple of Duty
-        Of the whole flight in each wind; the flight has one of them.
+        Travel and energy of the whole flight by wind; a flight has one of these winds.
     verdict : NozzleVerdict
-        What is needed, what is there and what is left.
+        Requirements, what the data sheet offers, and what remains.
     notes : tuple of str
-        What is left out, and how the whole is counted.
+        Omitted terms, and how the whole flight is counted.
     """
 
     vehicle: str
@@ -144,7 +147,7 @@ class FlightCard(Shown):
     @property
     def largest(self) -> dict[str, float]:
         """The largest of each quantity over the flight, by keys with their units."""
-        return {key: one.numbers[key] for key, one in self._worst().items()}
+        return {key: point.numbers[key] for key, point in self._worst().items()}
 
     def tables(self) -> tuple[Table, ...]:
         """Return the verdict, the largest of each quantity, and the largest at each time."""
@@ -158,37 +161,39 @@ class FlightCard(Shown):
         InputError
             When the file cannot be written.
         """
-        keys = list(dict.fromkeys(chain.from_iterable(one.numbers for one in self.points)))
+        keys = list(dict.fromkeys(chain.from_iterable(point.numbers for point in self.points)))
         rows = [
-            [one.time, one.wind, one.plane, one.status]
-            + [float(one.numbers.get(key, np.nan)) for key in keys]
-            + [one.why]
-            for one in self.points
+            [point.time, point.wind, point.plane, point.status]
+            + [float(point.numbers.get(key, np.nan)) for key in keys]
+            + [point.why]
+            for point in self.points
         ]
         return write_rows([["time_s", "wind", "plane", "status", *keys, "why"], *rows], path)
 
     def _worst(self) -> dict[str, CardPoint]:
-        numbers = [one.numbers for one in self.points]
-        found = {}
+        """Return the point with the largest value of each number, by key."""
+        numbers = [point.numbers for point in self.points]
+        worst = {}
         for key in dict.fromkeys(chain.from_iterable(numbers)):
-            values = np.nan_to_num([one.get(key, -1.0) for one in numbers], nan=-1.0)
-            found[key] = self.points[int(np.argmax(values))]
-        return found
+            values = np.nan_to_num([row.get(key, -1.0) for row in numbers], nan=-1.0)
+            worst[key] = self.points[int(np.argmax(values))]
+        return worst
 
     def _whole(self) -> Table:
-        planes = len({one.plane for one in self.points}) > 1
+        """Return the table of the largest numbers, with their times and winds."""
+        planes = len({point.plane for point in self.points}) > 1
 
-        def where(one: CardPoint | Duty) -> Line:
-            return (f"{one.wind}, {one.plane}" if planes else one.wind,)
+        def where(item: CardPoint | Duty) -> Line:
+            return (f"{item.wind}, {item.plane}" if planes else item.wind,)
 
         rows: list[tuple[Line, ...]] = []
-        for key, one in self._worst().items():
+        for key, point in self._worst().items():
             name, unit = named(key)
-            value = _cell(f"card.{key}", key, one.numbers[key])
+            value = _cell(f"card.{key}", key, point.numbers[key])
             label = f"{name} [{unit}]" if unit else name
-            rows.append(((label,), value, (f"{one.time:.6g}",), where(one)))
+            rows.append(((label,), value, (f"{point.time:.6g}",), where(point)))
         for key in ("travel_deg", "energy_J"):
-            sums = [one.as_dict()[key] for one in self.duties]
+            sums = [duty.as_dict()[key] for duty in self.duties]
             if np.isfinite(sums).any():
                 worst = self.duties[k := int(np.nanargmax(sums))]
                 name, unit = named(key)
@@ -199,26 +204,28 @@ class FlightCard(Shown):
         return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
 
     def _over_time(self) -> Iterator[Table]:
-        times = sorted({one.time for one in self.points})
+        """Yield tables of the largest numbers of all winds, a row for each flight time."""
+        times = sorted({point.time for point in self.points})
         for caption, keys in (
-            ("By flight time, the largest of all winds", (*_SHOWN, "travel_deg")),
+            ("By flight time, the largest of all winds", (*_COLUMN_KEYS, "travel_deg")),
             ("Torque, power and energy by flight time", ("torque_N_m", "power_W", "energy_J")),
         ):
-            there = [key for key in keys if key in self.largest]
-            if not there:
+            available = [key for key in keys if key in self.largest]
+            if not available:
                 continue
             rows = []
             for time in times:
-                now = [one.numbers for one in self.points if one.time == time]
-                most = {
-                    key: float(np.fmax.reduce([one.get(key, np.nan) for one in now]))
-                    for key in there
+                numbers = [point.numbers for point in self.points if point.time == time]
+                largest = {
+                    key: float(np.fmax.reduce([row.get(key, np.nan) for row in numbers]))
+                    for key in available
                 }
-                cells = (_cell(f"card.{time:g}.{key}", key, most[key]) for key in there)
+                cells = (_cell(f"card.{time:g}.{key}", key, largest[key]) for key in available)
                 rows.append(((f"{time:.6g}",), *cells))
-            heads = [" [".join(filter(None, named(key))) + "]" for key in there]
+            heads = [" [".join(filter(None, named(key))) + "]" for key in available]
             yield Table(caption, ("time [s]", *heads), tuple(rows))
 
 
 def _cell(name: str, key: str, value: float) -> Line:
+    """Return the text of a number, with digits by the unit of its key."""
     return figure(name, value) if "_deg" in key else significant(name, value)

@@ -1,4 +1,4 @@
-"""Flights and winds that a card cannot judge, with the reason and what would make them known."""
+"""Flights and winds that a card cannot judge, with the reason and a remedy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
 
 _PAIR = "two unstable poles are a pair, for which no test of loss is known"
+"""Reason for a complex pair of unstable poles."""
 _FIXED_PATH = "fixed-path"
+"""Model without drift, in which there is no pair."""
 
 
 def flight_reason(plant: AnyPlant, status: str) -> str:
@@ -38,36 +40,36 @@ def flight_reason(plant: AnyPlant, status: str) -> str:
 
 
 def unjudged_flights(law: str, points: Iterable[CardPoint], model: str) -> Iterator[str]:
-    """Yield by reason which flights of a law cannot be judged, and which option helps."""
+    """Yield notes on flights of a law that cannot be judged: times, winds, reason and options."""
     rows = list(points)
     reasons: dict[str, list[CardPoint]] = {}
-    for one in rows:
-        if one.why:
-            reasons.setdefault(one.why, []).append(one)
-    unjudged = {one.time for several in reasons.values() for one in several}
-    judged = {one.time for one in rows} - unjudged
-    for why, several in reasons.items():
-        offers = []
+    for point in rows:
+        if point.why:
+            reasons.setdefault(point.why, []).append(point)
+    unjudged = {point.time for affected in reasons.values() for point in affected}
+    judged = {point.time for point in rows} - unjudged
+    for reason, affected in reasons.items():
+        remedies = []
         if judged and max(unjudged) < min(judged):
-            offers.append(f"--from {min(judged):.6g} leaves these times out")
+            remedies.append(f"--from {min(judged):.6g} leaves these times out")
         elif judged and min(unjudged) > max(judged):
-            offers.append(f"--to {max(judged):.6g} leaves these times out")
-        if why == _PAIR and model != _FIXED_PATH:
-            offers.append(f"--model {_FIXED_PATH} judges them without drift")
-        winds = list(dict.fromkeys(one.wind for one in several))
+            remedies.append(f"--to {max(judged):.6g} leaves these times out")
+        if reason == _PAIR and model != _FIXED_PATH:
+            remedies.append(f"--model {_FIXED_PATH} judges them without drift")
+        winds = list(dict.fromkeys(point.wind for point in affected))
         where = winds[0] if len(winds) == 1 else f"{len(winds)} winds"
-        said = f" ({', '.join(offers)})" if offers else ""
-        at = flight_times({one.time for one in several})
-        yield f"the flight of {law} at {at} in {where}: {why}{said}"
+        remedy = f" ({', '.join(remedies)})" if remedies else ""
+        times = flight_times({point.time for point in affected})
+        yield f"the flight of {law} at {times} in {where}: {reason}{remedy}"
 
 
 def unknown_winds(
     schedule: FlightSchedule, winds: Mapping[str, Any], unknown: Mapping[str, dict[float, str]]
 ) -> Iterator[str]:
-    """Yield which winds are not known, from which height on, and which option leaves that out.
+    """Yield notes on winds that are not known at some heights, and options that omit these.
 
-    `unknown` has for each wind its flight times [s] where it is not known, with the reason where
-    that is not that a sounding ends.
+    `unknown`: by wind, the flight times [s] at which it is not known, with the reason; an empty
+    reason for the end of a sounding.
     """
     for name, times in unknown.items():
         wind = winds[name]

@@ -23,35 +23,38 @@ SHEET = {
     "torque_limit": ("torque", "N m"),
     "power_limit": ("power", "W"),
 }
-"""What a nozzle can do, by the field that says it: in words, and the unit in which it is told."""
-_ROUNDING = 1e-12
+"""Label and unit in the data sheet by field of `Nozzle`."""
+_RELATIVE_TOLERANCE = 1e-12
+"""Excess of a requirement, relative to what is available, that counts as rounding."""
 
 
 def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
-    """Return what motions take of a nozzle [SI], by the fields of `SHEET`; all but its travel.
+    """Return the requirements of motions on a nozzle [SI], by the fields of `SHEET`.
 
-    Flights keep to the rate limit, which an actuator of second order may pass by a thousandth.
+    `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
+    second order may exceed by a thousandth.
     """
-    rate = max((abs(one.rate.value) for one in cards), default=0.0)
+    rate = max((abs(card.rate.value) for card in cards), default=0.0)
     needed = {
-        "limit": max((abs(one.angle.value) for one in cards), default=0.0),
+        "limit": max((abs(card.angle.value) for card in cards), default=0.0),
         "rate_limit": min(rate, nozzle.rate_limit or np.inf),
-        "acceleration_limit": max((abs(one.acceleration.value) for one in cards), default=0.0),
+        "acceleration_limit": max((abs(card.acceleration.value) for card in cards), default=0.0),
         "travel_limit": travel,
     }
-    work = [one.work for one in cards if one.work is not None]
+    work = [card.work for card in cards if card.work is not None]
     if nozzle.data is not None:
-        held = (one.holding + nozzle.data.friction for one in work)
-        needed["torque_limit"] = max([0.0, *held, *(abs(one.torque.value) for one in work)])
-        needed["power_limit"] = max((one.power.value for one in work), default=0.0)
+        holding = (w.holding + nozzle.data.friction for w in work)
+        needed["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
+        needed["power_limit"] = max((w.power.value for w in work), default=0.0)
     return needed
 
 
 @dataclass(frozen=True)
 class Need(Shown):
-    """A line of a data sheet; numbers in its unit.
+    """A line of a data sheet: the required value and the available value, in `unit`.
 
-    What is needed is infinite where nothing is sufficient, and not a number where it is not known.
+    `needed`: infinite where no value is sufficient, NaN where it is not known. `there`: the value
+    that the nozzle offers; None where the data sheet has none.
     """
 
     name: str
@@ -63,31 +66,31 @@ class Need(Shown):
 
     @property
     def left(self) -> float | None:
-        """What is left; negative where it is too little."""
+        """Remaining margin, available minus required; negative where the nozzle is insufficient."""
         if self.there is None:
             return None
-        left = self.there - self.needed
-        return max(left, 0.0) if self.met else left  # a stop that is reached, but for rounding
+        margin = self.there - self.needed
+        return max(margin, 0.0) if self.met else margin  # negative by rounding only
 
     @property
     def met(self) -> bool | None:
-        """Whether the nozzle offers what is needed; None where it says nothing, or not known."""
+        """Whether the available value is sufficient; None where either value is not known."""
         if self.there is None or np.isnan(self.needed):
             return None
-        return bool(self.needed <= self.there * (1.0 + _ROUNDING))
+        return bool(self.needed <= self.there * (1.0 + _RELATIVE_TOLERANCE))
 
     @property
     def part(self) -> float:
-        """Which part of what there is is needed; -1 where none is given."""
+        """Ratio of the required to the available value; -1 without an available value."""
         return -1.0 if self.there is None else float(np.nan_to_num(self.needed / self.there))
 
 
 @dataclass(frozen=True)
 class NozzleVerdict(Shown):
-    """Whether a nozzle meets its data sheet, line by line, that with the largest needed part first.
+    """Verdict on a nozzle by the lines of its data sheet, the largest required fraction first.
 
-    `lost` are flights that are not survived, `unknown` what cannot be judged, a flight or a wind,
-    with the reason and what would make it known; both in words.
+    `lost`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
+    judged, with the reason and a remedy, in words.
     """
 
     needs: tuple[Need, ...]
@@ -105,82 +108,82 @@ class NozzleVerdict(Shown):
         lost: Iterable[str] = (),
         unknown: Iterable[str] = (),
     ) -> Self:
-        """Return the verdict on a nozzle of what is needed [SI], by the fields of `SHEET`.
+        """Return the verdict on a nozzle with requirements [SI] by the fields of `SHEET`.
 
-        Where a flight is lost with what there is, what it needs is not known.
+        Where a flight is lost with the available values, the required values are not known.
         """
         needs, lost = [], tuple(lost)
         for name, (words, unit) in SHEET.items():
             if name in needed:
                 scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
-                there: Any = getattr(nozzle, name)
-                there = None if there is None else scale * there
+                value: Any = getattr(nozzle, name)
+                available = None if value is None else scale * value
                 need = scale * needed[name]
-                if lost and need <= (there or 0.0):
+                if lost and need <= (available or 0.0):
                     need = np.nan
-                needs.append(Need(words, unit, need, there))
-        return cls(tuple(sorted(needs, key=lambda one: -one.part)), lost, tuple(unknown))
+                needs.append(Need(words, unit, need, available))
+        return cls(tuple(sorted(needs, key=lambda need: -need.part)), lost, tuple(unknown))
 
     @classmethod
     def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
-        """Return the verdict on a nozzle of which nothing is known, and why, in words."""
+        """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
         return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
 
     @property
     def met(self) -> bool | None:
-        """Whether all flights are survived and no line is short; None where nothing is given."""
-        answers = [one.met for one in self.needs if one.there is not None]
+        """Whether all flights are survived and all lines satisfied; None where not known."""
+        answers = [need.met for need in self.needs if need.there is not None]
         if self.lost or False in answers:
             return False
         return None if not answers or None in answers or self.unknown else True
 
     @property
     def reason(self) -> str:
-        """What the verdict rests on, in words: a flight, a wind, or the line that is worst."""
+        """The reason of the verdict, in words: a flight, a wind, or the worst line."""
         if self.lost:
             others = len(self.lost) - 1
             return f"{self.lost[0]}{f', and {others} more' if others else ''}"
         if self.unknown and self.met is None:
             return "; ".join(self.unknown)
-        worst = next((one for one in self.needs if one.there is not None), None)
+        worst = next((need for need in self.needs if need.there is not None), None)
         if worst is None or self.met is None:
             return ""
         if np.isinf(worst.needed):
             return f"no {worst.name} is sufficient"
-        needed, there = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
-        return f"the {worst.name} needed is {needed}, and {there} is available"
+        needed, available = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
+        return f"the {worst.name} needed is {needed}, and {available} is available"
 
     @property
     def words(self) -> str:
         """The verdict in a sentence, with its reason."""
-        given = any(one.there is not None for one in self.needs)
-        if not (given or self.lost or self.unknown):
+        specified = any(need.there is not None for need in self.needs)
+        if not (specified or self.lost or self.unknown):
             return "nothing is judged; give a limit and a rate limit"
         word = survival(False) if self.lost else satisfaction(self.met)
         return f"{word}: {self.reason}" if self.reason else word
 
     def _repr_html_(self) -> str:
-        return "".join(table(one, ((self.words,),)) for one in self.tables())
+        return "".join(table(lines, ((self.words,),)) for lines in self.tables())
 
     def tables(self) -> tuple[Table, ...]:
-        """Return what is needed, what is there and what is left."""
+        """Return the table of required, available and remaining values."""
 
         def cell(key: str, value: float | None) -> Line:
             return significant(key, np.nan if value is None or value == -np.inf else value)
 
         rows = tuple(
             (
-                (f"{one.name} [{one.unit}]",),
-                cell(f"sheet.{one.name}.needed", one.needed),
-                cell(f"sheet.{one.name}.there", one.there),
-                cell(f"sheet.{one.name}.left", one.left),
+                (f"{need.name} [{need.unit}]",),
+                cell(f"sheet.{need.name}.needed", need.needed),
+                cell(f"sheet.{need.name}.there", need.there),
+                cell(f"sheet.{need.name}.left", need.left),
             )
-            for one in self.needs
+            for need in self.needs
         )
-        known = ", where that is known" if self.unknown else ""
+        scope = ", where that is known" if self.unknown else ""
         return (
             Table(
-                f"What is asked of the nozzle{known}",
+                f"What is asked of the nozzle{scope}",
                 ("", "required", "available", "remaining"),
                 rows,
             ),

@@ -1,8 +1,8 @@
-"""The card of a whole flight: the nozzle at each flight time in each wind, and all of it together.
+"""The card of a whole flight: duty of the nozzle by flight time and wind, and over the flight.
 
-The vehicle is frozen at each flight time, as in a sizing. A pulse blows once, at the worst of them;
-a measured wind blows all along, and of each flight time counts what is nearer to it than to any
-other. So nothing is counted twice.
+The vehicle is frozen at each flight time, as in a sizing. A pulse occurs once, at the worst flight
+time; a measured wind lasts the whole flight, and each flight time counts the interval around it, so
+that nothing is counted twice.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import pressure_ratio
 
-_LOUDEST = 0.1
-"""The largest noise of a gyro [rad/s] that is taken."""
-_SETTLED, _AFTER = 7.5, 15.0
-"""Times of the fast mode after a wind between which only noise is left."""
+_MAX_NOISE = 0.1
+"""Largest noise of a rate gyro [rad/s], rms."""
+_NOISE_START, _NOISE_END = 7.5, 15.0
+"""Ends of the interval with noise alone after a wind, in time constants of the fast mode."""
 
 
 def flight_card(
@@ -71,31 +71,30 @@ def flight_card(
     window: float = WINDOW,
     progress: Callable[[int, int], None] | None = None,
 ) -> FlightCard:
-    """Return what a whole flight asks of the nozzle of a case, with a law flown in each wind.
+    """Return the duty of the nozzle of a case over a flight, with a law flown in each wind.
 
     Parameters
     ----------
     case : Case
-        Its nozzle, which has a limit, its model and planes, its first pulse, and the gains of the
-        law "autopilot".
+        Nozzle with a limit, model and planes, first pulse, and the gains of the law "autopilot".
     asked : SizingRequest
         The flight, its times and its winds.
     law : str
-        One of `tvclin.control.LAWS`, designed anew at each flight time.
+        Name of `tvclin.control.LAWS`; the law is designed at each flight time.
     noise : float
-        Of the measured attitude rate [rad/s], rms for each sample: most of a nozzle's travel.
+        Noise of the measured attitude rate [rad/s], rms by sample: the cause of most travel.
     seed : int
-        Of the noise.
+        Seed of the noise.
     window : float
         Length [s] over which the steady rate is a mean.
     progress : callable, optional
-        Is told how many flight times and winds are done, and how many there are.
+        Called with the number of finished and of all pairs of flight time and wind.
 
     Returns
     -------
     FlightCard
-        Least angle d0, rate p d0 and acceleration p^2 d0 are those of a wind that is known. All
-        else is of the flights, until 15 times the fast mode's time after a pulse, and of a measured
+        Minimum angle d0, rate p d0 and acceleration p^2 d0 are for a known wind. All other numbers
+        are of flights, until 15 time constants of the fast mode after a pulse, and in a measured
         wind from the middle between two flight times to the next.
 
     Raises
@@ -124,12 +123,12 @@ def flight_card(
             "the card of a flight needs the stop of the nozzle: --limit-deg, limit_deg in [nozzle],"
             " or Nozzle(limit=...)"
         )
-    flying = _Flying(
+    conditions = _Conditions(
         case,
         asked,
         case.nozzle.limit,
         law,
-        number("noise", noise, between(0.0, _LOUDEST), "rad/s"),
+        number("noise", noise, between(0.0, _MAX_NOISE), "rad/s"),
         whole_number("seed", seed),
         number("window", window, positive, "s"),
         np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
@@ -138,40 +137,40 @@ def flight_card(
     signed = [pulse.heading is None for pulse in asked.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
     angles = dict.fromkeys(winds, 0.0)
-    every = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
-    with repeated(len(every)):
-        for done, (i, j, name) in enumerate(every, 1):
+    pairs = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
+    with repeated(len(pairs)):
+        for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
-            placed = place_in(flying.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
-            for one in placed.values():
-                if not one.known:
-                    unknown.setdefault(name, {})[time] = one.why
+            placed = place_in(conditions.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
+            for in_plane in placed.values():
+                if not in_plane.known:
+                    unknown.setdefault(name, {})[time] = in_plane.why
             angles[name] = max(angles[name], angle_at(placed, time))
             sign = j < len(signed) and signed[j]
-            points += flying.points(i, time, name, placed, sign, _measured(wind))
+            points += conditions.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
-                progress(done, len(every))
+                progress(done, len(pairs))
     unjudged = (
         *unknown_winds(asked.schedule, winds, unknown),
         *unjudged_flights(law, points, case.law_model),
     )
-    duties = tuple(_duties(points, winds, np.diff(flying.edges)))
+    duties = tuple(_duties(points, winds, np.diff(conditions.edges)))
     return FlightCard(
         vehicle=asked.schedule.vehicle.name,
         law=law,
         points=tuple(points),
         duties=duties,
-        verdict=_verdict(flying, points, duties, unjudged),
-        notes=(*doubtful_winds(angles), *_notes(flying, points, winds)),
+        verdict=_verdict(conditions, points, duties, unjudged),
+        notes=(*doubtful_winds(angles), *_notes(conditions, points, winds)),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Flying:
-    """What all flights of a card share."""
+class _Conditions:
+    """Conditions that all flights of a card share; `edges`: ends of the intervals of time [s]."""
 
     case: Case
-    asked: SizingRequest
+    request: SizingRequest
     limit: float
     law: str
     noise: float
@@ -181,6 +180,7 @@ class _Flying:
 
     @property
     def planes(self) -> tuple[str, ...]:
+        """Names of the planes that are flown."""
         return PLANES if self.case.planes == BOTH else (self.case.plane,)
 
     def points(
@@ -192,56 +192,58 @@ class _Flying:
         signed: bool,
         measured: bool,
     ) -> Iterator[CardPoint]:
-        """Yield the nozzle at a flight time in a wind, by plane and sign."""
-        case, schedule = self.case, self.asked.schedule
+        """Yield the duty of the nozzle at a flight time in a wind, by plane and sign."""
+        case, schedule = self.case, self.request.schedule
         vehicle = schedule.at(time)
         limits = self._limits(vehicle, placed)
-        for plane, one in placed.items():
-            if one.calm:
+        for plane, in_plane in placed.items():
+            if in_plane.calm:
                 continue
             poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
             if not poles.size:
                 yield CardPoint(time, name, plane, limits[plane])
                 continue
-            share = self.edges[i : i + 2] if measured else None
-            for direction, met, history in self._met(vehicle, one, placed, share, signed):
+            interval = self.edges[i : i + 2] if measured else None
+            for direction, at_peak, history in self._encountered(
+                vehicle, in_plane, placed, interval, signed
+            ):
                 wind = f"{name}{in_wind(direction)}"
                 point = CardPoint(time, wind, plane, limits[plane], direction=direction)
-                yield self._flown(point, met, history, share)
+                yield self._flown(point, at_peak, history, interval)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
-        """The part of the stop of each plane, in proportion to what trim takes."""
+        """Return the share of the deflection limit [rad] by plane, in proportion to trim."""
         case = self.case
         if len(placed) == 1:
             return dict.fromkeys(placed, self.limit)
         sizes = dict.fromkeys(placed, 0.0)
-        for plane, one in placed.items():
-            if not one.calm:
+        for plane, in_plane in placed.items():
+            if not in_plane.calm:
                 plant = Plant.from_vehicle(vehicle, case.law_model, plane)
-                sizes[plane] = abs(float(plant.coefficients.B) * float(one.history.peak))
-        whole = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
-        return {k: self.limit * size / whole for k, size in sizes.items()} if whole else sizes
+                sizes[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
+        total = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
+        return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
 
-    def _met(
+    def _encountered(
         self,
         vehicle: Vehicle,
         placed: PlacedWind,
         planes: dict[str, PlacedWind],
-        share: FloatArray | None,
+        interval: FloatArray | None,
         signed: bool,
     ) -> Iterator[tuple[str, Vehicle, History]]:
-        """Yield the direction of a wind, the vehicle in its largest dynamic pressure, and the wind.
+        """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
 
-        The direction is empty for winds that are known to have one alone.
+        The direction is empty for a wind with a single direction.
         """
-        wind, asked = (placed.whole or placed.history).shift(placed.zero), self.case.sign
+        wind, sign_of_case = (placed.whole or placed.history).shift(placed.zero), self.case.sign
         along, angle = planes.get("pitch"), np.zeros(())
-        if share is not None:  # a measured wind, which knows its own unless it is frozen
+        if interval is not None:  # a measured wind, with its own pressure unless that is frozen
             speeds = placed.speeds
-            ratio = 1.0 if speeds is None else _largest(speeds.time, speeds.pressure, share)
+            ratio = 1.0 if speeds is None else _largest(speeds.time, speeds.pressure, interval)
             yield "", at_pressure(vehicle, ratio), wind
             return
-        if along is not None and not along.calm and asked != FROZEN:
+        if along is not None and not along.calm and sign_of_case != FROZEN:
             angle = np.asarray(along.history.peak)
         ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
         if not angle or np.isnan(ratio):
@@ -249,13 +251,13 @@ class _Flying:
         elif not signed:  # it has a direction
             yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
         else:
-            for sign in SIGNS if asked is None else (asked,):
-                met = at_pressure(vehicle, ratio) if sign == "head" else vehicle
-                yield sign, met, wind * float(SIGNS[sign] * np.sign(angle))
+            for sign in SIGNS if sign_of_case is None else (sign_of_case,):
+                at_peak = at_pressure(vehicle, ratio) if sign == "head" else vehicle
+                yield sign, at_peak, wind * float(SIGNS[sign] * np.sign(angle))
 
-    def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, share: Any) -> CardPoint:
-        """A point with its flight."""
-        own = Case(
+    def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, interval: Any) -> CardPoint:
+        """Return a point with its flight and the duty in `interval`, or in all of it if None."""
+        case = Case(
             vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,
             model=self.case.law_model,
             plane=point.plane,
@@ -263,121 +265,136 @@ class _Flying:
             nozzle=self.case.nozzle,
             design=self.case.design,
         )
-        plant, nozzle = own.plant.rigid, own.nozzle
+        plant, nozzle = case.plant.rigid, case.nozzle
         poles = unstable_modes(plant).poles
         pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
         point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
-        law = law_asked(own, self.law, own.hardware["rate_limit"])
-        said = tuple(design_notes(law))
+        law = law_asked(case, self.law, case.hardware["rate_limit"])
+        notes = tuple(design_notes(law))
         if self.noise:
             bare = law.law if isinstance(law, FilteredLaw) else law
-            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **own.asked.chains)
-        flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **own.hardware)
-        why = flight_reason(plant, flight.status)
-        if why or not flight.times.size:
-            return replace(point, status=flight.status, why=why)
+            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **case.asked.chains)
+        flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **case.hardware)
+        reason = flight_reason(plant, flight.status)
+        if reason or not flight.times.size:
+            return replace(point, status=flight.status, why=reason)
         whole = Motion.of_flight(flight)
-        motion = whole if share is None else whole.between(*share)
+        motion = whole if interval is None else whole.between(*interval)
         if motion is None:
             return replace(point, status=flight.status)
-        told = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
-        card, quiet, end = card_of(motion, *told), np.zeros(2), float(wind.end)
-        still = whole.between(end + _SETTLED / pole, end + _AFTER / pole) if self.noise else None
-        if still is not None:
-            quiet = _spent(card_of(still, *told)) / float(still.times[-1] - still.times[0])
-        span = float(motion.times[-1] - motion.times[0]) if share is None else 0.0
+        options = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
+        card, quiet, end = card_of(motion, *options), np.zeros(2), float(wind.end)
+        noisy = (
+            whole.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
+            if self.noise
+            else None
+        )
+        if noisy is not None:
+            quiet = _spent(card_of(noisy, *options)) / float(noisy.times[-1] - noisy.times[0])
+        span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
         alone = _spent(card) - quiet * span
-        return replace(point, status=flight.status, card=card, said=said, alone=alone, quiet=quiet)
+        return replace(point, status=flight.status, card=card, said=notes, alone=alone, quiet=quiet)
 
 
-def _largest(times: FloatArray, ratios: FloatArray, share: FloatArray) -> float:
-    """The largest of ratios at times within a share of the flight."""
-    within = times[(times > share[0]) & (times < share[1])]
-    return float(np.interp(np.concatenate([share, within]), times, ratios).max())
+def _largest(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
+    """Return the largest ratio in an interval of time [s], with straight lines between times."""
+    within = times[(times > interval[0]) & (times < interval[1])]
+    return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
 def _spent(card: NozzleCard) -> FloatArray:
-    """Travel [rad] and energy [J], which is not a number without nozzle data."""
+    """Return travel [rad] and energy [J], ``(2,)``; the energy is NaN without nozzle data."""
     return np.array([card.travel, np.nan if card.work is None else card.work.energy])
 
 
 def _duties(
-    points: list[CardPoint], winds: dict[str, WindOf], shares: FloatArray
+    points: list[CardPoint], winds: dict[str, WindOf], intervals: FloatArray
 ) -> Iterator[Duty]:
-    """The whole flight in each wind: a pulse once, measured winds and noise all along."""
-    for wind, plane in dict.fromkeys((one.wind, one.plane) for one in points):
-        mine = [one for one in points if (one.wind, one.plane) == (wind, plane)]
-        spent = np.array([one.alone for one in mine if one.card is not None]).reshape(-1, 2)
-        if any(one.lost or one.why for one in mine):
+    """Yield the duty of the whole flight by wind: of a pulse once, of other winds and noise summed.
+
+    `intervals`: durations [s] that the flight times stand for.
+    """
+    for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
+        flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
+        spent = np.array([point.alone for point in flown if point.card is not None]).reshape(-1, 2)
+        if any(point.lost or point.why for point in flown):
             spent = np.full((1, 2), np.nan)
         elif not _measured(winds.get(wind)):
-            noise = np.mean([one.quiet for one in mine], axis=0) * shares.sum()
+            noise = np.mean([point.quiet for point in flown], axis=0) * intervals.sum()
             spent = (spent.max(axis=0, initial=0.0) + noise)[np.newaxis]
         yield Duty(wind, plane, *spent.sum(axis=0).tolist())
 
 
 def _measured(wind: Any) -> bool:
+    """Return whether a wind was measured over the heights of the flight."""
     return isinstance(wind, MeasuredWind | MeasuredPlanes)
 
 
 def _verdict(
-    flying: _Flying, points: list[CardPoint], duties: tuple[Duty, ...], unknown: tuple[str, ...]
+    conditions: _Conditions,
+    points: list[CardPoint],
+    duties: tuple[Duty, ...],
+    unknown: tuple[str, ...],
 ) -> NozzleVerdict:
-    """What all flights and the theory of a known wind need, each in the measure of the stop."""
-    nozzle = flying.case.nozzle
+    """Return the verdict from the requirements of all flights and of the theory of a known wind."""
+    nozzle = conditions.case.nozzle
     if unknown and not points:
         return NozzleVerdict.unknown_of(nozzle, unknown)
-    most = flying.case.hardware["rate_limit"]
-    least, pole, limit = (
-        np.array([getattr(one, name) for one in points]) for name in ("least", "pole", "limit")
+    max_rate = conditions.case.hardware["rate_limit"]
+    minimum, pole, limit = (
+        np.array([getattr(point, name) for point in points]) for name in ("least", "pole", "limit")
     )
-    flown = [one.card for one in points if one.card is not None]
+    flown = [point.card for point in points if point.card is not None]
     with np.errstate(invalid="ignore"):
-        ramped = ramped_deflection(least, np.maximum(pole, 1e-9), most)
-        known = np.where(least > 0.0, np.where(np.isnan(pole), least, ramped), 0.0)
-        rates = np.nan_to_num(ramp_rate(least, pole, limit), nan=0.0, posinf=np.inf)
-    turned = np.array([abs(one.card.angle.value) if one.card else 0.0 for one in points])
-    needed = needed_of(nozzle, flown, float(np.max([one.travel for one in duties], initial=0.0)))
-    needed["limit"] = flying.limit * float(np.max(np.maximum(known, turned) / limit, initial=0.0))
+        ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
+        theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
+        rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
+    angles = np.array([abs(x.card.angle.value) if x.card else 0.0 for x in points])
+    needed = needed_of(nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0)))
+    needed["limit"] = conditions.limit * float(
+        np.max(np.maximum(theory, angles) / limit, initial=0.0)
+    )
     needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
     lost = [
-        f"{flying.law} {OUTCOME_WORDS[one.status]} at {one.time:.6g} s in {one.wind}"
-        for one in points
-        if one.lost
+        f"{conditions.law} {OUTCOME_WORDS[point.status]} at {point.time:.6g} s in {point.wind}"
+        for point in points
+        if point.lost
     ]
     return NozzleVerdict.of(nozzle, needed, lost, unknown)
 
 
-def _notes(flying: _Flying, points: list[CardPoint], winds: dict[str, WindOf]) -> Iterator[str]:
-    """Yield what is left out, and how the whole flight is counted."""
-    still = [one for one in points if not one.pole]
-    if still:
-        yield f"without an unstable pole nothing is needed, as at {still[0].time:.6g} s"
+def _notes(
+    conditions: _Conditions, points: list[CardPoint], winds: dict[str, WindOf]
+) -> Iterator[str]:
+    """Yield notes on omitted terms, and on how the whole flight is counted."""
+    stable = [point for point in points if not point.pole]
+    if stable:
+        yield f"without an unstable pole nothing is needed, as at {stable[0].time:.6g} s"
     if any(map(_measured, winds.values())):
         yield (
             "a measured wind is counted from the middle between two flight times to the next, so"
             " that nothing counts twice"
             + (
                 ""
-                if flying.case.sign == FROZEN
+                if conditions.case.sign == FROZEN
                 else "; the vehicle meets the largest dynamic pressure there"
             )
         )
-    if any(one.direction == "head" for one in points):
+    if any(point.direction == "head" for point in points):
         yield (
             "the dynamic pressure is that at the peak of a head wind throughout, and in a tail wind"
             " the nominal one"
         )
     if not all(map(_measured, winds.values())):
-        noise = ", noise all along" if flying.noise else ""
+        noise = ", noise all along" if conditions.noise else ""
         yield f"in the whole flight a pulse blows once, at the worst flight time{noise}"
-    if flying.case.planes == BOTH:
+    if conditions.case.planes == BOTH:
         yield "each plane is flown by itself, with the part of the stop that trim would give it"
     yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
-    told = [one for one in points if one.said]
-    if told:
-        others = f", and alike at {len(told) - 1} others" if len(told) > 1 else ""
-        yield f"at {told[0].time:.6g} s{others}: {'; '.join(told[0].said)}"
-    if flying.asked.schedule.vehicle.structure is not None:
+    noted = [point for point in points if point.said]
+    if noted:
+        others = f", and alike at {len(noted) - 1} others" if len(noted) > 1 else ""
+        yield f"at {noted[0].time:.6g} s{others}: {'; '.join(noted[0].said)}"
+    if conditions.request.schedule.vehicle.structure is not None:
         yield "the vehicle is rigid, without the structure in its file"
-    yield from actuator_notes(flying.case.nozzle.actuator)
+    yield from actuator_notes(conditions.case.nozzle.actuator)

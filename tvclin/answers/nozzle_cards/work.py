@@ -1,4 +1,4 @@
-"""Torque, power and energy of a nozzle that moves, with what its vehicle adds."""
+"""Torque, power and energy of a moving nozzle, with the contributions of its vehicle."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from tvclin.linear.extremes import Point
 from tvclin.vehicle.vehicle import Vehicle
 
 AT_REST = 1e-6
-"""A rate below this part of the largest is none."""
+"""Fraction of the largest rate below which a rate counts as zero."""
 
 
 @dataclass(frozen=True)
 class Work(Shown):
-    """What the actuators give.
+    """Torque, power and energy of the actuators.
 
-    `torque` is the largest [N m] while the nozzle turns, with friction; `holding` that at rest, to
-    which friction adds or takes up to M_f; the root of the mean square includes it. `power` is the
-    largest [W] that is given, `energy` [J] what is given, of which what the nozzle gives back,
-    `returned`, is not taken off. `corner_power` [W] is the largest torque times the largest rate,
-    never below the largest power. `stiffness` is k + s_E a_x [N m/rad] at the least; below zero the
-    nozzle turns away by itself.
+    `torque`: largest torque [N m] while the nozzle turns, with friction. `holding`: largest torque
+    [N m] at rest, to which friction adds or takes up to M_f. `rms_torque`: root of the mean square
+    [N m] at all times, with friction in motion. `power`: largest power [W] of the actuators.
+    `energy`: work of the actuators [J], from which `returned` [J], the work of the nozzle on them,
+    is not subtracted.
+    `corner_power`: largest torque times largest rate [W], never below the largest power.
+    `stiffness`: k + s_E a_x [N m/rad]; with a negative one the nozzle turns away by itself.
     """
 
     torque: Point
@@ -46,41 +47,48 @@ class Work(Shown):
 
 
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
-    """Return torque, power and energy of a motion, and what is left out of them.
+    """Return torque, power and energy of a motion, and notes on omitted terms.
 
     See `nozzle_card` for the equation; without a vehicle the nozzle is on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
-    stiffness, steady, felt = nozzle.stiffness, 0.0, np.zeros(rate.size)
+    stiffness, constant, inertial = nozzle.stiffness, 0.0, np.zeros(rate.size)
     notes = []
     if vehicle is None:
         notes.append("without a vehicle the torque is that on a bench: no thrust, no acceleration")
     else:
         mass, thrust = float(vehicle.mass), float(vehicle.thrust)
-        ahead = (thrust - float(vehicle.axial_force)) / mass
+        a_x = (thrust - float(vehicle.axial_force)) / mass
         force = float(vehicle.normal_force_slope) * motion.angle_of_attack
         force = force + float(vehicle.control_force) * motion.angle
-        aside = force / mass - float(vehicle.control_arm) * motion.swing
-        felt = inertia * motion.swing - moment * aside
-        stiffness += moment * ahead
-        steady = float(engine.mass) * ahead * nozzle.offset + thrust * nozzle.thrust_offset
+        a_n = force / mass - float(vehicle.control_arm) * motion.swing
+        inertial = inertia * motion.swing - moment * a_n
+        stiffness += moment * a_x
+        constant = float(engine.mass) * a_x * nozzle.offset + thrust * nozzle.thrust_offset
         if stiffness < 0.0:
             notes.append("k + s_E a_x is negative: the nozzle turns away by itself")
-    held = inertia * motion.acceleration + stiffness * motion.angle + steady + felt
-    moves = np.abs(rate) > AT_REST * np.abs(rate).max()
-    torque = held + nozzle.damping * rate + np.where(moves, nozzle.friction * np.sign(rate), 0.0)
+    frictionless = inertia * motion.acceleration + stiffness * motion.angle + constant + inertial
+    moving = np.abs(rate) > AT_REST * np.abs(rate).max()
+    torque = (
+        frictionless
+        + nozzle.damping * rate
+        + np.where(moving, nozzle.friction * np.sign(rate), 0.0)
+    )
     power = torque * rate
-    turning, resting = np.where(moves, torque, 0.0), np.where(moves, 0.0, np.abs(torque))
-    most, given = largest(turning, motion.at), int(np.argmax(power))
-    found = Work(
-        torque=most,
-        holding=float(resting.max()),
+    moving_torque, resting_torque = (
+        np.where(moving, torque, 0.0),
+        np.where(moving, 0.0, np.abs(torque)),
+    )
+    peak, peak_power = largest(moving_torque, motion.at), int(np.argmax(power))
+    work = Work(
+        torque=peak,
+        holding=float(resting_torque.max()),
         rms_torque=rms(torque, weights),
-        power=Point(max(float(power[given]), 0.0), float(motion.at[given])),
+        power=Point(max(float(power[peak_power]), 0.0), float(motion.at[peak_power])),
         energy=float((np.maximum(power, 0.0) * weights).sum()),
         returned=float((np.maximum(-power, 0.0) * weights).sum()),
-        corner_power=abs(most.value) * float(np.abs(rate).max()),
+        corner_power=abs(peak.value) * float(np.abs(rate).max()),
         stiffness=stiffness,
     )
-    return found, notes
+    return work, notes
