@@ -144,12 +144,12 @@ def hasty(call: Callable[..., Any]) -> Callable[..., Any]:
     def run(**arguments: Any) -> Any:
         few = {"each": 4, "rounds": 1}
         with (
-            patch.dict(least._LINEAR, few),
-            patch.dict(least._FLOWN, few),
-            patch.dict(least._STOPPED, few),
-            patch.dict(least._AGAIN, few),
+            patch.dict(least._LINEAR_SEARCH, few),
+            patch.dict(least._FLOWN_SEARCH, few),
+            patch.dict(least._STOPPED_SEARCH, few),
+            patch.dict(least._REFINEMENT, few),
             patch.dict(worst_case._STEPS, few),
-            patch.object(least, "_OVER", 64),
+            patch.object(least, "_BOX_POINTS", 64),
             patch.object(in_step, "_MAX_SAMPLES_AFTER_WIND", 2000),
             patch.object(worst_case, "_INSIDE", 8),
         ):

@@ -56,7 +56,7 @@ def two():
 @pytest.fixture
 def hasty(monkeypatch):
     """Let a search end early, where what it finds is not what is asked."""
-    monkeypatch.setitem(search_of._LINEAR, "rounds", 4)
+    monkeypatch.setitem(search_of._LINEAR_SEARCH, "rounds", 4)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
-"""Gains for the least nozzle: of all that have the margins asked for, those that need least.
+"""Gains for the least nozzle: the minimum deflection of all gains with the specified margins.
 
-The files inside: `question` is what is asked, with its refusals, and what a row of gains lacks of
-the margins; `race` the flights that find what a row of gains needs with a stop; `least` the door;
-`record` the answer; `front` its curve over the disk margin, `schedule` the same over a flight,
-`asked` the same from options and files. The search itself is in `answers.search`.
+The files inside: `question` is the specification, with its refusals, and the margins that a row of
+gains lacks; `race` finds by flights the limits that rows of gains require; `least` is the public
+function; `record` the answer; `front` its curve over the disk margin, `schedule` the gains over a
+flight, `asked` the gains from options and files. The search itself is in `answers.search`.
 """

@@ -1,4 +1,4 @@
-"""An autopilot that is asked for in a file or by options, also one for the least nozzle."""
+"""The autopilot that a file or options specify, which may be that for the least nozzle."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
-    """Return the autopilot of a case; for a wind and criteria where its rule needs them."""
+    """Return the autopilot of a case, in a wind and by criteria for the least nozzle."""
     if case.asked.design != LEAST_NOZZLE:
         return case.autopilot
     return least_asked(case, wind, criteria).autopilot
@@ -29,31 +29,32 @@ def least_asked(
 ) -> LeastGains:
     """Return the gains for the least nozzle with the nozzle, delay, samples and filters of a case.
 
-    `InputError` for gains and numbers of other rules beside it, and as `least_deflection_gains`.
+    `InputError` for gains and numbers of other rules in the same design, and as
+    `least_deflection_gains`.
     """
-    asked = case.asked
-    chains: dict[str, Any] = asked.chains
-    given = [
+    design = case.asked
+    chains: dict[str, Any] = design.chains
+    conflicting = [
         name
         for name in (
             *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
             "integral_gain",
         )
-        if getattr(asked, name) not in (None, 0.0)
+        if getattr(design, name) not in (None, 0.0)
     ]
-    if given:
+    if conflicting:
         raise InputError(
             "gains for the least nozzle are sought: give no"
-            f" {', '.join(name.replace('_', ' ') for name in given)} with them"
+            f" {', '.join(name.replace('_', ' ') for name in conflicting)} with them"
         )
     return least_deflection_gains(
         case.plant,
         winds,
         criteria=criteria,
         actuator=case.nozzle.actuator,
-        delay=asked.delay,
-        crossover=asked.crossover,
-        sample_rate=asked.sample_rate,
+        delay=design.delay,
+        crossover=design.crossover,
+        sample_rate=design.sample_rate,
         **chains,
         **options,
     )

@@ -1,4 +1,4 @@
-"""What margins cost: the least deflection over the disk margin that is asked for."""
+"""The cost of margins: minimum deflection of gains over the required disk margin."""
 
 from __future__ import annotations
 
@@ -18,24 +18,25 @@ from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 
 DEAD_BANDS = (1.0, 0.5)
+"""Dead bands K of the boundaries that are shown."""
 
 
 @dataclass(frozen=True, eq=False)
 class GainsFront(Shown):
-    """The least deflection over the disk margin that is asked for, beside the theory's limits.
+    """Minimum deflection over the required disk margin, with the limits of the theory.
 
     Attributes
     ----------
     disk_margin : ndarray
-        The disk margins that were asked for, rising, ``(n,)``.
+        Required disk margins, rising, ``(n,)``.
     relative : ndarray
-        The least deflection with each over the largest trim, ``(n,)``; infinite where no gains have
-        it.
+        Minimum deflection with each disk margin, normalised by the largest trim, ``(n,)``; infinite
+        where no gains have the margin.
     each : tuple of LeastGains or None
-        The gains; None where there are none.
+        Gains for each disk margin; None where no gains have it.
     limits : dict of str to float
-        Over the largest trim and the worst wind: the report's boundaries and the minimum of
-        appendix C.
+        Boundaries of the report and minimum of appendix C in the worst wind, normalised by the
+        largest trim.
     """
 
     disk_margin: FloatArray
@@ -45,13 +46,13 @@ class GainsFront(Shown):
 
     @property
     def gains(self) -> tuple[str, ...]:
-        """The gains that are free."""
-        return next(tuple(one.question.gains) for one in self.each if one is not None)
+        """Names of the free gains."""
+        return next(tuple(least.question.gains) for least in self.each if least is not None)
 
     @property
     def meaning(self) -> str:
-        """As of `LeastGains`."""
-        return next(one.meaning for one in self.each if one is not None)
+        """Meaning of the deflection, "peak" or "boundary"; see `LeastGains`."""
+        return next(least.meaning for least in self.each if least is not None)
 
     _keys = "disk_margin over_trim=relative limits"
 
@@ -59,64 +60,64 @@ class GainsFront(Shown):
 def least_gains_front(
     found: LeastGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
 ) -> GainsFront:
-    """Return the least deflection of gains over the disk margin that is required.
+    """Return the minimum deflection of gains over the required disk margin.
 
     Parameters
     ----------
     found : LeastGains
-        Gains that were found; what was asked of them stays asked.
+        Gains for the least nozzle; all their other specifications are kept.
     disk_margin : array_like
         Disk margins, rising, ``(n,)``.
 
     Returns
     -------
     GainsFront
-        From each disk margin to the next the search begins near the gains of the one before.
+        The search at each disk margin begins near the gains of the previous disk margin.
 
     Raises
     ------
     InputError
-        For disk margins that are not positive and rising, and when no gains have the least of them.
+        For disk margins that are not positive and rising, and when no gains have the smallest.
 
     Examples
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> found = tv.least_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
-    >>> tv.answers.least_gains_front(found, [0.8, 1.2]).relative.round(2)
+    >>> gains = tv.least_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
+    >>> tv.answers.least_gains_front(gains, [0.8, 1.2]).relative.round(2)
     array([1.03, 1.1 ])
     """
     instance("found", found, LeastGains, "see least_deflection_gains")
-    asked = positive("disk_margin", one_row("disk_margin", disk_margin))
-    if not asked.size or np.any(np.diff(asked) <= 0.0):
+    margins = positive("disk_margin", one_row("disk_margin", disk_margin))
+    if not margins.size or np.any(np.diff(margins) <= 0.0):
         raise InputError("disk_margin must be one or more rising numbers")
-    question, near = found.question, found.question.point(found.autopilot)
+    question, start = found.question, found.question.point(found.autopilot)
     each: list[LeastGains | None] = []
-    for least in asked.tolist():
-        criteria = question.criteria.with_limits("the front", disk_margin=least)
+    for margin in margins.tolist():
+        criteria = question.criteria.with_limits("the front", disk_margin=margin)
         if each and each[-1] is None:
             each.append(None)
             continue
         try:
-            each.append(answered(replace(question, criteria=criteria), near[np.newaxis]))
+            each.append(answered(replace(question, criteria=criteria), start[np.newaxis]))
         except InputError:
             if not each:
                 raise
             each.append(None)
             continue
-        near = question.point(each[-1].autopilot)  # type: ignore[union-attr]
+        start = question.point(each[-1].autopilot)  # type: ignore[union-attr]
     trim = question.trims.max()
-    relative = [np.inf if one is None else one.deflection / trim for one in each]
-    return GainsFront(asked, np.array(relative), tuple(each), _limits(found))
+    relative = [np.inf if gains is None else gains.deflection / trim for gains in each]
+    return GainsFront(margins, np.array(relative), tuple(each), _limits(found))
 
 
 def _limits(found: LeastGains) -> dict[str, float]:
-    """The report's boundaries and the minimum, of the worst wind, over the largest trim."""
+    """Return the boundaries and the minimum in the worst wind, normalised by the largest trim."""
     question, plant = found.question, found.question.plant.rigid
     trim, limits = question.trims.max(), {}
     for K in DEAD_BANDS:
         values: Any = [boundary_limit(plant, wind, K).deflection for wind in question.winds]
         limits[f"boundary, K = {K:g}"] = float(np.max(np.abs(values)) / trim)
-    least = max(float(optimum_deflection(plant, wind).peak) for wind in question.winds)
-    return limits | {WIND_KNOWN: least / trim}
+    minimum = max(float(optimum_deflection(plant, wind).peak) for wind in question.winds)
+    return limits | {WIND_KNOWN: minimum / trim}

@@ -1,4 +1,4 @@
-"""Of all gains that have the margins asked for, those that need the least deflection."""
+"""Gains with the minimum deflection of all gains with the specified margins."""
 
 from __future__ import annotations
 
@@ -34,26 +34,34 @@ from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 
-_SETTLED = 8.0
-"""Loops are followed behind a wind for so long, over the fastest pole of the plant."""
-_FINE = 1e-4
-"""Of trim: limits that are closer are alike."""
-_LINEAR: dict[str, Any] = {"each": 32, "rounds": 40}
-_FLOWN: dict[str, Any] = {"each": 24, "rounds": 30, "islands": 1}
-_STOPPED: dict[str, Any] = {"each": 24, "rounds": 14, "islands": 1}
-_AGAIN: dict[str, Any] = {"first": 8, "each": 12, "rounds": 6, "tolerance": _FINE}
-_OVER, _NEAR = 256, 16
-"""Points and rounds of the searches: over the box, for each axis beyond the first, or nearby."""
+_SETTLING_TIME_CONSTANTS = 8.0
+"""Duration of a response after its wind, in time constants of the fastest pole of the plant."""
+_LIMIT_TOLERANCE = 1e-4
+"""Difference of limits, relative to trim, that counts as none."""
+_LINEAR_SEARCH: dict[str, Any] = {"each": 32, "rounds": 40}
+"""Options of the search by peaks of the linear loop."""
+_FLOWN_SEARCH: dict[str, Any] = {"each": 24, "rounds": 30, "islands": 1}
+"""Options of the search by flights."""
+_STOPPED_SEARCH: dict[str, Any] = {"each": 24, "rounds": 14, "islands": 1}
+"""Options of the search by flights with sudden ends of the winds."""
+_REFINEMENT: dict[str, Any] = {"first": 8, "each": 12, "rounds": 6, "tolerance": _LIMIT_TOLERANCE}
+"""Options of the last search by flights, around the best gains."""
+_BOX_POINTS = 256
+"""First points of a search over the unit box, for each axis beyond the first."""
+_LOCAL_POINTS = 16
+"""First points of a search near known gains."""
 _ISLANDS = 3
-"""Pools of a search with three gains; with two, one arrives."""
-_CLEAN, _CLEANER = 24, 100
-"""Limits above the one found at which a row of gains is flown: in the search, and at its end."""
-_BEST = 4
-"""So many of the best are asked for their exact peak."""
-_TIGHT = 0.005
-_UNSEEN = 23
-_LEANS = 0.45
-"""An alpha_ratio below which a sudden end of the wind asks for more than the wind."""
+"""Number of pools of a search with three gains; with two gains a single pool converges."""
+_SEARCH_SCAN, _FINAL_SCAN = 24, 100
+"""Number of limits above the required limit that are flown: in the search, and at its end."""
+_EXACT_ROWS = 4
+"""Number of the best rows of gains whose exact peaks are computed."""
+_RELATIVE_TOLERANCE = 0.005
+"""Relative distance at which a margin, a wind or an edge of the search range counts as active."""
+_CHECK_STOPS = 23
+"""Number of sudden ends of each wind at which the final gains are checked."""
+_MIN_ALPHA_RATIO = 0.45
+"""alpha_ratio below which a sudden end of the wind requires more than the wind."""
 
 
 def least_deflection_gains(
@@ -72,32 +80,32 @@ def least_deflection_gains(
     stops: int = 0,
     sample_rate: float | None = None,
 ) -> LeastGains:
-    """Return the gains that need the least deflection of all that have the margins asked for.
+    """Return the gains with the minimum deflection of all gains with the specified margins.
 
     Parameters
     ----------
     plant : Plant or FlexiblePlant
-        One aerodynamically unstable plant.
+        An aerodynamically unstable plant, no batch.
     winds : History or sequence of History
         Winds that end; the deflection is the largest over all of them.
     criteria : Criteria
-        The margins that are asked for, of the whole loop and of modes.
+        Required margins, of the whole loop and of modes.
     gains : sequence of str
-        Those that are free: attitude and rate, or attitude, rate and alpha.
+        Free gains: attitude and rate, or attitude, rate and alpha.
     actuator : Actuator, optional
-        Of the nozzle.
+        Actuator of the nozzle.
     delay : float
-        Of the loop [s]; in flights it is the computing delay.
+        Delay of the loop [s]; in flights it is the computing delay.
     crossover : float, optional
-        The highest that a gain crossover may be [rad/s]: it stands for what bends and is not in
-        the plant.
+        Upper limit of a gain crossover [rad/s], in place of bending modes that are not in the
+        plant.
     filters, attitude_filters, rate_filters : tuple of Filter
-        Behind the sum of the feedbacks, on the attitude and on the rate.
+        Filters after the sum of the feedbacks, on the attitude and on the rate.
     limits : bool
-        Whether the deflection is the least limit with which the winds are survived, flown, in
-        place of the largest of the linear loop.
+        Whether the deflection is the minimum limit with which flights survive the winds, in place
+        of the peak of the linear loop.
     stops : int
-        With limits, so many sudden ends of each wind must be survived as well.
+        With limits, number of sudden ends of each wind that must be survived as well.
     sample_rate : float, optional
         Samples of the autopilot in a second [Hz]: its margins are then those of the sampled loop.
         Without one the margins are of a continuous autopilot, and flights sample it at 100 Hz. The
@@ -106,7 +114,7 @@ def least_deflection_gains(
     Returns
     -------
     LeastGains
-        With the margins, what holds the gains, and notes.
+        Gains, deflection, margins, active criteria and notes.
 
     Raises
     ------
@@ -118,27 +126,28 @@ def least_deflection_gains(
     Notes
     -----
     On a fixed path a0 + b0 and a1 alone decide the margins, and the deflection is affine in b0 for
-    a given loop. The search needs none of that: hundreds of points, then others along differences
-    of the best, all margins and peaks of a round in one call. Peaks are found to about 1e-3 of
-    trim, three gains in several winds to 2e-3; what is returned meets every criterion.
+    a given loop. The search uses none of that: it takes hundreds of points, then others along
+    differences of the best, with all margins and peaks of a round in one call. Peaks are minimal to
+    about 1e-3 of trim, with three gains in several winds to 2e-3; the result satisfies all
+    criteria.
 
-    One wind is overfitted: give several durations, and judge three gains with stops.
+    A single wind is overfitted: give several durations, and judge three gains with stops.
 
     Examples
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> found = tv.least_deflection_gains(
+    >>> gains = tv.least_deflection_gains(
     ...     plant, wind, actuator=tv.Actuator(), delay=0.02, crossover=2.0
     ... )
-    >>> round(found.relative, 2), found.active
+    >>> round(gains.relative, 2), gains.active
     (1.11, ('phase_margin_deg', 'crossover'))
     """
-    every: Any = (winds,) if isinstance(winds, History) else winds
+    winds_row: Any = (winds,) if isinstance(winds, History) else winds
     question = Question(
         plant=plant,
-        winds=every,
+        winds=winds_row,
         criteria=criteria,
         gains=gains,
         actuator=actuator,
@@ -155,39 +164,42 @@ def least_deflection_gains(
 
 
 def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
-    """Return the answer to a question, from gains nearby where they are known, ``(n, axes)``."""
+    """Return the gains for a question; `near`: known gains to start from, ``(n, axes)``."""
     axes = len(question.gains)
-    first = _OVER * (axes - 1) if near is None else _NEAR
-    begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
+    first = _BOX_POINTS * (axes - 1) if near is None else _LOCAL_POINTS
+    start: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
     pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
-    linear = partial(_worth, question, partial(_peaked, question))
-    points, found = least_points(linear, axes, islands=pools, **begin, **_LINEAR)
-    if found[0] < MISSES and question.limits:
-        flown, cleaner = (
-            partial(_worth, question, partial(needs, question, clean=n)) for n in (_CLEAN, _CLEANER)
+    linear = partial(_cost, question, partial(_linear_peaks, question))
+    points, costs = least_points(linear, axes, islands=pools, **start, **_LINEAR_SEARCH)
+    if costs[0] < MISSES and question.limits:
+        flown, final = (
+            partial(_cost, question, partial(needs, question, clean=n))
+            for n in (_SEARCH_SCAN, _FINAL_SCAN)
         )
-        steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
-        points, _ = least_points(flown, axes, **begin | {"known": points}, **steps)
-        points, _ = least_points(cleaner, axes, known=points, wide=False, **_AGAIN)
-    if found[0] >= MISSES:
-        raise InputError(_none(question, points[0]))
+        options = _STOPPED_SEARCH if question.stops else _FLOWN_SEARCH
+        options = options | {"tolerance": _LIMIT_TOLERANCE}
+        points, _ = least_points(flown, axes, **start | {"known": points}, **options)
+        points, _ = least_points(final, axes, known=points, wide=False, **_REFINEMENT)
+    if costs[0] >= MISSES:
+        raise InputError(_refusal(question, points[0]))
     if question.limits:
         each = _boundaries(question, question.autopilot(points[0]), question.stops)
         return _record(question, points[0], each)
-    exact = [_peaks(question, question.autopilot(point)) for point in points[:_BEST]]
-    best = int(np.argmin([each.max() for each in exact]))
+    exact = [_peaks(question, question.autopilot(point)) for point in points[:_EXACT_ROWS]]
+    best = int(np.argmin([peaks.max() for peaks in exact]))
     return _record(question, points[best], exact[best])
 
 
-def _worth(
+def _cost(
     question: Question,
     need: Callable[[FloatArray, float], FloatArray],
     points: FloatArray,
     pool: FloatArray,
 ) -> FloatArray:
-    """What each row needs over the largest trim; beyond `MISSES` where a criterion is missed.
+    """Return the cost of rows of gains, ``(n,)``: required deflection relative to the largest trim.
 
-    `need`: of rows that miss none, closely where it enters the pool.
+    From `MISSES` on where a criterion is missed. `need`: function for the deflection of rows that
+    satisfy all criteria, exact below the largest cost of the pool.
     """
     lacks = question.lacks(points)
     values = MISSES + np.maximum(lacks, 0.0)
@@ -197,25 +209,27 @@ def _worth(
     return np.asarray(values)
 
 
-def _peaked(question: Question, points: FloatArray, goal: float) -> FloatArray:
-    """The peak of each row of the linear loop, over the largest trim."""
+def _linear_peaks(question: Question, points: FloatArray, goal: float) -> FloatArray:
+    """Return the peaks of the linear loop, normalised by the largest trim, ``(n,)``."""
     del goal
     rows = replace(question.autopilot(points), sample_rate=None)
-    after = _SETTLED / float(np.nanmax(np.real(unstable_modes(question.plant.rigid).poles)))
+    after = _SETTLING_TIME_CONSTANTS / float(
+        np.nanmax(np.real(unstable_modes(question.plant.rigid).poles))
+    )
     peaks = [deflection_peaks(rows, question.plant, w, after) for w in question.winds]
     return np.asarray(np.max(peaks, axis=0) / question.trims.max())
 
 
 def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
-    """The exact peak in each wind [rad]."""
-    answer = replace(autopilot, sample_rate=None).wind_response_function(question.plant)
-    return np.array([abs(answer(wind).peak("deflection")[0]) for wind in question.winds])
+    """Return the exact peaks [rad], ``(winds,)``."""
+    response = replace(autopilot, sample_rate=None).wind_response_function(question.plant)
+    return np.array([abs(response(wind).peak("deflection")[0]) for wind in question.winds])
 
 
 def _boundaries(question: Question, autopilot: Autopilot, stops: int) -> FloatArray:
-    """The boundary in each wind [rad], with so many sudden stops of it."""
+    """Return the boundaries [rad] with `stops` sudden ends of each wind, ``(winds,)``."""
     law = SaturatedLaw.of(autopilot)
-    found = [
+    limits = [
         closed_loop_boundary(
             question.plant,
             law,
@@ -227,16 +241,17 @@ def _boundaries(question: Question, autopilot: Autopilot, stops: int) -> FloatAr
         ).deflection
         for wind in question.winds
     ]
-    return np.abs(np.array(found))
+    return np.abs(np.array(limits))
 
 
 def _record(question: Question, point: FloatArray, each: FloatArray) -> LeastGains:
+    """Return the record of a row of gains with its deflection in each wind [rad], ``(winds,)``."""
     autopilot = question.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(question.plant))
     worst = int(np.argmax(each))
     unseen = None
     if question.limits:
-        unseen = float(_boundaries(question, autopilot, _UNSEEN).max())
+        unseen = float(_boundaries(question, autopilot, _CHECK_STOPS).max())
     return LeastGains(
         question=question,
         autopilot=autopilot,
@@ -253,19 +268,19 @@ def _record(question: Question, point: FloatArray, each: FloatArray) -> LeastGai
 
 
 def _active(question: Question, margins: Margins, each: FloatArray) -> tuple[str, ...]:
-    """The criteria that are met with nothing to spare, and winds that ask the same."""
-    held = [
-        one.margin
-        for one in question.criteria.requirements
-        if one.margin in MARGINS and abs(lacking(one, getattr(margins, one.margin))) < _TIGHT
+    """Return the names of active criteria, and of the winds if several require the same."""
+    active = [
+        r.margin
+        for r in question.criteria.requirements
+        if r.margin in MARGINS and abs(lacking(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
     ]
-    most = question.crossover
-    if most is not None and highest_crossover(margins) > (1.0 - _TIGHT) * most:
-        held.append(CROSSOVER)
-    same = np.flatnonzero(each > (1.0 - _TIGHT) * each.max())
-    if same.size > 1:
-        held += [question.names[k] for k in same.tolist()]
-    return tuple(held)
+    limit = question.crossover
+    if limit is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * limit:
+        active.append(CROSSOVER)
+    equal = np.flatnonzero(each > (1.0 - _RELATIVE_TOLERANCE) * each.max())
+    if equal.size > 1:
+        active += [question.names[k] for k in equal.tolist()]
+    return tuple(active)
 
 
 def _notes(
@@ -275,16 +290,17 @@ def _notes(
     each: FloatArray,
     unseen: float | None,
 ) -> tuple[str, ...]:
+    """Return the notes on gains: lean into the wind, path, winds, search range and sudden ends."""
     notes = []
     trim = question.trims.max()
     if len(question.gains) > len(("attitude", "rate")):
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
         ratio = a0 / (a0 + b0 - float(question.plant.coefficients.B))
-        if ratio < _LEANS:
+        if ratio < _MIN_ALPHA_RATIO:
             notes.append(
-                f"these gains leave {ratio:.2f} of a steady wind as angle of attack: below {_LEANS}"
-                " the vehicle leans so far into the wind that a sudden end of it needs more; try"
-                " with stops"
+                f"these gains leave {ratio:.2f} of a steady wind as angle of attack: below"
+                f" {_MIN_ALPHA_RATIO} the vehicle leans so far into the wind that a sudden end of"
+                " it needs more; try with stops"
             )
         if question.plant.rigid.model == "fixed-path":
             notes.append(
@@ -292,38 +308,43 @@ def _notes(
             )
     if len(question.winds) == 1:
         notes.append("the gains are fitted to one wind alone: give shorter and longer ones as well")
-    if np.any((point < _TIGHT) | (point > 1.0 - _TIGHT)) and len(question.gains) == 2:
+    if (
+        np.any((point < _RELATIVE_TOLERANCE) | (point > 1.0 - _RELATIVE_TOLERANCE))
+        and len(question.gains) == 2
+    ):
         notes.append("the gains lie at the edge of the search range")
-    if unseen is not None and unseen > (1.0 + _TIGHT) * float(each.max()):
+    if unseen is not None and unseen > (1.0 + _RELATIVE_TOLERANCE) * float(each.max()):
         notes.append(
-            f"with {_UNSEEN} sudden ends of each wind, most of them new to the search, the boundary"
-            f" is {unseen / trim:.3f} of trim"
+            f"with {_CHECK_STOPS} sudden ends of each wind, most of them new to the search, the"
+            f" boundary is {unseen / trim:.3f} of trim"
         )
     return tuple(notes)
 
 
-def _none(question: Question, point: FloatArray) -> str:
-    """The sentence that no gains meet the criteria: what is nearest, and what bounds it."""
+def _refusal(question: Question, point: FloatArray) -> str:
+    """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds."""
     autopilot = question.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(question.plant))
-    said = f"no {' and '.join(question.gains)} gains meet the criteria {question.criteria.name}"
-    said += (
+    text = f"no {' and '.join(question.gains)} gains meet the criteria {question.criteria.name}"
+    text += (
         f"; the nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
         f" a1 = {float(autopilot.rate_gain):.4g} s,"
     )
-    short = [
-        (float(lacking(one, getattr(margins, one.margin))), one)
-        for one in question.criteria.requirements
-        if one.margin in MARGINS
+    lacks = [
+        (float(lacking(r, getattr(margins, r.margin))), r)
+        for r in question.criteria.requirements
+        if r.margin in MARGINS
     ]
-    lack, one = max(short, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
+    lack, worst = max(lacks, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
     if not margins.stable:
-        said += " are unstable"
+        text += " are unstable"
     elif lack > 0.0:
-        label, unit, _ = MARGINS[one.margin]
-        value, limit = (unit_factor(unit) * x for x in (getattr(margins, one.margin), one.limit))
-        said += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
+        label, unit, _ = MARGINS[worst.margin]
+        value, limit = (
+            unit_factor(unit) * x for x in (getattr(margins, worst.margin), worst.limit)
+        )
+        text += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:
-        said += " miss the required margins of modes or the crossover"
+        text += " miss the required margins of modes or the crossover"
     bounds = margin_bounds(question.plant, actuator=question.actuator, delay=question.delay)
-    return "; ".join(part for part in (said, bounds.sentence) if part)
+    return "; ".join(filter(None, (text, bounds.sentence)))

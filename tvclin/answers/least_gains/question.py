@@ -1,4 +1,4 @@
-"""What is asked of gains for the least nozzle, and what a row of gains lacks of it."""
+"""Specification of gains for the least nozzle, and the margins that a row of gains lacks."""
 
 from __future__ import annotations
 
@@ -34,21 +34,22 @@ from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
 
 FREE = (("attitude", "rate"), ("attitude", "rate", "alpha"))
-"""Gains that can be free."""
+"""Combinations of free gains."""
 CROSSOVER = "crossover"
+"""Name of the upper limit of the gain crossover."""
 MISSES = 10.0
-"""What gains that miss a criterion are worth, over full trim, and by how much they miss it more."""
+"""Cost of gains that miss a criterion, to which the missing fraction is added."""
 _UNSTABLE = 100.0
-"""What an unstable loop lacks: more than any other."""
+"""Missing fraction of an unstable loop, larger than of any stable loop."""
 _FLOWN_RATE = 100.0
 """Sample rate of flights [Hz] of an autopilot without one."""
 _LEAST_STIFFNESS, _LEAST_RATE = 1.01, 0.05
-"""Least (a0 + b0)/B and a1 beta/B."""
+"""Smallest (a0 + b0)/B and a1 beta/B of the search range."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Question:
-    """A plant, its winds and nozzle, and the margins that its autopilot shall have.
+    """A plant, its winds and nozzle, and the required margins of its autopilot.
 
     The attributes are the arguments of `least_deflection_gains`.
     """
@@ -72,9 +73,9 @@ class Question:
         single("plant", self.plant.batch)
         object.__setattr__(self, "winds", _checked_winds(self.winds))
         instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
-        given = self.gains if isinstance(self.gains, list | tuple) else ()
-        free = tuple(one for one in given if isinstance(one, str))
-        if free not in FREE or len(free) < len(given):
+        names = self.gains if isinstance(self.gains, list | tuple) else ()
+        free = tuple(name for name in names if isinstance(name, str))
+        if free not in FREE or len(free) < len(names):
             raise InputError(
                 f"gains must be {' or '.join(map(str, FREE))}: those that are free, in this order;"
                 f" got {shown(self.gains)}"
@@ -90,8 +91,8 @@ class Question:
             check_sample_rate(self.flown_rate, self.actuator)
         object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
         if self.crossover is not None:
-            most = number("crossover", self.crossover, positive, "rad/s")
-            object.__setattr__(self, "crossover", most)
+            limit = number("crossover", self.crossover, positive, "rad/s")
+            object.__setattr__(self, "crossover", limit)
         if whole_number("stops", self.stops) and not self.limits:
             raise InputError(
                 "stops are sudden ends of a wind in flights with a limit: give limits=True with"
@@ -112,7 +113,7 @@ class Question:
 
     @property
     def chains(self) -> dict[str, Any]:
-        """The filters of the autopilot, by their place in it."""
+        """The filters of the autopilot by field."""
         return {name: getattr(self, name) for name in CHAINS}
 
     @property
@@ -122,26 +123,26 @@ class Question:
 
     @property
     def fastest(self) -> float:
-        """The frequency [rad/s] beyond which nothing is worth trying: of the slowest part."""
-        parts = [np.inf if self.crossover is None else self.crossover]
+        """Largest useful frequency [rad/s]: the lowest of crossover limit, actuator and delay."""
+        frequencies = [np.inf if self.crossover is None else self.crossover]
         if self.actuator is not None:
-            parts.append(float(np.max(self.actuator.natural_frequency)))
+            frequencies.append(float(np.max(self.actuator.natural_frequency)))
         if self.delay:
-            parts.append(0.5 * np.pi / self.delay)
-        return min(parts)
+            frequencies.append(0.5 * np.pi / self.delay)
+        return min(frequencies)
 
     @property
     def trims(self) -> FloatArray:
-        """``|B alpha_w,max|`` of each wind [rad]."""
-        peaks = [float(one.peak) for one in self.winds]
+        """Largest trim deflections ``|B alpha_w,max|`` [rad], ``(winds,)``."""
+        peaks = [float(wind.peak) for wind in self.winds]
         return np.abs(float(self.plant.coefficients.B) * np.array(peaks))
 
     @property
     def names(self) -> list[str]:
-        """What the winds are called: by peak and duration."""
+        """Names of the winds, by peak and duration."""
         return [
-            f"wind of {np.degrees(float(one.peak)):.3g} deg, {float(one.end - one.onset):.3g} s"
-            for one in self.winds
+            f"wind of {np.degrees(float(w.peak)):.3g} deg, {float(w.end - w.onset):.3g} s"
+            for w in self.winds
         ]
 
     def autopilot(self, points: FloatArray) -> Autopilot:
@@ -164,90 +165,93 @@ class Question:
         )
 
     def point(self, autopilot: Autopilot) -> FloatArray:
-        """Return where the gains of one autopilot lie in the unit box, ``(axes,)``."""
+        """Return the point of the gains of an autopilot in the unit box, ``(axes,)``."""
         B, beta, (stiffest, fastest) = self._scales
         a0, a1, b0 = (
             float(gain)
             for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
         )
         stiffness, rate = (a0 + b0) / B / _LEAST_STIFFNESS, a1 * beta / B / _LEAST_RATE
-        parts = [
+        axes = [
             np.log(stiffness) / np.log(stiffest / _LEAST_STIFFNESS),
             np.log(rate) / np.log(fastest / _LEAST_RATE),
             b0 / (a0 + b0),
         ]
-        return np.clip(parts[: len(self.gains)], 0.0, 1.0)
+        return np.clip(axes[: len(self.gains)], 0.0, 1.0)
 
     @property
     def _scales(self) -> tuple[float, float, tuple[float, float]]:
-        """B, beta, and the largest (a0 + b0)/B and a1 beta/B that are worth trying."""
+        """B, beta [rad/s], and the largest (a0 + b0)/B and a1 beta/B of the search range."""
         c = self.plant.coefficients
         beta = float(np.sqrt(c.mu_alpha))
         pace = max(self.fastest / beta, 2.0)
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
     def lacks(self, points: FloatArray) -> FloatArray:
-        """Return by what part of a limit each row of gains misses that which it misses most.
+        """Return the largest missing fraction of a required margin by row of gains, ``(n,)``.
 
-        Zero or less where all criteria are met; ``(n,)``.
+        Zero or less where all criteria are satisfied.
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
-        found = margins_of(loop.analysis(delays=self._of_delay), loop.batch)
-        every = [np.full(len(points), -np.inf)]
-        every += [
-            lacking(one, getattr(found, one.margin))
-            for one in self.criteria.requirements
-            if one.margin in MARGINS
+        margins = margins_of(loop.analysis(delays=self._of_delay), loop.batch)
+        fractions = [np.full(len(points), -np.inf)]
+        fractions += [
+            lacking(r, getattr(margins, r.margin))
+            for r in self.criteria.requirements
+            if r.margin in MARGINS
         ]
         if self.crossover is not None:
-            with np.errstate(over="ignore"):  # of the least crossover that a number can be
-                every.append(highest_crossover(found) / self.crossover - 1.0)
-        lacks = np.where(found.stable, np.max(np.nan_to_num(every, nan=_UNSTABLE), axis=0), 100.0)
-        some = np.flatnonzero(lacks <= 0.0)
-        if self.plant.structure is not None and some.size and self._of_modes:
-            lacks[some] = np.maximum(lacks[some], self._lacks_of_modes(points[some]))
+            with np.errstate(over="ignore"):  # with a denormal crossover
+                fractions.append(highest_crossover(margins) / self.crossover - 1.0)
+        worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
+        lacks = np.where(margins.stable, worst, _UNSTABLE)
+        good = np.flatnonzero(lacks <= 0.0)
+        if self.plant.structure is not None and good.size and self._of_modes:
+            lacks[good] = np.maximum(lacks[good], self._lacks_of_modes(points[good]))
         return np.asarray(lacks)
 
     @property
     def _of_delay(self) -> bool:
         """Whether a delay margin is required."""
-        return any(one.margin == "delay_margin" for one in self.criteria.requirements)
+        return any(r.margin == "delay_margin" for r in self.criteria.requirements)
 
     @property
     def _of_modes(self) -> tuple[Requirement, ...]:
-        return tuple(one for one in self.criteria.requirements if one.margin not in MARGINS)
+        """The required margins of modes."""
+        return tuple(r for r in self.criteria.requirements if r.margin not in MARGINS)
 
     def _lacks_of_modes(self, points: FloatArray) -> FloatArray:
+        """Return the largest missing fraction of margins of modes by row of gains, ``(n,)``."""
         assert isinstance(self.plant, FlexiblePlant)
         loop = self.autopilot(points).exact_loop(self.plant)
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
-        for one in replace(self.criteria, requirements=self._of_modes).judge(bands):
-            surplus = np.asarray(one.surplus) / max(one.requirement.limit, 1e-9)
+        for verdict in replace(self.criteria, requirements=self._of_modes).judge(bands):
+            surplus = np.asarray(verdict.surplus) / max(verdict.requirement.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst
 
 
 def _checked_winds(winds: Any) -> tuple[History, ...]:
-    """Return winds, one or more, each of which ends and has a peak."""
+    """Return winds; `InputError` for none, a batch, and a wind without an end or peak."""
     checked = each("winds", winds, History, "such as TriangularWind")
     if not checked:
         raise InputError("winds must be one or more; got none")
-    for one in checked:
-        single("wind", one.batch)
-        ending("wind", one.end)
-        number("the peak of a wind", abs(float(one.peak)), positive, "rad")
+    for wind in checked:
+        single("wind", wind.batch)
+        ending("wind", wind.end)
+        number("the peak of a wind", abs(float(wind.peak)), positive, "rad")
     return checked
 
 
-def lacking(asked: Requirement, value: Any) -> FloatArray:
-    """Return by what part of its limit a margin misses what is asked; negative where it is met."""
-    lack = (asked.limit - np.asarray(value)) / max(asked.limit, 1e-9)
-    return np.asarray(-lack if asked.is_upper_limit else lack)
+def lacking(requirement: Requirement, value: Any) -> FloatArray:
+    """Return the missing fraction of a required margin, ``(n,)``; negative where satisfied."""
+    lack = (requirement.limit - np.asarray(value)) / max(requirement.limit, 1e-9)
+    return np.asarray(-lack if requirement.is_upper_limit else lack)
 
 
-def highest_crossover(found: Margins) -> FloatArray:
-    """Return the highest gain crossover [rad/s] of each loop; zero without one."""
-    every = np.nan_to_num(found.crossings.gain_frequencies, nan=0.0)
-    return np.asarray(np.max(every, axis=-1, initial=0.0))
+def highest_crossover(margins: Margins) -> FloatArray:
+    """Return the highest gain crossover [rad/s] of each loop, ``(n,)``; zero without any."""
+    frequencies = np.nan_to_num(margins.crossings.gain_frequencies, nan=0.0)
+    return np.asarray(np.max(frequencies, axis=-1, initial=0.0))

@@ -1,4 +1,4 @@
-"""The gains that need the least nozzle, what holds them, and what is to be known about them."""
+"""Record of gains for the least nozzle, with the active criteria and notes."""
 
 from __future__ import annotations
 
@@ -13,41 +13,42 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.margins import Margins
 
 PEAK, BOUNDARY = "peak", "boundary"
+"""Meanings of the deflection of `LeastGains`."""
 
 
 @dataclass(frozen=True, eq=False)
 class LeastGains(Shown):
-    """Of all gains that have the margins asked for, those that need the least deflection.
+    """Gains with the minimum deflection of all gains with the specified margins.
 
     Attributes
     ----------
     question : Question
-        What was asked: plant, winds, criteria, nozzle.
+        Specification: plant, winds, criteria, nozzle.
     autopilot : Autopilot
         The gains, with actuator and delay.
     meaning : str
-        "peak": the deflection is the largest of the linear loop, without a stop. "boundary": it is
-        the least limit with which flights survive, as of `closed_loop_boundary`; it is lower, by
+        "peak": the deflection is the peak of the linear loop, without a limit. "boundary": it is
+        the minimum limit with which flights survive, as of `closed_loop_boundary`; it is lower, by
         0.15 to 0.4 of trim as a rule.
     deflection : float
-        The largest over the winds [rad], in size.
+        Largest deflection over the winds [rad], in size.
     relative : float
-        The same over ``|B alpha_w,max|`` of the wind that asks it.
+        The deflection normalised by the trim ``|B alpha_w,max|`` of the worst wind.
     each : ndarray
         The deflection [rad] of each wind, ``(winds,)``.
     worst_wind : int
-        The place of the wind that asks most.
+        Index of the wind with the largest deflection.
     margins : Margins
-        Of the loop.
+        Margins of the loop.
     active : tuple of str
-        What keeps the deflection from being less: names of margins that are met with less than 0.5
-        percent to spare, "crossover", and the winds, by peak and duration, where several ask the
-        same. Empty where more gain and less gain both ask more.
+        Active constraints of the minimum: names of margins within 0.5 percent of their limits,
+        "crossover", and the winds, by peak and duration, where several require the same
+        deflection. Empty where more gain and less gain both require more.
     unseen : float
-        With limits the boundary [rad] in the same winds with 23 sudden stops, most of which the
-        search did not know; else None.
+        With limits, the boundary [rad] in the same winds with 23 sudden ends, most of which the
+        search did not use; else None.
     notes : tuple of str
-        What is to be known before these gains are believed.
+        Limitations of these gains.
     """
 
     question: Question
@@ -68,15 +69,15 @@ class LeastGains(Shown):
     )
 
     def table(self) -> Table:
-        """Return what each wind asks."""
+        """Return the table of the deflection in each wind."""
         words = {
             "peak": "largest deflection of the linear loop",
             "boundary": "least limit with which flights survive",
         }
         q = self.question
         rows = tuple(
-            ((name,), degrees(f"least.{name}", one), number(f"least.{name}.part", one / trim))
-            for name, one, trim in zip(q.names, self.each, q.trims, strict=True)
+            ((name,), degrees(f"least.{name}", angle), number(f"least.{name}.part", angle / trim))
+            for name, angle, trim in zip(q.names, self.each, q.trims, strict=True)
         )
         caption = f"Least nozzle: {words[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)

@@ -26,7 +26,7 @@ class LeastSchedule:
     schedule : GainSchedule
         The gains, straight lines between the times.
     each : tuple of LeastGains
-        What was found at each of them.
+        Gains for the least nozzle at each time.
     """
 
     schedule: GainSchedule
@@ -34,8 +34,8 @@ class LeastSchedule:
 
     @property
     def deflection(self) -> float:
-        """The largest of all times [rad]: what the nozzle needs for this flight."""
-        return max(one.deflection for one in self.each)
+        """Largest deflection of all times [rad], which the flight requires of the nozzle."""
+        return max(gains.deflection for gains in self.each)
 
 
 def least_gain_schedule(
@@ -48,9 +48,9 @@ def least_gain_schedule(
     time : array_like
         Flight times [s], rising, ``(n,)``.
     plants : Plant
-        The plant at each of them, ``(n,)``.
+        Plant at each time, ``(n,)``.
     winds, **options
-        As of `least_deflection_gains`; the winds may come at any of the times.
+        Same parameters as of `least_deflection_gains`; the winds may occur at any of the times.
 
     Raises
     ------
@@ -62,26 +62,26 @@ def least_gain_schedule(
     >>> import tvclin as tv
     >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> found = tv.answers.least_gain_schedule(
+    >>> least = tv.answers.least_gain_schedule(
     ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
     ... )
-    >>> [round(one.relative, 2) for one in found.each]
+    >>> [round(gains.relative, 2) for gains in least.each]
     [1.03, 1.14]
     """
     instance("plants", plants, Plant, PLANT_HINT)
-    when = times_row("time", time)
-    if plants.batch != when.shape:
+    times = times_row("time", time)
+    if plants.batch != times.shape:
         raise InputError(
-            f"plants must be one for each of the {when.size} times; got a batch of shape"
+            f"plants must be one for each of the {times.size} times; got a batch of shape"
             f" {plants.batch}"
         )
     each = tuple(
         least_deflection_gains(plants.case(k, plants.batch), winds, **options)
-        for k in range(when.size)
+        for k in range(times.size)
     )
     a0, a1, b0 = (
-        np.array([getattr(one.autopilot, name) for one in each])
+        np.array([getattr(least.autopilot, name) for least in each])
         for name in ("attitude_gain", "rate_gain", "alpha_gain")
     )
     gains = replace(each[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
-    return LeastSchedule(GainSchedule(when, gains), each)
+    return LeastSchedule(GainSchedule(times, gains), each)
