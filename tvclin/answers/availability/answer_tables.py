@@ -1,4 +1,4 @@
-"""On how many days a limit is enough, as tables: by month, by part of the days, and unknown."""
+"""Tables of availability: by month, limits by fraction of the days, and unknown soundings."""
 
 from collections import Counter
 
@@ -14,11 +14,11 @@ _MONTHS = (
 
 
 def by_month(a: Availability) -> Table:
-    """Return how many soundings of each month fly, towards each azimuth."""
+    """Return the table of soundings that fly, by month and azimuth."""
     rows = []
     for month, parts in a.by_month().items():
-        each = parts if isinstance(parts, tuple) else (parts,)
-        for towards, part in zip(_towards(a), each, strict=True):
+        by_azimuth = parts if isinstance(parts, tuple) else (parts,)
+        for towards, part in zip(_towards(a), by_azimuth, strict=True):
             key = f"availability.month.{month}{towards}"
             counts = {"flown": part.flown, "judged": part.judged, "unknown": part.unknown}
             shares = {"part": part.part, "lower": part.lower, "upper": part.upper}
@@ -30,7 +30,7 @@ def by_month(a: Availability) -> Table:
 
 
 def interval(a: Availability) -> str:
-    """Return what the interval means, in words."""
+    """Return the meaning of the confidence interval, in words."""
     return (
         f"With {100 * a.confidence:g} % confidence the part of all such days lies in the interval;"
         " days that are alike count as fewer independent ones."
@@ -38,7 +38,7 @@ def interval(a: Availability) -> str:
 
 
 def placard(a: Availability) -> Table:
-    """Return the limits that are enough in parts of the judged soundings, towards each azimuth."""
+    """Return the table of sufficient limits by fraction of the judged soundings and azimuth."""
     rows: list[tuple[Line, ...]] = []
     for part, limits in zip(PLACARD, np.atleast_2d(a.placard()).T, strict=True):
         key = f"availability.placard.{100.0 * part:g}"
@@ -51,16 +51,16 @@ def placard(a: Availability) -> Table:
 
 
 def unknown(a: Availability) -> Table:
-    """Return why soundings are not judged; what is wrong with a file is not told line by line."""
-    reasons = Counter(why.split(":")[0] for why in a.why if why)
+    """Return the table of reasons for unknown soundings, with their numbers."""
+    reasons = Counter(reason.split(":")[0] for reason in a.why if reason)
     rows = tuple(
-        ((why,), number(f"availability.unknown.{i}", count, 0))
-        for i, (why, count) in enumerate(reasons.most_common())
+        ((reason,), number(f"availability.unknown.{i}", count, 0))
+        for i, (reason, count) in enumerate(reasons.most_common())
     )
     return Table("Unknown soundings", ("why", "number"), rows)
 
 
 def _towards(a: Availability) -> list[str]:
-    """What names an azimuth among several; nothing for one."""
+    """Return the labels of azimuths; an empty label for a single azimuth."""
     azimuths = np.degrees(np.atleast_1d(a.azimuth)).tolist()
-    return [f", towards {one:.4g} deg" for one in azimuths] if len(azimuths) > 1 else [""]
+    return [f", towards {azimuth:.4g} deg" for azimuth in azimuths] if len(azimuths) > 1 else [""]

@@ -1,4 +1,4 @@
-"""On how many days of an archive a deflection limit is enough."""
+"""Fraction of the days of an archive on which a deflection limit is sufficient."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ from tvclin.winds.pulses import checked_gust
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
-_CLOSE = 0.02
-"""Needs with calm and with a strong wind that differ by more than this part are not compared."""
-_FEW_YEARS = 3
+_MAX_BOUND_SPREAD = 0.02
+"""Largest relative difference of the bounds of a requirement that is used for its growth."""
+_MIN_YEARS = 3
+"""Number of years below which a note says that other years may be windier."""
 
 
 def availability(
@@ -56,10 +57,10 @@ def availability(
     sign: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Availability:
-    """Return on how many days of an archive a limit is enough.
+    """Return the fraction of soundings of an archive with which a deflection limit is sufficient.
 
-    Each sounding is flown through with parameters that vary; the requirement is that of the dead
-    band K = 1, which needs no forecast, as `size` has it with ``varying=True``.
+    A flight with varying parameters goes through each sounding; the requirement is for the dead
+    band K = 1, which needs no forecast, as of `size` with ``varying=True``.
 
     Parameters
     ----------
@@ -72,19 +73,20 @@ def availability(
     azimuth : array_like
         Direction of flight [rad], from north, clockwise; or several of them.
     plane : {"both", "pitch", "yaw"}
-        Which plane of the motion counts.
+        Plane of the motion that counts.
     stop : {"round", "square"}
-        How both go together: a round stop takes the root of the sum of squares of both needs,
-        though their peaks need not coincide; a square one the larger.
+        Limit shape of both planes: with a round stop the requirement is the root of the sum of
+        squares of both planes, though their peaks need not coincide; with a square stop the larger.
     model : str
-        As of `Plant`.
+        Model of `Plant`.
     persistence : float, WindGrowth, PairGrowth or "pairs", optional
-        What may come between balloon and launch: an angle [rad] that is added to each need; a wind
-        that is added against the vehicle; or how needs grew between the archive's own soundings.
+        Increase between balloon and launch: an angle [rad] that is added to each requirement; a
+        wind that is added against the vehicle; or the growth of requirements between soundings of
+        the archive.
     gust : History, optional
-        On top of each wind, once with its middle where the wind is largest, and once where trim
-        reaches what the wind alone requires; the larger counts. By its angle it is the wind that
-        turns the flight path by that angle.
+        Gust on top of each wind, once with its middle where the wind is largest, and once where
+        trim reaches what the wind alone requires; the larger counts. By its angle it is the wind
+        that turns the flight path by that angle.
     gust_speed : float, optional
         Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: it adds to the wind
         at each time, in each plane as if it blew in that plane alone.
@@ -93,16 +95,16 @@ def availability(
     utc_offset : float, optional
         Local time less UTC [h], by which months are counted; that of the archive if not given.
     confidence : float
-        Of intervals, in (0, 1).
+        Confidence of the intervals, in (0, 1).
     sign : {"frozen"}, optional
-        That the dynamic pressure of calm air counts, not that which each wind makes.
+        With "frozen" the nominal dynamic pressure counts, not that which each wind causes.
     progress : callable, optional
-        Is told how many soundings are done, and how many there are.
+        Called with the number of finished soundings and of all soundings.
 
     Returns
     -------
     Availability
-        What each asks for, and how many fly.
+        Required deflection of each sounding, and the fraction that flies.
 
     Raises
     ------
@@ -117,8 +119,9 @@ def availability(
     >>> jet = np.exp(-(((height - 11e3) / 4e3) ** 2))
     >>> winds = [tv.WindProfile(height=height, east=v * jet, north=0 * jet) for v in (30, 60)]
     >>> soundings = tv.winds.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
-    >>> found = tv.availability(flight, soundings, limit=np.radians(0.4), azimuth=np.radians(90))
-    >>> print(found.part())
+    >>> limit, azimuth = np.radians(0.4), np.radians(90)
+    >>> available = tv.availability(flight, soundings, limit=limit, azimuth=azimuth)
+    >>> print(available.part())
     1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
     """
     instance("flight", flight, FlightSchedule, "see load_schedule")
@@ -141,7 +144,7 @@ def availability(
     directions("azimuth", azimuths)
     growth = growth_of(persistence)
     capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
-    trusted = fraction("confidence", confidence)
+    confidence = fraction("confidence", confidence)
     if utc_offset is not None:
         soundings = soundings.with_utc_offset(utc_offset)
     judge = Judge.of(
@@ -161,18 +164,18 @@ def availability(
     added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)
     required, flight_notes = judge.decided(soundings, bounds, capability - added)
     least, most = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
-    one = np.ndim(azimuth) == 0
+    single = np.ndim(azimuth) == 0
     return Availability(
         soundings=soundings,
         limit=capability,
-        azimuth=float(azimuths[0]) if one else azimuths,
+        azimuth=float(azimuths[0]) if single else azimuths,
         plane=plane,
         model=model,
-        least=least[0] if one else least,
-        most=most[0] if one else most,
-        known=required.known[0] if one else required.known,
+        least=least[0] if single else least,
+        most=most[0] if single else most,
+        known=required.known[0] if single else required.known,
         persistence=added,
-        confidence=trusted,
+        confidence=confidence,
         notes=(
             *(*soundings.notes, *growth_notes, *flight_notes),
             *_judged(judge, required.judged),
@@ -190,34 +193,34 @@ def _added(
     most: FloatArray,
     soundings: Soundings,
 ) -> tuple[FloatArray, list[str]]:
-    """The angle [rad] that persistence adds, for each azimuth, and what is to be said of it."""
+    """Return the angle [rad] that persistence adds, ``(a,)`` for azimuths, and its notes."""
     if isinstance(growth, WindGrowth):
         return np.zeros(least.shape[0]), ["each need includes the wind that may still come"]
     if isinstance(growth, PairGrowth):
-        clear = most - least <= _CLOSE * most
-        added, pairs = grown_by(growth, np.where(clear, least, np.nan), soundings.times)
+        usable = most - least <= _MAX_BOUND_SPREAD * most
+        added, pairs = grown_by(growth, np.where(usable, least, np.nan), soundings.times)
         added = np.maximum(added, 0.0)
-        words = ", ".join(f"{one:.4f}" for one in np.degrees(added).tolist())
+        words = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
         return added, [
             f"persistence adds {words} deg; the needs of {100 * growth.quantile:g} % of"
             f" {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
         ]
-    told = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
-    return np.full(least.shape[0], growth), told
+    notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
+    return np.full(least.shape[0], growth), notes
 
 
 def _judged(judge: Judge, times: FloatArray) -> list[str]:
-    """Which part of the flight is judged, where that is not all of it, and why."""
+    """Return notes on the intervals of the flight that are not judged, or judged by themselves."""
     flight, (first, last) = judge.flight, judge.flight.span
-    told = []
+    notes = []
     if len(judge.parts) > 1:
         turns = ", ".join(f"{part.path.time[0]:.4g}" for part in judge.parts[1:])
-        told.append(
+        notes.append(
             f"the air turns the vehicle to the other side from {turns} s on: what is before and"
             " what is after is judged by itself, each from trim on, and the larger need counts"
         )
     calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.marches]
-    told += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
+    notes += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []
     if np.any(late):
@@ -225,20 +228,20 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     if np.any(early):
         where.append(f"from {flight.place(times[early, 1].min())} on")
     if where:
-        count, most = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
-        told.append(
+        count, limit = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
+        notes.append(
             f"{' and '.join(where)} the wind of {count} of {len(times)} soundings meets the flight"
-            f" at more than {most:.3g} deg, somewhere there, of which linear aerodynamics says"
+            f" at more than {limit:.3g} deg, somewhere there, of which linear aerodynamics says"
             " nothing: in each of them the rest is judged"
         )
-    return told
+    return notes
 
 
-def _seasons(soundings: Soundings, why: list[str]) -> list[str]:
-    """What few years cannot say."""
-    judged = np.array([not one for one in why], dtype=bool)
+def _seasons(soundings: Soundings, reasons: list[str]) -> list[str]:
+    """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years."""
+    judged = np.array([not reason for reason in reasons], dtype=bool)
     years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
-    if not 0 < years < _FEW_YEARS:
+    if not 0 < years < _MIN_YEARS:
         return []
     seasons = "one season" if years == 1 else "two seasons"
     return [f"the soundings are of {seasons}: other years may be windier than the intervals say"]

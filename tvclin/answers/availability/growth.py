@@ -1,4 +1,4 @@
-"""What a wind, or the need of one, may grow by between the balloon and the launch."""
+"""Growth of a wind, or of its required deflection, between the balloon and the launch."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from tvclin.base.errors import (
 )
 
 HALF_DAY = 12.0
-"""h between the soundings of most stations."""
+"""Time between the soundings of most stations [h]."""
 
 
 @dataclass(frozen=True, eq=False)
 class WindGrowth:
-    """A wind speed that is added against the vehicle, to whichever side that costs more.
+    """A wind speed that is added against the vehicle, with the sign that requires more.
 
     Parameters
     ----------
     speed : array_like
-        [m/s], one number for all heights, or one for each of `height`.
+        Wind speed [m/s], a number for all heights, or one for each of `height`.
     height : array_like, optional
         Heights [m], ascending, straight lines between them; beyond them the nearest.
 
     Raises
     ------
     InputError
-        For negative speeds, and rows that do not belong together.
+        For negative speeds, and rows of different lengths.
     """
 
     speed: ArrayLike
@@ -57,25 +57,26 @@ class WindGrowth:
 
     def at(self, height: ArrayLike) -> FloatArray:
         """Return the speed [m/s] at heights [m], in their shape."""
-        wanted, speed = finite("height", height, "m"), np.asarray(self.speed)
+        heights, speed = finite("height", height, "m"), np.asarray(self.speed)
         if self.height is None:
-            return np.full(wanted.shape, speed)
-        return np.asarray(np.interp(wanted, np.asarray(self.height), speed))
+            return np.full(heights.shape, speed)
+        return np.asarray(np.interp(heights, np.asarray(self.height), speed))
 
 
 @dataclass(frozen=True)
 class PairGrowth:
-    """Growth of the need until launch, from the archive's own pairs of soundings 12 h apart.
+    """Growth of the requirement until launch, from pairs of soundings of the archive 12 h apart.
 
-    The quantile of need(later) - need(earlier) over all pairs 12 h apart, times (hours/12)^(1/3):
-    differences of winds grow with the interval as a spectrum with the power -5/3 has it.
+    It is the quantile of need(later) - need(earlier) over all pairs 12 h apart, times
+    (hours/12)^(1/3): differences of winds grow with the interval as a spectrum with the power -5/3
+    has it.
 
     Parameters
     ----------
     hours : float
-        From the balloon to the launch [h].
+        Time from the balloon to the launch [h].
     quantile : float
-        Of the pairs, in (0, 1).
+        Quantile over the pairs, in (0, 1).
 
     Raises
     ------
@@ -91,37 +92,39 @@ class PairGrowth:
         object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
 
 
-def growth_of(asked: Any) -> float | WindGrowth | PairGrowth:
-    """Return what persistence is: an angle [rad], zero without any, or one of the two others."""
-    if asked is None:
+def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
+    """Return persistence as an angle [rad], zero for None, or as a growth of winds or pairs."""
+    if persistence is None:
         return 0.0
-    if isinstance(asked, WindGrowth | PairGrowth):
-        return asked
-    if isinstance(asked, str):
-        one_of("persistence", asked, ("pairs",))
+    if isinstance(persistence, WindGrowth | PairGrowth):
+        return persistence
+    if isinstance(persistence, str):
+        one_of("persistence", persistence, ("pairs",))
         return PairGrowth()
-    return number("persistence", asked, small_angle("an angle", nonnegative), "rad")
+    return number("persistence", persistence, small_angle("an angle", nonnegative), "rad")
 
 
 def grown_by(
     growth: PairGrowth, need: FloatArray, times: NDArray[np.datetime64]
 ) -> tuple[FloatArray, int]:
-    """Return the growth [rad] of needs ``(a, n)``, and how many pairs there are.
+    """Return the growth [rad] of requirements, ``(a,)``, and the number of pairs.
+
+    `need`: required deflections [rad], ``(a, n)`` for azimuths and soundings.
 
     `InputError` where no two soundings are twelve hours apart.
     """
     minutes = times.astype("datetime64[m]").astype(np.int64)
     order = np.argsort(minutes, kind="stable")
     later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
-    there = later < times.size
-    first, then = order[there], order[later[there]]
-    pairs = minutes[then] - minutes[first] == round(60 * HALF_DAY)
-    grown = need[:, then[pairs]] - need[:, first[pairs]]
+    has_later = later < times.size
+    earlier, partner = order[has_later], order[later[has_later]]
+    pairs = minutes[partner] - minutes[earlier] == round(60 * HALF_DAY)
+    grown = need[:, partner[pairs]] - need[:, earlier[pairs]]
     grown = grown[:, ~np.isnan(grown).any(axis=0)]
     if not grown.shape[1]:
         raise InputError(
             "persistence from pairs needs soundings 12 h apart that can be judged; there are"
             " none, so give an angle [rad]"
         )
-    part = (growth.hours / HALF_DAY) ** (1 / 3)
-    return part * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
+    scale = (growth.hours / HALF_DAY) ** (1 / 3)
+    return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]

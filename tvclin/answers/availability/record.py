@@ -1,4 +1,4 @@
-"""On how many days a limit is sufficient: a record with its parts, curves, placards and tables."""
+"""Record of availability: fractions of days, curves over the limit, placards and columns."""
 
 from __future__ import annotations
 
@@ -29,30 +29,31 @@ from tvclin.base.lines import degrees, text
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
-_BETWEEN = "its trim reaches the limit more than once, and was not flown: ask for this limit"
-_LESS = 1.0 - 1e-9
-"""Needs that differ by less than this part are the same."""
+_UNDECIDED = "its trim reaches the limit more than once, and was not flown: ask for this limit"
+"""Reason for a sounding whose bounds lie on both sides of the limit."""
+_LOWER_RATIO = 1.0 - 1e-9
+"""Ratio of two requirements above which the lower counts as equal to the other."""
 PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
-"""Parts of the soundings whose limits are named."""
+"""Fractions of the soundings whose sufficient limits are shown."""
 
 
 @dataclass(frozen=True)
 class Today(Shown):
-    """What one balloon says about a launch, in one direction of flight.
+    """Verdict on a launch from a balloon, in a direction of flight.
 
     Attributes
     ----------
     least, most : float
-        Bounds of its required deflection [rad], with what may come until launch: with calm, and
-        with a strong wind, where it is not known. NaN where nothing can be said.
+        Bounds of its required deflection [rad], with persistence: with a calm and with a strong
+        wind where the wind is not known. NaN where nothing can be said.
     limit : float
         Deflection capability [rad].
     part : float
-        Of the archive's soundings of which it is known, so many ask for less.
+        Fraction of the archive's known soundings that require less.
     judged : tuple of float
-        First and last time [s] of the part of the flight of which it can be said.
+        First and last time [s] of the judged interval of the flight.
     why : str
-        Why nothing can be said; empty where it can.
+        Reason why nothing can be said; empty for a judged sounding.
     """
 
     least: float
@@ -66,7 +67,7 @@ class Today(Shown):
 
     @property
     def go(self) -> bool | None:
-        """Whether the limit is enough; None where that is not known."""
+        """Whether the limit is sufficient; None where that is not known."""
         if not np.isnan(self.most) and covers(self.limit, self.most):
             return True
         return None if np.isnan(self.least) or covers(self.limit, self.least) else False
@@ -74,7 +75,7 @@ class Today(Shown):
 
 @dataclass(frozen=True, eq=False)
 class Availability(Tabled):
-    """The deflections that the soundings of an archive need; make it with `availability`.
+    """Required deflections of the soundings of an archive; make it with `availability`.
 
     With several azimuths arrays have a leading axis for them, and methods give a tuple.
 
@@ -87,27 +88,27 @@ class Availability(Tabled):
     azimuth : float or ndarray
         Direction of flight [rad], or several of them.
     plane, model : str
-        As they were asked for.
+        Plane of the motion that counts, and model of the plant.
     least, most : ndarray
-        Bounds of the required deflections [rad], with persistence, ``(n,)``: with calm, and with a
-        strong wind, where it is not known. NaN where nothing can be said. Where trim reaches the
-        limit more than once, or the path is quick, `most` holds what a flight may require more, up
-        to the largest trim; the limit where a flight survived with it.
+        Bounds of the required deflections [rad], with persistence, ``(n,)``: with a calm and with a
+        strong wind where the wind is not known. NaN where nothing can be said. Where trim reaches
+        the limit more than once, or the path is quick, `most` includes what a flight may require
+        more, up to the largest trim; it is the limit where a flight survived with it.
     known : ndarray of bool
-        Whether the need is the same with calm and with a strong wind, ``(n,)``.
+        Whether the requirement is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray
-        The angle [rad] that is in them, for each azimuth ``(a,)``.
+        The angle [rad] that `least` and `most` include for it, by azimuth, ``(a,)``.
     confidence : float
-        Of intervals.
+        Confidence of the intervals.
     notes : tuple of str
-        What the reader should know.
+        Assumptions and limitations.
     reasons : tuple of str
-        Why nothing can be said of a sounding, ``(n,)``; empty where it can.
+        Reason why nothing can be said of a sounding, ``(n,)``; empty for a judged one.
     judged : ndarray
-        First and last time [s] of the part of the flight that is judged in each, ``(n, 2)``: that
-        in which its wind meets the flight at 30 deg at most. NaN where nothing can be said.
+        First and last time [s] of the judged interval of the flight by sounding, ``(n, 2)``, in
+        which the wind angle is at most 30 deg. NaN where nothing can be said.
     judge : Judge
-        The flight, ready for any wind.
+        The flight, with which other winds are judged.
     """
 
     soundings: Soundings
@@ -127,12 +128,12 @@ class Availability(Tabled):
 
     @property
     def flies(self) -> FloatArray:
-        """1 where the limit is enough, 0 where it is not, NaN where that is not known."""
+        """Verdicts, ``(n,)``: 1 where the limit is sufficient, 0 where not, NaN if unknown."""
         return self._flies(self.limit)
 
     @property
     def need(self) -> FloatArray:
-        """Required deflections [rad], at least; NaN where this limit is not judged.
+        """Lower bounds of required deflections [rad], ``(n,)``; NaN where this limit is not judged.
 
         They depend on the limit of `availability`: a sounding whose trim reaches it more than once
         is flown if it requires about this limit, and else `least` and `most` are its bounds.
@@ -141,12 +142,14 @@ class Availability(Tabled):
 
     @property
     def why(self) -> tuple[str, ...]:
-        """For each sounding, why it is not judged; empty where it is."""
-        open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
-        both = zip(self.reasons, open_, strict=True)
+        """Reason why a sounding is not judged, ``(n,)``; empty for a judged one."""
+        undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
+        both = zip(self.reasons, undecided, strict=True)
         known = np.all(np.atleast_2d(self.known), axis=0).tolist()
-        words = [_BETWEEN if one else "its wind is not known far enough" for one in known]
-        return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
+        words = [_UNDECIDED if wind else "its wind is not known far enough" for wind in known]
+        return tuple(
+            reason or word * open_ for (reason, open_), word in zip(both, words, strict=True)
+        )
 
     _keys = "limit_deg model plane notes"
 
@@ -158,27 +161,27 @@ class Availability(Tabled):
         return float(begins.max(initial=first)), float(ends.min(initial=last))
 
     def part(self) -> Any:
-        """Return how many fly: a `Part`."""
+        """Return the fraction that flies, a `Part`; a tuple of them for several azimuths."""
         return self._for_each(self.limit, np.ones(len(self.soundings), dtype=bool))
 
     def reaches(self, part: float) -> Any:
-        """Return whether so many days fly, in [0, 1]: True, False, or None where that is not shown.
+        """Return whether at least a fraction of the days flies: True, False, or None if not proven.
 
-        Shown is what the whole interval says, with each sounding that is not judged counted as lost
-        for True, and as flown for False.
+        `part`: the fraction, in [0, 1]. Proven is what holds for the whole confidence interval,
+        with unknown soundings counted as lost for True, and as flown for False.
         """
-        asked = number("part", part, between(0.0, 1.0))
+        part = number("part", part, between(0.0, 1.0))
         every = np.ones(len(self.soundings), dtype=bool)
         ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
         return self._plain(
             [
-                True if low.lower >= asked else False if high.upper < asked else None
+                True if low.lower >= part else False if high.upper < part else None
                 for low, high in zip(*ends, strict=True)
             ]
         )
 
     def by_month(self) -> dict[int, Any]:
-        """Return the same for each month of which there are soundings, by the archive's hours."""
+        """Return the fraction that flies by month, in the hours of the archive."""
         months = self.soundings.months
         return {
             month: self._for_each(self.limit, months == month)
@@ -186,61 +189,62 @@ class Availability(Tabled):
         }
 
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
-        """Return the same for other limits [rad], each."""
+        """Return the fractions that fly with other limits [rad], ``(m,)``."""
         every = np.ones(len(self.soundings), dtype=bool)
         row = small_angle("a deflection", nonnegative)("limits", one_row_or_one("limits", limits))
         return tuple(self._for_each(limit, every) for limit in row.tolist())
 
     def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
-        """Return the least limits [rad] that are enough for so many of those then judged.
+        """Return the minimum limits [rad] sufficient for fractions of the judged soundings.
 
-        Infinite where no limit is enough, NaN where of no sounding anything is known. Shape
+        Infinite where no limit is sufficient, NaN where no sounding is known. Shape
         ``(p,)``, or ``(a, p)`` for several azimuths.
         """
-        asked = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
+        fractions = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
 
-        def of(least: FloatArray, most: FloatArray) -> FloatArray:
+        def limits(least: FloatArray, most: FloatArray) -> FloatArray:
             known = ~np.isnan(most)
             if not np.any(known):
-                return np.full(asked.shape, np.nan)
+                return np.full(fractions.shape, np.nan)
             high, low = np.sort(most[known]), np.sort(least[known])
             flown = np.searchsorted(high, high, side="right")
             lost = low.size - np.searchsorted(low, high, side="right")
             part = flown / np.maximum(flown + lost, 1)
-            place = np.searchsorted(part, asked * (1.0 - 1e-12))
+            place = np.searchsorted(part, fractions * (1.0 - 1e-12))
             return np.append(high, np.inf)[np.minimum(place, high.size)]
 
         rows = zip(np.atleast_2d(self.least), np.atleast_2d(self.most), strict=True)
-        found = np.stack([of(least, most) for least, most in rows])
-        return found[0] if np.ndim(self.azimuth) == 0 else found
+        sufficient = np.stack([limits(least, most) for least, most in rows])
+        return sufficient[0] if np.ndim(self.azimuth) == 0 else sufficient
 
     def today(self, profile: WindProfile) -> Any:
-        """Return what a balloon of today says: a `Today`.
+        """Return the verdict from a balloon, a `Today`; a tuple of them for several azimuths.
 
         Raises
         ------
         InputError
-            For what is no profile.
+            For another type than a profile.
         """
         instance("profile", profile, WindProfile, "see read_sounding")
-        one = Soundings.from_profiles([profile], ["2000-01-01"])
-        room = self.limit - self.persistence
-        required, _ = self.judge.decided(one, self.judge.requirements(one), room)
-        found = []
+        sounding = Soundings.from_profiles([profile], ["2000-01-01"])
+        limits = self.limit - self.persistence
+        required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
+        verdicts = []
         for a, most in enumerate(np.atleast_2d(self.most)):
             least, high = (
                 float(x[a, 0] + self.persistence[a]) for x in (required.lower, required.upper)
             )
             known = most[~np.isnan(most)]
-            part = float(np.mean(known < high * _LESS)) if known.size else float("nan")
+            part = float(np.mean(known < high * _LOWER_RATIO)) if known.size else float("nan")
             span = required.judged[0].tolist()
-            found.append(
+            verdicts.append(
                 Today(least, high, self.limit, part, (span[0], span[1]), required.reasons[0])
             )
-        return self._plain(found)
+        return self._plain(verdicts)
 
     def _columns(self) -> Columns:
-        each = {name: np.atleast_2d(getattr(self, name)) for name in ("need", "least", "most")}
+        """Return requirements and verdicts by azimuth and time, with what identifies them."""
+        angles = {name: np.atleast_2d(getattr(self, name)) for name in ("need", "least", "most")}
         begins, ends = self.judged.T
         return Columns(
             (
@@ -248,7 +252,7 @@ class Availability(Tabled):
                 Column("time", self.soundings.times.astype("datetime64[ns]"), "UTC"),
             ),
             (
-                *(Column(name, values, "rad") for name, values in each.items()),
+                *(Column(name, values, "rad") for name, values in angles.items()),
                 Column("flies", np.atleast_2d(self.flies)),
                 Column("from", begins, "s", ("time",)),
                 Column("to", ends, "s", ("time",)),
@@ -258,7 +262,7 @@ class Availability(Tabled):
         )
 
     def with_limit(self, limit: float) -> Self:
-        """Return the same for another limit [rad]; `InputError` for one below zero."""
+        """Return the availability with another limit [rad]; `InputError` for a negative limit."""
         return replace(
             self, limit=number("limit", limit, small_angle("a deflection", nonnegative), "rad")
         )
@@ -307,16 +311,19 @@ class Availability(Tabled):
         return card("Launch availability", rows + [("note", note, "") for note in self.notes])
 
     def _rows(self, value: Any) -> tuple[Any, ...]:
+        """Return values by azimuth as a tuple, also for a single azimuth."""
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
+        """Return 1 where a limit [rad] is sufficient, 0 where it is not, NaN if not known."""
         with np.errstate(invalid="ignore"):
-            enough = np.asarray(covers(limit, self.most))
+            sufficient = np.asarray(covers(limit, self.most))
             lost = ~np.asarray(covers(limit, self.least))
         known = ~np.isnan(self.least)
-        return np.where(known & enough, 1.0, np.where(known & lost, 0.0, np.nan))
+        return np.where(known & sufficient, 1.0, np.where(known & lost, 0.0, np.nan))
 
     def _for_each(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
+        """Return the fraction of selected soundings that fly, with `unknown` ones as that value."""
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]
         flown = np.nan_to_num(self._flies(limit), nan=unknown)
@@ -329,10 +336,11 @@ class Availability(Tabled):
         )
 
     def _plain(self, values: list[Any]) -> Any:
+        """Return values by azimuth as a tuple, or the value of a single azimuth."""
         return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
 
 
 def one_row_or_one(name: str, value: ArrayLike) -> FloatArray:
-    """Return one number or a row of them as a row; `InputError` for all else."""
+    """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes."""
     array = finite(name, value)
     return one_row(name, array if array.ndim else array[np.newaxis])

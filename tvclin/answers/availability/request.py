@@ -1,4 +1,4 @@
-"""What is asked of an archive of soundings, beside a case: its model, limit, stop and gust."""
+"""Specification of availability, to which a case adds its model, limit, stop and gust."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AvailabilityRequest:
-    """What the availability of a case depends on beside the case.
+    """Specification of the availability of a case, in addition to the case.
 
     Attributes
     ----------
@@ -34,20 +34,21 @@ class AvailabilityRequest:
     plane : str
         Plane that counts.
     persistence : float, WindGrowth, PairGrowth or "pairs", optional
-        As of `availability`.
+        Increase between balloon and launch, as of `availability`.
     known_to : float, optional
         Height that a sounding must reach to be judged [m].
     confidence : float
         Confidence of the intervals, from 0 to 1.
     least_part : float, optional
-        So many of the days it must fly; without it nothing is asked.
+        Required fraction of the days; None without a requirement.
     gust_speed : float, optional
         Wind speed [m/s] at the peak of the case's gust, in place of its angle.
 
     Raises
     ------
     InputError
-        For what is no flight or archive, an empty one, unknown names, and numbers out of range.
+        For other types than flight and archive, an empty archive, unknown names, and numbers out
+        of range.
     """
 
     flight: FlightSchedule
@@ -73,7 +74,7 @@ class AvailabilityRequest:
     def availability(
         self, case: Case, progress: Callable[[int, int], None] | None = None
     ) -> Availability:
-        """Return on how many days a case flies; `InputError` without a limit, and as its question.
+        """Return the availability of a case; `InputError` without a limit, and as `availability`.
 
         In both planes the stop is that of the nozzle, or round.
         """
