@@ -1,4 +1,4 @@
-"""What a study file asks for: one frozen value that says everything its numbers depend on."""
+"""The plan of a study file: a frozen value of all that its numbers depend on."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyPlan(Case):
-    """Everything that a study and its page depend on: a case, and what is asked of it.
+    """Specification of a study and its page: a case, with the requests about it.
 
     The structure of the vehicle counts for the margins and flights of the autopilot and of laws;
     boundaries are those of the rigid vehicle.
@@ -37,14 +37,13 @@ class StudyPlan(Case):
     dead_band : float
         Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.
     switch : str
-        What is compared with the dead band, in the boundaries shown: trim (literal) or the wind
-        (report).
+        Exit of the dead band in the boundaries shown: on trim (literal) or on the wind (report).
     laws : LawsRequest, optional
         Laws to be flown.
     criteria : Criteria, optional
-        What its margins are held to.
+        Criteria for the margins.
     dispersions : Dispersions, optional
-        What is uncertain.
+        Uncertain parameters.
     cases : int
         Number of dispersed cases.
     seed : int
@@ -54,13 +53,13 @@ class StudyPlan(Case):
     probability : float
         Fraction of dispersed flights that the deflection is to cover.
     confidence : float
-        Confidence with which it does.
+        Confidence of each bound of that deflection.
     sizing : SizingRequest, optional
-        What is asked of the whole flight.
+        Sizing of the whole flight.
     availability : AvailabilityRequest, optional
-        An archive of soundings: on how many days it flies.
+        Archive of soundings, for the fraction of days on which the case flies.
     load : LoadBound, optional
-        What the structure bears.
+        Bound of the load on the structure.
     document : Document, optional
         Project, author, date and revision, for the head of its page.
 
@@ -93,7 +92,7 @@ class StudyPlan(Case):
         self._check_parts()
 
     def _check_parts(self) -> None:
-        """What may be asked besides; its kinds are imported only where something is."""
+        """Raise `InputError` for requests of another type; their modules are imported on use."""
         if self.document is not None:
             instance("document", self.document, Document, "for the head of the page")
         names = ("laws", "criteria", "dispersions", "sizing", "availability", "load")
@@ -106,8 +105,8 @@ class StudyPlan(Case):
         from tvclin.answers.trials import LawsRequest
         from tvclin.control.margins.criteria import Criteria
 
-        kinds = LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound
-        makers = (
+        types = LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound
+        hints = (
             "of the standard laws",
             "see Criteria.custom",
             "of Dispersion values",
@@ -115,9 +114,9 @@ class StudyPlan(Case):
             "see load_study",
             "of one bound",
         )
-        for name, kind, maker in zip(names, kinds, makers, strict=True):
+        for name, type_, hint in zip(names, types, hints, strict=True):
             if getattr(self, name) is not None:
-                instance(name, getattr(self, name), kind, maker)
+                instance(name, getattr(self, name), type_, hint)
         if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:
             raise InputError(
                 "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
@@ -126,23 +125,24 @@ class StudyPlan(Case):
 
     @property
     def held_to(self) -> Criteria:
-        """What margins are held to: the classic criteria where nothing is said."""
+        """Criteria for the margins; the classic criteria by default."""
         from tvclin.control.margins.criteria import CRITERIA
 
         return self.criteria or CRITERIA["classic"]
 
     @property
     def _modes(self) -> bool:
-        own = self.vehicle.structure
-        return own is not None and bool(own.bending or own.slosh)
+        """Whether the vehicle has bending or slosh modes."""
+        structure = self.vehicle.structure
+        return structure is not None and bool(structure.bending or structure.slosh)
 
     @classmethod
     def of_study(cls, study: Study) -> Self:
-        """Return the plan of a study that has been made."""
+        """Return the plan of a finished study."""
         instance("study", study, Study, "see Study.from_vehicle")
-        case: Any = {one.name: getattr(study.case, one.name) for one in fields(Case)}
-        asked: Any = {name: getattr(study, name) for name in ("dead_band", "switch")}
-        return cls(**case, **asked)
+        case: Any = {field.name: getattr(study.case, field.name) for field in fields(Case)}
+        options: Any = {name: getattr(study, name) for name in ("dead_band", "switch")}
+        return cls(**case, **options)
 
     def study(self) -> Study:
         """Return the study; raise `InputError` as `Study.of`."""

@@ -1,6 +1,6 @@
-"""Study files: TOML in, a `StudyPlan` out.
+"""Study files: the `StudyPlan` of a TOML file.
 
-A vehicle alone needs nothing of what a whole study file may ask for, so that is imported late.
+A plan of a vehicle alone needs no other table of a study file, so that these are imported late.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.request import SoundingRequest
 
 
-_STUDIES, _VEHICLES = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
-"""Tables of a file that names its vehicle, and of one that has its numbers."""
+_STUDY_HEADINGS, _VEHICLE_HEADINGS = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
+"""Tables of a study, which names its vehicle, and of a vehicle file, which has its numbers."""
 
 
 def load_study(source: str | PathLike[str], time: float | None = None) -> StudyPlan:
-    """Return what a study file asks for, or a plan with nothing but a vehicle.
+    """Return the plan of a study file, or a plan of a vehicle alone.
 
     Parameters
     ----------
@@ -38,14 +38,14 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
         The paths in a study file are relative to its folder; `tvclin init --study` writes one.
     time : float, optional
         Time of flight [s] of the vehicle, where the source is a flight schedule, or a vehicle with
-        a table [flight]: then that of its nominal flight.
+        a table [flight], whose nominal flight then counts.
 
     Raises
     ------
     InputError
-        For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
-        offered), for a flight schedule without a time, and as `StudyPlan`. One sentence says which
-        and how to mend it.
+        For a file that cannot be read, is not TOML, or has an unknown key (similar keys are
+        suggested), for a flight schedule without a time, and as `StudyPlan`. One sentence says
+        which and how to correct it.
 
     Examples
     --------
@@ -55,7 +55,9 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     ('triangular', None)
     """
     document, name = source_tables(source), read_vehicle_text(source)[1]
-    if not _STUDIES & document.keys() and (_VEHICLES & document.keys() or is_schedule(source)):
+    if not _STUDY_HEADINGS & document.keys() and (
+        _VEHICLE_HEADINGS & document.keys() or is_schedule(source)
+    ):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
         from tvclin.ascent.schedule_file import load_vehicle_at
@@ -72,15 +74,15 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
 def load_sizing(
     source: str | PathLike[str], soundings: Mapping[str, SoundingRequest] | None = None
 ) -> StudyPlan:
-    """Return a plan that asks of a flight: of a study file, or a schedule or vehicle with defaults.
+    """Return the plan of a sizing, from a study file, or from a schedule or vehicle with defaults.
 
     Parameters
     ----------
     source : str or path
-        A study file with [schedule], or what `load_schedule` makes a schedule of.
+        A study file with [schedule], or a source of `load_schedule`.
     soundings : dict of str to SoundingRequest, optional
-        Winds over height, beside those of a study file. Where neither gives a wind it is a triangle
-        of 5 degrees for 7.5 seconds.
+        Winds over height, added to those of a study file. Without any wind the default is a
+        triangle of 5 degrees for 7.5 seconds.
 
     Raises
     ------
@@ -99,45 +101,47 @@ def load_sizing(
 
     if soundings is not None:
         instance("soundings", soundings, Mapping, "of names to SoundingRequest")
-    more = dict(soundings or {})
+    winds = dict(soundings or {})
     if _is_study(source):
         plan = load_study(source)
         if plan.sizing is None:
             raise InputError(
                 f"{called(source)} has no flight; add [schedule], see tvclin init --study"
             )
-        more = {**plan.sizing.soundings, **more}
-        return replace(plan, sizing=replace(plan.sizing, soundings=more))
+        winds = {**plan.sizing.soundings, **winds}
+        return replace(plan, sizing=replace(plan.sizing, soundings=winds))
     flight = load_schedule(source)
-    asked = SizingRequest(schedule=flight, source=str(source), pulse=not more, soundings=more)
-    return StudyPlan(vehicle=flight.vehicle, sizing=asked)
+    sizing = SizingRequest(schedule=flight, source=str(source), pulse=not winds, soundings=winds)
+    return StudyPlan(vehicle=flight.vehicle, sizing=sizing)
 
 
 def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
-    """Return the name or the file of the vehicle of a study file, or a vehicle as it is."""
+    """Return the name or the file of the vehicle of a study file; another source unchanged."""
     document, name = source_tables(source), read_vehicle_text(source)[1]
-    named = [
+    vehicles = [
         document[table]["vehicle"]
         for table in ("study", "campaign")
         if "vehicle" in document.get(table, {})
     ]
-    if not named:
+    if not vehicles:
         return source
-    if not isinstance(named[0], str):
+    if not isinstance(vehicles[0], str):
         raise InputError(
             f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
             " vehicle file with a table [flight]"
         )
     from tvclin.answers.campaign.file import beside
 
-    return beside(named[0], Path(name).parent)
+    return beside(vehicles[0], Path(name).parent)
 
 
 def _is_study(source: str | PathLike[str]) -> bool:
-    """Whether a file is a study, or neither that nor anything that has a flight."""
+    """Return whether a source is a study, or at least neither a vehicle nor a schedule."""
     path("source", source, "a name or a path")
     headings = source_tables(source).keys()
-    return bool(_STUDIES & headings) or not (_VEHICLES & headings or is_schedule(source))
+    return bool(_STUDY_HEADINGS & headings) or not (
+        _VEHICLE_HEADINGS & headings or is_schedule(source)
+    )
 
 
 def example() -> str:
@@ -148,13 +152,13 @@ def example() -> str:
 
     folder = files("tvclin.answers.study_file")
     text = folder.joinpath("example.toml").read_text(encoding="utf-8")
-    each: tuple[tuple[FileTable, type], ...] = (
+    declared: tuple[tuple[FileTable, type], ...] = (
         (NOZZLE_TABLE, Nozzle),
         (AUTOPILOT_TABLE, AutopilotDesign),
         (SIZE_TABLE, SizingRequest),
     )
-    for table, kind in each:
-        text = completed(text, table, kind)
+    for table, type_ in declared:
+        text = completed(text, table, type_)
     return text
 
 
