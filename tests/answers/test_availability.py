@@ -13,7 +13,7 @@ from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
 from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations, FlightWind
+from tvclin.answers.sizing.flight_requirement import FlightWind
 from tvclin.answers.time_varying import curves, over_steps
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
@@ -718,7 +718,7 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
     """Winds with independent changes of 20 m/s every 250 m: within the thousandth that is said."""
     height = np.arange(0.0, 40e3, 250.0)
     shape = np.exp(-(((height - 11e3) / 5e3) ** 2))
-    motion = FlightEquations(FlightMode(flight, "drift-exact", plane, flight.span))
+    motion = FlightMode(flight, "drift-exact", plane, flight.span)
     for seed in range(4):
         rng = np.random.default_rng(seed)
         east, north = (
@@ -728,7 +728,7 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
         wind = tv.WindProfile(height=height, east=east, north=north)
         where = {"azimuth": np.radians(80.0), "plane": plane}
         met = tv.fly_through(wind, flight, **where)
-        steps = over_steps(motion, FlightWind(met.wind, (met.wind.time, met.pressure)))
+        steps = over_steps(motion, FlightWind(met.wind, plane, met.speeds))
         equations = motion.over(steps[0])
         paired = np.broadcast_to(equations.paired, steps[1].shape)
         between_levels = curves(equations, *steps).limit_of_trim_law(paired)[0]
