@@ -34,9 +34,9 @@ from tvclin.winds.histories import History
 from tvclin.winds.pulses import check_end, equivalent_triangle
 
 COMPARABLE = 0.05
-"""Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
+"""Growth rate, relative to the fastest, above which another unstable mode is a second condition."""
 _MIN_POLE_SEPARATION = 1e-4
-"""Two real poles nearer than this part are together: one limit cannot meet both conditions."""
+"""Relative distance of two real poles below which one limit cannot satisfy both conditions."""
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"

@@ -13,7 +13,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
-from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
+from tvclin.boundary.fronts.nozzle_point import lower_bound, point_table, remaining
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
 PROVED = 1e-4
@@ -29,31 +29,32 @@ class LoadFront(Shown):
     loads : ndarray
         Bounds of the load [rad], ``(n,)``.
     limits : ndarray
-        Deflection [rad] with which a control that knows the wind stays within each, ``(n,)``;
-        infinite where no angle is enough.
+        Deflection limit [rad] with which a control that knows the wind stays within each load,
+        ``(n,)``; infinite where no angle is sufficient.
     proofs : ndarray
-        Deflection [rad] with which none does, ``(n,)``: the least is between the two.
+        Lower bound [rad] of that limit, ``(n,)``: the minimum is between the two.
     slopes : ndarray
-        By how much the deflection falls with the load bound, ``(n,)``: one over it is what a
-        degree of the nozzle buys.
+        Decrease of the deflection with the load bound, ``(n,)``: its reciprocal is the decrease of
+        the load for a degree of the nozzle.
     holds : tuple of str
-        What sets each limit: the least angle, turning in time into the wind, or both together.
+        Condition that sets each limit: the least angle, turning in time into the wind, or both
+        together.
     bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
         for a wind that changes its sign.
     least_deflection, its_load : float
-        The least deflection [rad] whatever the load, and the load [rad] of a control that is least.
+        Least deflection [rad] at any load, and the load [rad] of its control.
     least_load, least_load_blind : float
-        The least load [rad] that a computed control keeps to, at any deflection, and a lower bound
-        [rad] of that without a forecast.
+        Least load [rad] of a computed control at any deflection, and a lower bound [rad] of the
+        load without a forecast.
     moment_ratio, rate_limit : float
         M, and the rate limit [rad/s]; infinite if none.
     limit, load : float or None
-        What the nozzle has, and what the structure bears [rad].
+        Limit of the nozzle and load limit of the structure [rad].
     needed : float
-        The limit [rad] at that load, or whatever the load.
+        Required limit [rad] at that load, or at any.
     needed_load : float
-        The load [rad] that some control keeps to with that limit, or at any; infinite if none.
+        Least load [rad] of a control with that limit, or with any; infinite without one.
     angle : float
         Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
         the lower bound is NaN.
@@ -89,13 +90,13 @@ class LoadFront(Shown):
 
     @property
     def left(self) -> float | None:
-        """Angle [rad] that is left over what is needed."""
-        return left_of(self.limit, self.needed)
+        """Remaining angle [rad]: available minus required."""
+        return remaining(self.limit, self.needed)
 
     @property
     def left_load(self) -> float | None:
-        """Load [rad] that is left over what is needed."""
-        return left_of(self.load, self.needed_load)
+        """Remaining load [rad]: the structure's limit minus the required load."""
+        return remaining(self.load, self.needed_load)
 
     @property
     def above_lower_bound(self) -> bool | None:
@@ -110,7 +111,7 @@ class LoadFront(Shown):
 
     @property
     def _proved(self) -> float:
-        """The lower bound [rad] that is proved for the load."""
+        """Proved lower bound [rad] of the limit at the load."""
         at = np.flatnonzero(self.loads == self.load)
         return float(self.proofs[at[0]]) if at.size else self.needed
 
@@ -121,7 +122,7 @@ class LoadFront(Shown):
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
         return beyond_linear(self.angle)
 
     @property
@@ -144,7 +145,7 @@ class LoadFront(Shown):
         return f"{sufficiency(False)}, below the {WIND_KNOWN}"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the front, and the nozzle's point beside what is needed."""
+        """Return the tables of the front, and of the nozzle's point with the requirement."""
         blank = np.full(self.loads.size, np.nan)
         bounds = blank if self.bounds is None else self.bounds
         buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
@@ -171,7 +172,7 @@ class LoadFront(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """What the reader of the front should know."""
+        """Return the notes on the front, a sentence each."""
         yield from linear_notes(self.angle)
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"
@@ -182,7 +183,7 @@ class LoadFront(Shown):
             more = ", more than this load" * self.takes_a_forecast
             yield f"a law without a forecast bears {half:.4g} deg at least{more}"
         if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
-            apart = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
-            worst, at = np.max(apart), np.degrees(self.loads[np.argmax(apart)])
+            gaps = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
+            worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])
             percent = f"{100.0 * worst:.2g} percent"
             yield f"the limits are proved to {percent}, that at {at:.4g} deg least"

@@ -1,4 +1,4 @@
-"""Angle and load together: the least deflection of a plant over what its structure feels."""
+"""Angle and load together: the least deflection of a plant over the load of its structure."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 _POINTS = 10
-"""Of a front, unless loads are given."""
+"""Default number of load bounds of a front."""
 
 _MIN_MOMENT_RATIO = 1e-12
-"""A moment ratio other than zero below this size is out of the range of numbers."""
+"""Smallest size of a moment ratio other than zero, for numerical range."""
 
 
 def load_front(
@@ -39,10 +39,10 @@ def load_front(
     wind : History
         One wind that ends, known beforehand.
     loads : array_like, optional
-        Bounds of the load [rad], ``(n,)``; unless given ten from near the least one up to what a
-        control of least deflection has, and the given one.
+        Bounds of the load [rad], ``(n,)``; by default ten from near the least load up to that of
+        the control of least deflection, and `load`.
     limit, load : float, optional
-        What the nozzle has, and what the structure bears [rad].
+        Limit of the nozzle and load limit of the structure [rad].
     rate_limit : float
         Largest deflection rate [rad/s]; none by default.
     moment_ratio : float
@@ -52,22 +52,22 @@ def load_front(
     Returns
     -------
     LoadFront
-        Each limit is reached by a deflection whose load was looked at between the nodes too, and
-        proved from below by the prices of its program: they are within 1e-4, or a note says more.
+        Each limit is attained by a deflection whose load is computed between the nodes too, and
+        bounded from below by the prices of its program: within 1e-4, or a note says more.
 
     Raises
     ------
     InputError
-        As `optimum_deflection` and, with a rate limit, `rate_front`; for loads that are not
-        positive, and a load of the structure below what is proved of every deflection.
+        Where `optimum_deflection` or, with a rate limit, `rate_front` raises it; for loads that
+        are not positive, and a load of the structure below the lower bound of every deflection.
 
     Notes
     -----
-    At any deflection a wind without jumps leaves no load: the least is that of a jump at the onset,
-    or half of a later one. A wind that may stop at its peak is such a jump: half of it is what a
-    law without a forecast must bear. With a rate limit or M the least load is that of a computed
-    control, on nodes that resolve the oscillating zeros of the load too; what is proved may be
-    less.
+    Without a limit of the deflection the least load of a wind without jumps is zero; a jump at the
+    onset leaves its size, a later one half of it. A wind that may stop at its peak is such a jump:
+    half of it is the least load of a law without a forecast. With a rate limit or M the least load
+    is that of a computed control, on nodes that resolve the oscillating zeros of the load too; its
+    lower bound may be less.
 
     Examples
     --------
@@ -79,10 +79,10 @@ def load_front(
     [0.199, 0.258, 0.308]
     """
     angle = small_angle("a load", positive)
-    most = (
+    nozzle_limit = (
         None if limit is None else number("limit", limit, small_angle("a limit", positive), "rad")
     )
-    borne = None if load is None else number("load", load, angle, "rad")
+    load_limit = None if load is None else number("load", load, angle, "rad")
     M = number("moment_ratio", moment_ratio, finite)
     if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
         raise InputError(
@@ -91,39 +91,41 @@ def load_front(
     rate = rate_limit
     if not (isinstance(rate, float) and np.isposinf(rate)):
         rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
-    given = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
-    found = limits_of(plant, wind, M, rate)
-    if borne is not None and borne < found.floor:
+    load_bounds = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
+    case = limits_of(plant, wind, M, rate)
+    if load_limit is not None and load_limit < case.floor:
         raise InputError(
-            f"load is below what any deflection leaves; got {np.degrees(borne):.4g} deg, and"
-            f" {np.degrees(found.floor):.6g} deg ({found.floor:.6g} rad) is the least"
+            f"load is below what any deflection leaves; got {np.degrees(load_limit):.4g} deg, and"
+            f" {np.degrees(case.floor):.6g} deg ({case.floor:.6g} rad) is the least"
         )
-    if given is None:
-        low, high = max(1.05 * found.least_load, 0.2 * found.its_load), found.its_load
-        given = np.linspace(min(low, high), high, _POINTS)
-        if borne is not None:
-            given = np.unique(np.append(given, borne))
-    each = dict(zip(given.tolist(), found.all_at(given), strict=True))
-    limits, proofs, slopes = np.array([each[a] for a in given.tolist()]).T
-    blind = found.blind
-    needed = found.least_deflection if borne is None else found.all_at(np.array([borne]))[0][0]
+    if load_bounds is None:
+        low, high = max(1.05 * case.least_load, 0.2 * case.its_load), case.its_load
+        load_bounds = np.linspace(min(low, high), high, _POINTS)
+        if load_limit is not None:
+            load_bounds = np.unique(np.append(load_bounds, load_limit))
+    points = dict(zip(load_bounds.tolist(), case.all_at(load_bounds), strict=True))
+    limits, proofs, slopes = np.array([points[a] for a in load_bounds.tolist()]).T
+    blind = case.blind
+    needed = (
+        case.least_deflection if load_limit is None else case.all_at(np.array([load_limit]))[0][0]
+    )
     front = LoadFront(
-        loads=given,
+        loads=load_bounds,
         limits=limits,
         proofs=proofs,
         slopes=slopes,
-        holds=tuple(found.set_by(a, d) for a, d in zip(given, limits, strict=True)),
-        bounds=None if blind is None else found.unforeseen(given, proofs),
-        least_deflection=found.least_deflection,
-        its_load=found.its_load,
-        least_load=found.least_load,
-        least_load_blind=np.nan if blind is None else found.stopped,
+        holds=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
+        bounds=None if blind is None else case.unforeseen(load_bounds, proofs),
+        least_deflection=case.least_deflection,
+        its_load=case.its_load,
+        least_load=case.least_load,
+        least_load_blind=np.nan if blind is None else case.stopped,
         moment_ratio=M,
         rate_limit=rate,
-        limit=most,
-        load=borne,
+        limit=nozzle_limit,
+        load=load_limit,
         needed=needed,
-        needed_load=found.least_load if most is None else found.needed_load(most),
+        needed_load=case.least_load if nozzle_limit is None else case.needed_load(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
     return replace(front, needed=np.nan, needed_load=np.nan) if front.beyond else front

@@ -10,9 +10,9 @@ Quantity = tuple[str, str, float, float | None]
 """Label, key, lower bound and available quantity [rad, rad/s]."""
 
 
-def left_of(there: float | None, needed: float) -> float | None:
+def remaining(available: float | None, required: float) -> float | None:
     """Return what remains of an available quantity; None where it is not given."""
-    return None if there is None else there - needed
+    return None if available is None else available - required
 
 
 def lower_bound(name: str, deflection: float) -> str:
@@ -25,14 +25,14 @@ def lower_bound(name: str, deflection: float) -> str:
 def point_table(title: str, *quantities: Quantity) -> Table:
     """Return the table of a nozzle's quantities, in degrees."""
     rows = []
-    for label, key, needed, there in quantities:
-        left = left_of(there, needed)
+    for label, key, required, available in quantities:
+        margin = remaining(available, required)
         rows.append(
             (
                 (label,),
-                minimum_limit(degrees(f"nozzle.{key}.needed", needed)),
-                degrees(f"nozzle.{key}.there", np.nan if there is None else there),
-                degrees(f"nozzle.{key}.left", np.nan if left in (None, -np.inf) else left),
+                minimum_limit(degrees(f"nozzle.{key}.needed", required)),
+                degrees(f"nozzle.{key}.there", np.nan if available is None else available),
+                degrees(f"nozzle.{key}.left", np.nan if margin in (None, -np.inf) else margin),
             )
         )
     return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))

@@ -12,11 +12,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
-from tvclin.boundary.fronts.nozzle_point import left_of, lower_bound, point_table
+from tvclin.boundary.fronts.nozzle_point import lower_bound, point_table, remaining
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
-
-_ROUNDING = 1e-9
-"""Relative tolerance of two equal lower bounds."""
 
 _ROUNDING = 1e-9
 """Relative tolerance of two equal lower bounds."""
@@ -32,18 +29,18 @@ class RateFront(Shown):
         Rate limits [rad/s], ``(n,)``.
     limits : ndarray
         Least deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
-        angle is enough.
+        angle is sufficient.
     bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
         rate alone; None for a wind that changes its sign.
     least_deflection, least_rate : float
-        The least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
+        Least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
     least_rate_blind : float
-        The same rate [rad/s] without a forecast, by the bound.
+        Lower bound [rad/s] of the rate without a forecast.
     acceleration_limit : float
         Largest deflection acceleration [rad/s2] that the limits have; infinite if none.
     limit, rate_limit : float or None
-        The nozzle's [rad, rad/s].
+        Limits of the nozzle [rad, rad/s].
     needed : float
         The larger of limit and bound [rad], at the nozzle's rate or else at any.
     needed_rate : float
@@ -79,20 +76,20 @@ class RateFront(Shown):
 
     @property
     def left(self) -> float | None:
-        """Angle [rad] that is left over what is needed."""
-        return left_of(self.limit, self.needed)
+        """Remaining angle [rad]: available minus required."""
+        return remaining(self.limit, self.needed)
 
     @property
     def left_rate(self) -> float | None:
-        """Rate [rad/s] that is left over what is needed."""
-        return left_of(self.rate_limit, self.needed_rate)
+        """Remaining rate [rad/s]: available minus required."""
+        return remaining(self.rate_limit, self.needed_rate)
 
     @property
     def above_lower_bound(self) -> bool | None:
-        """Whether the nozzle's point is on the front or above; None if nothing is given or known.
+        """Whether the nozzle's point is on the front or above; None if not given or not known.
 
-        Of a limit or a rate limit alone, whether the other can bring it there. A limit below the
-        bound is never sufficient; one above it may be too small for a control.
+        For a limit or a rate limit alone, whether some value of the other one satisfies this. A
+        limit below the bound is never sufficient; one above it may be too small for a control.
         """
         if self.beyond:
             return None
@@ -104,11 +101,11 @@ class RateFront(Shown):
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
         return beyond_linear(self.angle)
 
     @property
-    def _above_wind_known(self) -> bool:
+    def _sufficient_with_forecast(self) -> bool:
         """Whether the nozzle's point is on the front with the wind known, or above."""
         fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
         can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
@@ -118,11 +115,11 @@ class RateFront(Shown):
     @property
     def bound_words(self) -> str:
         """The lower bound of the limit at the nozzle's rate, in words."""
-        known, at = self.least_deflection, ""
+        wind_known, at = self.least_deflection, ""
         if self.rate_limit is not None:
             here = self.limits[self.rates == self.rate_limit]
-            known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
-        name = WIND_KNOWN if self.needed <= known * (1.0 + _ROUNDING) else NO_FORECAST
+            wind_known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
+        name = WIND_KNOWN if self.needed <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
         return lower_bound(f"{name}{at}", self.needed)
 
     @property
@@ -132,11 +129,11 @@ class RateFront(Shown):
             return f"{sufficiency(None)}: {self.beyond}"
         if self.above_lower_bound is not False:
             return ""
-        whose = NO_FORECAST if self._above_wind_known else WIND_KNOWN
+        whose = NO_FORECAST if self._sufficient_with_forecast else WIND_KNOWN
         return f"{sufficiency(False)}, below the {whose}"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the front, and the nozzle's point beside what is needed."""
+        """Return the tables of the front, and of the nozzle's point with the requirement."""
         blank = np.full(self.rates.size, np.nan)
         columns = {
             "rate": self.rates,
@@ -157,7 +154,7 @@ class RateFront(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """What the reader of the front should know."""
+        """Return the notes on the front, a sentence each."""
         yield from linear_notes(self.angle)
         if self.least_deflection == 0.0:
             yield "no unstable pole feels the wind: neither angle nor rate is needed"

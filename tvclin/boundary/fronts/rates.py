@@ -29,17 +29,17 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
-"""Rates of a front over the least one, unless rates are given."""
-_NOTHING = 1e-12
-"""A part of the least angle that is none."""
-_EQUAL = 1e-10
-"""A part by which a rate or an angle may differ and be the same."""
-_RATES = (1e-15, 1e9)
-"""Rates [rad/s] and accelerations that can be told from none, and from any."""
-_ANY = float(np.radians(1.0))
-"""A rate [rad/s] to begin with where none is needed."""
-_FASTEST = 1e4
-"""A rate so many times the least one is as good as any: the angle is within 5e-5 of the least."""
+"""Default rates of a front, relative to the smallest one."""
+_NEGLIGIBLE = 1e-12
+"""Size, relative to one, that counts as zero."""
+_RELATIVE_TOLERANCE = 1e-10
+"""Relative tolerance of a rate or an angle."""
+_RATE_RANGE = (1e-15, 1e9)
+"""Smallest and largest rate [rad/s] and acceleration that differ from zero and infinity."""
+_DEFAULT_RATE = float(np.radians(1.0))
+"""First rate of a front [rad/s] where none is required."""
+_MAX_RATE_RATIO = 1e4
+"""Largest rate over the smallest one, at which the angle is within 5e-5 of the minimum."""
 
 
 def rate_front(
@@ -60,26 +60,26 @@ def rate_front(
     wind : History
         One wind that ends.
     rates : array_like, optional
-        Rate limits [rad/s], ``(n,)``; unless given 1.1 to 20 times the least one, and that
-        of the nozzle.
+        Rate limits [rad/s], ``(n,)``; by default 1.1 to 20 times the smallest one, and
+        the nozzle's.
     limit, rate_limit : float, optional
-        The nozzle's [rad, rad/s].
+        Limits of the nozzle [rad, rad/s].
     acceleration_limit : float
         Largest deflection acceleration [rad/s2]; none by default. It takes a case of one pole.
 
     Raises
     ------
     InputError
-        As `optimum_deflection`; for a fastest pole that is not real, limits that are not positive,
-        a rate limit of the nozzle or an acceleration with which no angle is enough, and an
-        acceleration limit where two poles decide.
+        Where `optimum_deflection` raises it; for a fastest pole that is not real, limits that are
+        not positive, a rate limit of the nozzle or an acceleration with which no angle is enough,
+        and an acceleration limit where two poles decide.
 
     Notes
     -----
-    Where other unstable poles take part, as that of the flight path after long winds, the limits
-    are those of `optimum_with_rate_limit`. Without a forecast the bound is that of a state which
-    both a stop and the wind still to come must leave recoverable, y* of `forecast_free_limit` in
-    the place of d0.
+    Where other unstable poles contribute, such as the flight path's after long winds,
+    the limits are those of `optimum_with_rate_limit`. Without a forecast the bound is that of a
+    state that must be recoverable after a stop and after the remaining wind, y* of
+    `forecast_free_limit` in the place of d0.
 
     Examples
     --------
@@ -90,41 +90,45 @@ def rate_front(
     >>> (front.limits / front.least_deflection).round(2).tolist()
     [1.28, 1.02]
     """
-    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATES), "rad/s2")
-    angle, turning = small_angle("a deflection", positive), between(*_RATES)
-    most = None if limit is None else number("limit", limit, angle, "rad")
-    there = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")
-    given = None if rates is None else turning("rates", one_row("rates", rates, "rad/s"), "rad/s")
+    c = unlimited("acceleration_limit", acceleration_limit, between(*_RATE_RANGE), "rad/s2")
+    angle, turning = small_angle("a deflection", positive), between(*_RATE_RANGE)
+    nozzle_limit = None if limit is None else number("limit", limit, angle, "rad")
+    nozzle_rate = None if rate_limit is None else number("rate_limit", rate_limit, turning, "rad/s")
+    requested = (
+        None if rates is None else turning("rates", one_row("rates", rates, "rad/s"), "rad/s")
+    )
     case = _case_of(plant, wind, c)
-    least_rate = case.least_rate
-    if there is not None and there <= least_rate:
+    minimum_rate = case.minimum_rate
+    if nozzle_rate is not None and nozzle_rate <= minimum_rate:
         raise InputError(
             "rate_limit is too small for any deflection to survive this wind; got"
-            f" {np.degrees(there):.4g} deg/s, and more than {np.degrees(least_rate):.6g} deg/s"
-            f" ({least_rate:.6g} rad/s) is needed"
+            f" {np.degrees(nozzle_rate):.4g} deg/s, and more than"
+            f" {np.degrees(minimum_rate):.6g} deg/s ({minimum_rate:.6g} rad/s) is needed"
         )
     blind = case.blind
-    usual = np.asarray(_MULTIPLES) * (least_rate or case.pole * case.least or _ANY)
-    if there is not None:
-        usual = np.unique(np.append(usual, there))
-    at = usual if given is None else given
-    limits = np.array([case.known(float(rate)) for rate in at])
+    usual = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
+    if nozzle_rate is not None:
+        usual = np.unique(np.append(usual, nozzle_rate))
+    at = usual if requested is None else requested
+    limits = np.array([case.deflection(float(rate)) for rate in at])
     bounds = None if blind is None else np.maximum(ramped_deflection(blind, case.pole, at), limits)
     front = RateFront(
         rates=at,
         limits=limits,
         bounds=bounds,
-        least_deflection=case.least,
-        least_rate=least_rate,
+        least_deflection=case.minimum,
+        least_rate=minimum_rate,
         least_rate_blind=np.nan if blind is None else case.pole * blind,
         acceleration_limit=c,
-        limit=most,
-        rate_limit=there,
-        needed=case.needed(there) if there is not None else max(case.least, blind or 0.0),
+        limit=nozzle_limit,
+        rate_limit=nozzle_rate,
+        needed=case.needed(nozzle_rate)
+        if nozzle_rate is not None
+        else max(case.minimum, blind or 0.0),
         needed_rate=(
-            case.needed_rate(most)
-            if most is not None
-            else max(least_rate, case.pole * (blind or 0.0))
+            case.needed_rate(nozzle_limit)
+            if nozzle_limit is not None
+            else max(minimum_rate, case.pole * (blind or 0.0))
         ),
         angle=abs(float(wind.peak)),
     )
@@ -133,7 +137,7 @@ def rate_front(
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A plant in a wind, from its onset on: the conditions, and the least angles at any rate."""
+    """A plant in a wind, from its onset on: its conditions and least deflections."""
 
     wind: History
     constraints: Constraints
@@ -142,77 +146,90 @@ class _Case:
     blind: float | None
 
     @property
-    def least(self) -> float:
-        """The least deflection [rad] at any rate."""
+    def minimum(self) -> float:
+        """Least deflection [rad] at any rate."""
         return self.unlimited.peak
 
     @property
     def pole(self) -> float:
-        """The fastest unstable pole [1/s]; 1 where there is none."""
+        """Fastest unstable pole [1/s]; 1 without one."""
         return float(np.real(self.constraints.poles[0])) if self.constraints.poles.size else 1.0
 
     @property
-    def alone(self) -> float:
-        """The least deflection [rad] that the fastest pole asks for."""
+    def fast_deflection(self) -> float:
+        """Least deflection [rad] for the condition of the fastest pole."""
         demands = self.constraints.demands
         return self.pole * abs(float(demands[0])) if demands.size else 0.0
 
     @property
-    def least_rate(self) -> float:
-        """The rate [rad/s] that must be exceeded; `InputError` for too low an acceleration."""
+    def minimum_rate(self) -> float:
+        """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration."""
         p, c = self.pole, self.acceleration
-        if self.least > 0.0 and c <= p**2 * self.alone:
+        if self.minimum > 0.0 and c <= p**2 * self.fast_deflection:
             raise InputError(
-                f"acceleration_limit must be above {p**2 * self.alone:.6g} rad/s2, or no deflection"
-                f" survives this wind; got {c:.6g} rad/s2"
+                f"acceleration_limit must be above {p**2 * self.fast_deflection:.6g} rad/s2, or no"
+                f" deflection survives this wind; got {c:.6g} rad/s2"
             )
-        return p * self.alone if np.isinf(c) else -c / p * float(np.log1p(-(p**2) * self.alone / c))
+        return (
+            p * self.fast_deflection
+            if np.isinf(c)
+            else -c / p * float(np.log1p(-(p**2) * self.fast_deflection / c))
+        )
 
     @cached_property
-    def known(self) -> Callable[[float], float]:
-        """The least deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
-        return cache(self._known)
+    def deflection(self) -> Callable[[float], float]:
+        """Least deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
+        return cache(self._deflection)
 
-    def _known(self, rate: float) -> float:
-        found = self.by_one_pole(rate)
-        if self.least == 0.0 or np.isinf(found) or self._one_pole(found, rate):
-            return found
+    def _deflection(self, rate: float) -> float:
+        """Return `deflection` at a rate limit [rad/s], without the cache."""
+        deflection = self.single_pole_deflection(rate)
+        if (
+            self.minimum == 0.0
+            or np.isinf(deflection)
+            or self._decided_by_one_pole(deflection, rate)
+        ):
+            return deflection
         if np.isfinite(self.acceleration):
             raise InputError(
                 "acceleration_limit needs a case that one unstable pole decides; leave it out"
             )
         return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
 
-    def by_one_pole(self, rate: float) -> float:
-        """The least deflection [rad], the wind known, if the fastest pole alone decides."""
-        return float(ramped_deflection(self.alone, self.pole, rate, self.acceleration))
+    def single_pole_deflection(self, rate: float) -> float:
+        """Return the least deflection [rad], the wind known, if the fastest pole alone decides."""
+        return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
     def unforeseen(self, rate: float) -> float:
-        """The bound without a forecast [rad]; zero where none is known."""
+        """Return the bound without a forecast [rad]; zero without one."""
         return float(ramped_deflection(self.blind or 0.0, self.pole, rate))
 
     def needed(self, rate: float) -> float:
-        """The larger of the least deflection and the bound without a forecast [rad]."""
-        return max(self.known(rate), self.unforeseen(rate))
+        """Return the larger of the least deflection and the bound without a forecast [rad]."""
+        return max(self.deflection(rate), self.unforeseen(rate))
 
     def needed_rate(self, limit: float) -> float:
-        """The least rate [rad/s] at an angle [rad]; infinite if none is enough.
+        """Return the least rate [rad/s] at a limit [rad]; infinite if none is sufficient.
 
-        The fastest pole alone asks for a rate in closed form, which other poles can only raise.
+        The fastest pole alone requires a rate in closed form, which other poles can only raise.
         """
-        if self.least == 0.0:
+        if self.minimum == 0.0:
             return 0.0
-        lowest = max(self.least_rate, self.pole * (self.blind or 0.0)) or self.pole * self.least
-        alone = _least_rate(lambda r: max(self.by_one_pole(r), self.unforeseen(r)), limit, lowest)
-        if np.isinf(alone) or self.known(alone) <= limit * (1.0 + _EQUAL):
-            return alone
-        return _least_rate(self.known, limit, alone)
+        lowest = max(self.minimum_rate, self.pole * (self.blind or 0.0)) or self.pole * self.minimum
+        single_pole_rate = _minimum_rate(
+            lambda r: max(self.single_pole_deflection(r), self.unforeseen(r)), limit, lowest
+        )
+        if np.isinf(single_pole_rate) or self.deflection(single_pole_rate) <= limit * (
+            1.0 + _RELATIVE_TOLERANCE
+        ):
+            return single_pole_rate
+        return _minimum_rate(self.deflection, limit, single_pole_rate)
 
-    def _one_pole(self, d: float, rate: float) -> bool:
-        """Whether the other unstable pole q takes nothing from the fast one.
+    def _decided_by_one_pole(self, d: float, rate: float) -> bool:
+        """Return whether the other unstable pole q does not raise the deflection.
 
-        It is met by going to -d at a time t, after which the fast one counts e^(-p t): with v and
-        f as above, and d2 what q alone asks for,
+        Its condition is satisfied by a motion to -d at a time t, after which the fast pole counts
+        e^(-p t): with v and f of `ramps`, and the demand d2 of q,
 
             (v/q) f(q v/c) (1 - e^(-q d/v) - e^(-q t) (1 - e^(-2 q d/v))) = d2.
         """
@@ -224,24 +241,26 @@ class _Case:
         p, q = poles
         v = min(rate, float(np.sqrt(c * d)))
         worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)
-        asked = q * demands[1] * np.sign(demands[0])
-        later = (-np.expm1(-q * d / v) - asked / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
-        return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NOTHING)
+        demand = q * demands[1] * np.sign(demands[0])
+        later = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
+        return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NEGLIGIBLE)
 
 
-def _least_rate(needed: Callable[[float], float], limit: float, lowest: float) -> float:
-    """The least rate [rad/s] above `lowest` with a deflection within a limit, or infinite."""
+def _minimum_rate(needed: Callable[[float], float], limit: float, lowest: float) -> float:
+    """Return the least rate [rad/s] above `lowest` with a deflection within a limit, or inf."""
     from scipy.optimize import brentq
 
-    if needed(_FASTEST * lowest) > limit:
+    if needed(_MAX_RATE_RATIO * lowest) > limit:
         return np.inf
 
     def excess(times: float) -> float:
         return 1.0 / needed(float(np.exp(times)) * lowest) - 1.0 / limit
 
-    if excess(_NOTHING) >= 0.0:
+    if excess(_NEGLIGIBLE) >= 0.0:
         return lowest
-    return lowest * float(np.exp(brentq(excess, _NOTHING, np.log(_FASTEST), xtol=_EQUAL)))
+    return lowest * float(
+        np.exp(brentq(excess, _NEGLIGIBLE, np.log(_MAX_RATE_RATIO), xtol=_RELATIVE_TOLERANCE))
+    )
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
