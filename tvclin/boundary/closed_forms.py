@@ -29,8 +29,9 @@ NOT_UNIQUE = "b2 is above b1: a solution, but perhaps not the only one"
 NEVER_SATURATES = "trim never saturates: K times the limit is above the trim deflection"
 
 _EPSILON = np.finfo(float).eps
-_LARGEST = 1e9
-"""Rates beyond it [1/s] mean nothing, nor does a pole below its inverse."""
+"""Relative spacing of floating-point numbers."""
+_MAX_RATE = 1e9
+"""Largest rate [1/s]; its inverse is the smallest pole."""
 
 
 def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
@@ -231,9 +232,9 @@ def solve_triangular_with_drift(
     arrays = {
         "tau_beta": positive("tau_beta", tau_beta),
         "dead_band": within("dead_band", dead_band, 0.0, 1.0),
-        "beta": within("beta", beta, 1.0 / _LARGEST, _LARGEST, "1/s"),
-        "b1": within("b1", b1, -_LARGEST, _LARGEST, "1/s"),
-        "b2": within("b2", b2, -_LARGEST, _LARGEST, "1/s"),
+        "beta": within("beta", beta, 1.0 / _MAX_RATE, _MAX_RATE, "1/s"),
+        "b1": within("b1", b1, -_MAX_RATE, _MAX_RATE, "1/s"),
+        "b2": within("b2", b2, -_MAX_RATE, _MAX_RATE, "1/s"),
     }
     together(**arrays)
     tau_beta, K, beta, b1, b2 = np.broadcast_arrays(*arrays.values())

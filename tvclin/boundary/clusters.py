@@ -1,4 +1,4 @@
-"""What several engines can do together: mean deflections, with some engines centred or stuck.
+"""Mean deflections of several engines together, with some engines centred or stuck.
 
 The thrust turns by the mean of the deflections, weighted with the thrusts. What it can be is the
 sum of the stops of the engines that move (Minkowski), and where roll is held at zero, the part of
@@ -19,17 +19,19 @@ from tvclin.boundary.stops import CircularStop, Stop, Vectors, along, vectors
 from tvclin.numerics.searches import grid_minimum
 
 STATES = ("moving", "centred", "stuck", "out")
-_LOOKED_AT = 720
-_LEAST = 1e-4
-"""A cluster that reaches less than this part of the limit to some side cannot trim itself."""
-_CENTRAL = 1e-9
-"""An engine nearer to the axis than this part of the farthest has no roll moment."""
-_MOST_ENGINES = 100
+_DIRECTIONS = 720
+"""Directions in which the support function of a cluster is checked."""
+_MIN_SUPPORT = 1e-4
+"""Smallest support, relative to the limit, with which a cluster can trim itself."""
+_MAX_CENTRAL_RADIUS = 1e-9
+"""Radius of an engine, relative to the largest, below which it has no roll moment."""
+_MAX_ENGINES = 100
+"""Largest number of engines of a cluster."""
 
 
 @dataclass(frozen=True)
 class ClusterEngine:
-    """One engine of a cluster.
+    """An engine of a cluster.
 
     Parameters
     ----------
@@ -74,7 +76,7 @@ class ClusterEngine:
 
 @dataclass(frozen=True)
 class Cluster(Stop):
-    """The mean deflections that a cluster can reach, over the limit of one engine.
+    """The mean deflections that a cluster can reach, normalised by the limit of an engine.
 
     Parameters
     ----------
@@ -112,8 +114,8 @@ class Cluster(Stop):
 
     def __post_init__(self) -> None:
         engines = each("engines", self.engines, ClusterEngine, "each with its place")
-        if len(engines) > _MOST_ENGINES or not any(engine.state == "moving" for engine in engines):
-            raise InputError(f"engines must be 1 to {_MOST_ENGINES}, one of them moving at least")
+        if len(engines) > _MAX_ENGINES or not any(engine.state == "moving" for engine in engines):
+            raise InputError(f"engines must be 1 to {_MAX_ENGINES}, one of them moving at least")
         if any(engine.state == "out" for engine in engines):
             raise InputError(
                 "engines must all have thrust: of an engine that is out, give the vehicle without"
@@ -121,19 +123,19 @@ class Cluster(Stop):
             )
         object.__setattr__(self, "engines", engines)
         object.__setattr__(self, "hold_roll", flag("hold_roll", self.hold_roll))
-        directions = np.exp(2j * np.pi * np.arange(_LOOKED_AT) / _LOOKED_AT)
+        directions = np.exp(2j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
         bias, roll = self._stuck
         if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
             raise InputError("engines must balance the roll moment of the one that is stuck")
         worst = -bias / abs(bias) if bias else 1.0
-        if self.support(np.append(directions, worst)).min() < _LEAST:
+        if self.support(np.append(directions, worst)).min() < _MIN_SUPPORT:
             raise InputError(
                 "engines must reach to every side; those that move cannot trim the stuck one"
             )
 
     @property
     def symmetric(self) -> bool:
-        """Whether the shape is symmetric about its centre."""
+        """Whether the shape is symmetric about zero."""
         return not any(self._stuck) and all(engine.stop.symmetric for engine in self._moving)
 
     def support(self, direction: ArrayLike) -> FloatArray:
@@ -153,7 +155,7 @@ class Cluster(Stop):
 
     @cached_property
     def inside(self) -> Stop:
-        """The polygon `inscribed`."""
+        """Inscribed polygon, by `inscribed`."""
         return self.inscribed()
 
     def offset(self, control_arm: float) -> complex:
@@ -207,4 +209,4 @@ class Cluster(Stop):
     def _arm(self, engine: ClusterEngine) -> complex:
         """Return j r of an engine, normalised by the largest r."""
         largest = max(abs(member.at) for member in self.engines)
-        return 1j * engine.at / largest if abs(engine.at) > _CENTRAL * largest else 0j
+        return 1j * engine.at / largest if abs(engine.at) > _MAX_CENTRAL_RADIUS * largest else 0j

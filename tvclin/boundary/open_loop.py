@@ -31,7 +31,7 @@ ROUNDING = 1e-9
 
 
 class Reason(StrEnum):
-    """What sets the required deflection at nominal dynamic pressure; each is its text."""
+    """Requirement that sets the required deflection at nominal dynamic pressure, as text."""
 
     BOUNDARY = "the boundary of the control with the exit on trim"
     MINIMUM = "the minimum over all unstable poles"
@@ -47,7 +47,7 @@ class Reason(StrEnum):
 
     @property
     def larger(self) -> str:
-        """Sentence that this one is larger than the boundary limit."""
+        """Sentence that this requirement is larger than the boundary limit."""
         if self is Reason.BOUNDARY:
             return "in flight, where the dead band is left by trim itself, more is needed"
         return f"{self} is larger"

@@ -42,13 +42,13 @@ class UnstableCoordinates:
 
     @cached_property
     def ratio(self) -> float:
-        """The slow pole over the fast one; zero where there is only one."""
+        """Ratio of the slow pole to the fast one; zero with a single pole."""
         return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
 
     def inside(self, z: FloatArray, reach: Any) -> Any:
         """Return whether the coordinates ``(..., N)`` are recoverable with |u| < reach ``(...)``.
 
-        Strictly: on the edge the deflection holds the state and cannot bring it back.
+        Strictly: on the edge the deflection keeps the state constant and cannot return it.
         """
         first = np.abs(z[..., 0]) < reach
         if self.poles.size == 1:
@@ -57,7 +57,7 @@ class UnstableCoordinates:
         return first & (low < z[..., 1]) & (z[..., 1] < high)
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
-        """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
+        """Return both ends [rad] of the slow coordinate's range at a fast one, |fast| <= reach."""
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
 

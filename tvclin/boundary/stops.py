@@ -33,21 +33,27 @@ from tvclin.winds.plane_wind import unit_vector
 
 Vectors = ComplexArray
 
-_MOST_CORNERS = 10_000
-_LARGEST = 1e100
-_NOTHING = 1e-290
-"""A vector that is shorter has no direction."""
+_MAX_CORNERS = 10_000
+"""Largest number of corners of a polygon."""
+_MAX_SIZE = 1e100
+"""Largest component of a vector [rad]."""
+_MIN_SIZE = 1e-290
+"""Size [rad] of a vector below which it has no direction."""
 _ROUNDING = 1e-12
+"""Relative rounding of a gauge."""
 _SIDES = 360
-_SMALL, _LARGE = 1e-6, 1e6
-"""A shape is counted over the limit; other sizes are another unit."""
+"""Default number of sides of an inscribed polygon."""
+_MIN_RATIO = 1e-6
+"""Smallest size of a shape, normalised by the limit; smaller ones are in another unit."""
+_MAX_RATIO = 1e6
+"""Largest size of a shape, normalised by the limit; larger ones are in another unit."""
 
 
 def vectors(name: str, value: ArrayLike) -> Vectors:
     """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
-    rule = f"numbers up to {_LARGEST:g} in size, pitch + 1j*yaw"
+    rule = f"numbers up to {_MAX_SIZE:g} in size, pitch + 1j*yaw"
     array = array_of(name, value, "iufc", rule).astype(complex)
-    good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST
+    good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _MAX_SIZE
     if array.ndim > MAX_AXES or not np.all(good):
         raise InputError(f"{name} must be {rule}; got {shown(value)}")
     return array
@@ -72,7 +78,7 @@ class Stop(ABC):
     @property
     @abstractmethod
     def symmetric(self) -> bool:
-        """Whether the shape reaches as far to one side as to the other."""
+        """Whether the shape is symmetric about zero."""
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the least limit that reaches vectors, in their shape and unit.
@@ -89,16 +95,16 @@ class Stop(ABC):
         ends = self.support(u) + self.support(-u)
         low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
         column = u[..., np.newaxis]
-        _, least = grid_minimum(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
-        return np.asarray(size / least)
+        _, smallest = grid_minimum(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
+        return np.asarray(size / smallest)
 
     @property
     def inside(self) -> Stop:
-        """Itself, or where its gauge takes long, a polygon inside it that is almost as large."""
+        """Shape itself, or where its gauge is slow, a polygon inside it of almost its size."""
         return self
 
     def reach(self, angle: ArrayLike) -> FloatArray:
-        """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
+        """Return the largest deflection of a unit limit in directions [rad], a ratio."""
         return 1.0 / self.gauge(unit_vector(directions("angle", angle)))
 
     def each_plane(self) -> PolygonStop:
@@ -124,8 +130,8 @@ class Stop(ABC):
         InputError
             For less than 4, or more than 10000.
         """
-        if not 4 <= whole_number("sides", sides) <= _MOST_CORNERS:
-            raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {shown(sides)}")
+        if not 4 <= whole_number("sides", sides) <= _MAX_CORNERS:
+            raise InputError(f"sides must be 4 to {_MAX_CORNERS}; got {shown(sides)}")
         around = unit_vector(2.0 * np.pi * np.arange(sides) / sides)
         return PolygonStop(around * self.reach(np.angle(around)))
 
@@ -136,7 +142,7 @@ class CircularStop(Stop):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the shape reaches as far to one side as to the other."""
+        """Whether the shape is symmetric about zero."""
         return True
 
     def support(self, direction: ArrayLike) -> FloatArray:
@@ -151,7 +157,7 @@ class CircularStop(Stop):
         """Return the point of the shape that is furthest along vectors."""
         d = vectors("direction", direction)
         size = np.abs(d)
-        return np.asarray(d / np.where(size < _NOTHING, 1.0, size))
+        return np.asarray(d / np.where(size < _MIN_SIZE, 1.0, size))
 
 
 @dataclass(frozen=True)
@@ -175,21 +181,21 @@ class EllipticStop(Stop):
 
     def __post_init__(self) -> None:
         for name in ("pitch", "yaw"):
-            axis = number(name, getattr(self, name), between(_SMALL, _LARGE))
+            axis = number(name, getattr(self, name), between(_MIN_RATIO, _MAX_RATIO))
             object.__setattr__(self, name, axis)
 
     @property
     def symmetric(self) -> bool:
-        """Whether the shape reaches as far to one side as to the other."""
+        """Whether the shape is symmetric about zero."""
         return True
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return how far the ellipse reaches along vectors."""
+        """Return the support function of the ellipse along vectors."""
         d = vectors("direction", direction)
         return np.asarray(np.hypot(self.pitch * np.real(d), self.yaw * np.imag(d)))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the factor by which the ellipse must grow to reach vectors."""
+        """Return the gauge of vectors: the scale of the ellipse that just contains each."""
         v = vectors("vector", vector)
         return np.asarray(np.hypot(np.real(v) / self.pitch, np.imag(v) / self.yaw))
 
@@ -197,7 +203,7 @@ class EllipticStop(Stop):
         """Return the point of the shape that is furthest along vectors."""
         d = vectors("direction", direction)
         grown = self.pitch**2 * np.real(d) + 1j * self.yaw**2 * np.imag(d)
-        return np.asarray(grown / np.where(np.abs(d) < _NOTHING, 1.0, self.support(d)))
+        return np.asarray(grown / np.where(np.abs(d) < _MIN_SIZE, 1.0, self.support(d)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,12 +227,12 @@ class PolygonStop(Stop):
 
     def __post_init__(self) -> None:
         c = vectors("corners", self.corners)
-        if c.ndim != 1 or not 3 <= c.size <= _MOST_CORNERS:
+        if c.ndim != 1 or not 3 <= c.size <= _MAX_CORNERS:
             raise InputError(
-                f"corners must be one row of 3 to {_MOST_CORNERS} numbers, pitch + 1j*yaw; got an"
+                f"corners must be one row of 3 to {_MAX_CORNERS} numbers, pitch + 1j*yaw; got an"
                 f" array of shape {c.shape}"
             )
-        size = within("the largest of corners", np.abs(c).max(), _SMALL, _LARGE)
+        size = within("the largest of corners", np.abs(c).max(), _MIN_RATIO, _MAX_RATIO)
         c = c if along(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
         edges = (np.roll(c, -1) - c) / size
         turns = along(1j * edges, np.roll(edges, -1))
@@ -241,21 +247,21 @@ class PolygonStop(Stop):
 
     @cached_property
     def symmetric(self) -> bool:
-        """Whether the shape reaches as far to one side as to the other."""
+        """Whether the shape is symmetric about zero."""
         return bool(np.all(self.gauge(-self.corners) <= 1.0 + _ROUNDING))
 
     @cached_property
     def _normals(self) -> Vectors:
-        """Of each edge, from its corner to the next, over its distance from zero."""
+        """Normals of the edges, divided by their distance from zero, ``(n,)``."""
         outward = -1j * (np.roll(self.corners, -1) - self.corners)
         return np.asarray(outward / along(outward, self.corners))
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return how far the polygon reaches along vectors."""
+        """Return the support function of the polygon along vectors."""
         return along(direction, self.farthest(direction))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the factor by which the polygon must grow to reach vectors."""
+        """Return the gauge of vectors: the scale of the polygon that just contains each."""
         v = vectors("vector", vector)
         return along(self._normals[_sector(self.corners, v)], v)
 

@@ -1,12 +1,12 @@
-"""When the dead band is left on the stability boundary, for any wind of one sign.
+"""Exit time of the dead band on the stability boundary, for any wind of one sign.
 
 The report's control trims until the driver (B alpha_w, or the trim deflection) reaches K times
-the limit, and holds the limit from then on. Held from the time t on, the limit that meets (4b)
-is the demand, the discounted mean of the trim deflection still to come. On the boundary
+the limit, and the deflection is at the limit from then on. The constant deflection from the time t
+on that satisfies (4b) is the demand, the discounted mean of the remaining trim. On the boundary
 
-    driver(t) = K demand(t),    t being the first time at which the driver is so high.
+    driver(t) = K demand(t),    t being the first time at which the driver has this height.
 
-Only new heights of the driver count, for a lower limit was reached before. Of several solutions
+Only new maxima of the driver are exits, for a lower height was reached before. Of several solutions
 the last has the largest limit, and every larger limit is sufficient.
 """
 
@@ -29,12 +29,12 @@ from tvclin.winds.histories import History
 
 @dataclass(frozen=True)
 class Switch:
-    """The solution: when the dead band is left, and two ways in which there is none.
+    """Exit of the dead band: time and demand, and two flags of cases without a solution.
 
-    `time`: time [s], ``(...)``. `demand`: what (4b) asks for when the limit is held from that time
-    on, over B alpha_w,max. `jumps`: the demand jumps over the limit where the driver comes back to
-    an earlier height. `never`: the demand stays above what the driver reaches, so the dead band is
-    never left.
+    `time`: of the exit [s], ``(...)``. `demand`: constant deflection from that time on that
+    satisfies (4b), normalised by B alpha_w,max. `jumps`: the demand jumps over the limit where the
+    driver returns to an earlier height. `never`: the demand stays above the driver, so that the
+    dead band has no exit.
     """
 
     time: FloatArray
@@ -45,10 +45,10 @@ class Switch:
 
 @dataclass(frozen=True)
 class Problem:
-    """Which wind a plant is in, and what decides about it.
+    """A plant in a wind, with the unstable pole and the dead band of condition (4b).
 
     `plant`, `wind`: batches; the wind ends. `pole`: the growth rate [1/s] whose condition (4b) is
-    met, positive. `dead_band`: K. All broadcast to `shape`. `shape`: of the batch.
+    satisfied, positive. `dead_band`: K. All broadcast to `shape`. `shape`: of the batch.
     """
 
     plant: Plant

@@ -175,7 +175,7 @@ class _Moments:
 
     @cached_property
     def edges(self) -> FloatArray:
-        """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last ends never."""
+        """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last is infinite."""
         even = np.arange(_CELLS) / _CELLS
         times = [-np.log1p(-even) / p for p in np.unique(self.poles)]
         edges = np.unique(np.concatenate(times))
