@@ -115,7 +115,7 @@ def _minus_log_R(p: FloatArray) -> FloatArray:
 class TriangularLimit:
     """Solutions of eq (18), every field of shape ``(...)``.
 
-    `switch`: a/tau = y_BR K/2, eq (11): when the dead band is left. `status`: "ok", or in words
+    `switch`: a/tau = y_BR K/2, eq (11): exit of the dead band. `status`: "ok", or in words
     what is wrong with the element.
     """
 
@@ -159,7 +159,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Returns
     -------
     float or ndarray
-        y_BR, to a relative 1e-15. The dead band is left at a = y_BR K tau/2, which is
+        y_BR, to a relative 1e-15. The exit of the dead band is at a = y_BR K tau/2, which is
         never later than tau/2.
 
     Raises
@@ -216,7 +216,7 @@ def solve_triangular_with_drift(
     Parameters
     ----------
     tau_beta, dead_band, beta, b1, b2 : array_like
-        As of `triangular_limit_with_drift`.
+        Same parameters as `triangular_limit_with_drift`.
 
     Raises
     ------

@@ -119,7 +119,7 @@ def forecast_free_limit(
     Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
     the largest z that a stop allows, needs no forecast, and survives exactly above y*. With drift
     it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a bound
-    of every law; for cos(turn) <= -R/(2 y) one reaches it that is told, after the turn, how the
+    of every law; for cos(turn) <= -R/(2 y) a law attains it that knows, after the turn, how the
     wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then a
     little more is needed: the page on two planes has the proof.
 

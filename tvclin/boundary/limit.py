@@ -2,12 +2,12 @@
 
     y_BR = -delta_max / (B alpha_w,max)
 
-By eq (4b) the report's control (trim until the dead band is left, then the limit) is on the
-boundary exactly when the limit equals the discounted mean of the trim deflection still to come,
+By eq (4b) the report's control (trim until the exit of the dead band, then the limit) is on the
+boundary exactly when the limit equals the discounted mean of the remaining trim deflection,
 
     delta_max = p * integral from a to infinity of e^(-p (t - a)) delta_T(t) dt,
 
-where a is the time at which the dead band is left and p the largest real unstable pole.
+where a is the exit time of the dead band and p the largest real unstable pole.
 `boundary_limit` solves that for any wind of one sign and for every plant; the closed forms of
 the report stand in `closed_forms`.
 """

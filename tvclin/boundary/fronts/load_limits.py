@@ -4,11 +4,11 @@ The load is the angle of attack alpha, or alpha + M delta: the bending moment M_
 M_delta delta at a station over M_alpha, M = M_delta/M_alpha. The least deflection under
 ``|load| <= a`` is a convex problem, so that it is convex over a, and falls. Two floors make nearly
 all of it: the least deflection d0 at any load, and, since nothing turns a vehicle faster than the
-whole deflection, held,
+whole constant deflection,
 
     a >= sup_t (|alpha_0(t)| - d |G(t)|),
 
-alpha_0 being the angle of attack without control and G what a held deflection of one adds.
+alpha_0 being the angle of attack without control and G the change by a constant unit deflection.
 """
 
 from __future__ import annotations

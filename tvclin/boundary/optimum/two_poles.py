@@ -189,7 +189,7 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     -------
     float or ndarray
         tau [s] at which y = 1, with the actual poles of the third-order model and their K1_i;
-        longer winds need markedly more deflection than the fast pole alone asks for. NaN for
+        longer winds need markedly more deflection than the fast pole alone requires. NaN for
         a vehicle without two real unstable poles.
 
     Examples
