@@ -674,7 +674,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "window": 20.0,
                 "gust": gust,
                 "notes": ("calm",),
-                "pressure": np.ones(sampled.time.size),
+                "speeds": None,
             },
         ),
         "MeasuredWind.__call__": Door(tv.ascent.MeasuredWind(sampled), {"vehicle": booster}),
