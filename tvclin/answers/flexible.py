@@ -1,4 +1,4 @@
-"""What a structure changes: margins by band, detuned modes, and a flight with limits."""
+"""Effects of a structure: margins by band, detuned modes, and a flight with limits."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.design_rules import AutopilotDesign
     from tvclin.control.margins.criteria import Criteria
 
-_LONG, _POINTS = 2.0, 401
-"""A flight is looked at for so many durations of its wind, at so many points."""
+_FLIGHT_DURATIONS, _FLIGHT_POINTS = 2.0, 401
+"""Duration of a flight in durations of its wind, and number of its times."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlexibleAnswer:
-    """An autopilot around a flexible vehicle.
+    """Margins, boundaries and flight of an autopilot with a flexible vehicle.
 
-    `bands` are its margins, and `detuned` those with detuned modes, if there are any. What is flown
-    has `sample_rate` samples of the law in a second: `boundaries`, the least limit of the autopilot
-    in the wind, of the flexible vehicle and of the rigid one; and a `flight` with the limit in
-    question, if there is one.
+    `bands`: its margins. `detuned`: margins with detuned modes; None without modes. `sample_rate`:
+    samples of the law in flights [Hz]. `boundaries`: minimum limits of the autopilot in the wind,
+    for the flexible and for the rigid vehicle. `flight`: a flight with the specified limit; None
+    without a limit.
     """
 
     plant: FlexiblePlant
@@ -57,26 +57,28 @@ def flexible_answer(
     limit: float | None,
     **hardware: Any,
 ) -> FlexibleAnswer:
-    """Return what an autopilot, designed on the rigid plant, does with a flexible vehicle.
+    """Return margins, boundaries and flight of an autopilot with a flexible vehicle.
 
-    Gains that are sought, such as those for the least nozzle, are sought with the structure.
-    Detuned modes are held to the criteria; the limit [rad] is the one in question; hardware is as
-    of `Case.hardware`. `InputError` as `Autopilot.band_margins` and `closed_loop_boundary`.
+    The autopilot is designed on the rigid plant, except for gains that are sought, such as those
+    for the least nozzle. `criteria`: for detuned modes. `limit`: deflection limit of the flight
+    [rad]. `hardware`: as of `Case.hardware`. `InputError` as `Autopilot.band_margins` and
+    `closed_loop_boundary`.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
-    bends, rigid = (
-        stop_boundary(one, law, wind, limit or 0.0, hardware) for one in (plant, plant.rigid)
+    flexible, rigid = (
+        stop_boundary(vehicle, law, wind, limit or 0.0, hardware)
+        for vehicle in (plant, plant.rigid)
     )
     start, end = float(wind.onset), float(wind.end)
-    times = np.linspace(start, start + _LONG * (end - start), _POINTS)
+    times = np.linspace(start, start + _FLIGHT_DURATIONS * (end - start), _FLIGHT_POINTS)
     return FlexibleAnswer(
         plant=plant,
         autopilot=autopilot,
         bands=bands,
         detuned=detuned(autopilot, plant, criteria=criteria) if bands.modes else None,
         sample_rate=hardware["sample_rate"],
-        boundaries=(bends, rigid),
+        boundaries=(flexible, rigid),
         flight=None
         if limit is None
         else fly_sampled(plant, law, wind, times, deflection_limit=limit, **hardware),
@@ -86,16 +88,16 @@ def flexible_answer(
 def stop_boundary(
     plant: AnyPlant, law: Law, wind: History, limit: float, hardware: dict[str, Any]
 ) -> ClosedLoopBoundary:
-    """Return the least limit of a law in a wind; up to the one in question [rad], if none below.
+    """Return the minimum limit of a law in a wind, sought up to `limit` [rad] if none is lower.
 
     Hardware is as of `Case.hardware`; `InputError` as `closed_loop_boundary`.
     """
-    found = closed_loop_boundary(plant, law, wind, **hardware)
-    tried = float(found.scan[-1])
-    asked = limit / abs(float(plant.coefficients.B) * float(wind.peak))
-    if np.isfinite(found.limit) or asked <= tried:
-        return found
-    return closed_loop_boundary(plant, law, wind, lowest=tried, highest=asked, **hardware)
+    boundary = closed_loop_boundary(plant, law, wind, **hardware)
+    scanned = float(boundary.scan[-1])
+    highest = limit / abs(float(plant.coefficients.B) * float(wind.peak))
+    if np.isfinite(boundary.limit) or highest <= scanned:
+        return boundary
+    return closed_loop_boundary(plant, law, wind, lowest=scanned, highest=highest, **hardware)
 
 
 def law_asked(case: Case, name: str, rate_limit: float, **own: Any) -> Law:
@@ -117,7 +119,7 @@ def with_filters(law: Law, asked: AutopilotDesign) -> Law:
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:
-    """Return by how much the structure moves the rigid theory; None where nothing grows."""
+    """Return the shift of the rigid theory by the structure; None without an unstable mode."""
     if plant.structure is None:
         return None
     try:
@@ -127,11 +129,11 @@ def shift_of(plant: AnyPlant) -> Shift | None:
 
 
 def shift_words(vehicle: AnyVehicle, plane: str) -> str:
-    """Return in words by how much the structure moves what the rigid theory rests on."""
-    moved = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
-    if moved is None:
+    """Return the shift of fast pole and deflection by the structure, in words."""
+    shift = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
+    if shift is None:
         return ""
     return (
-        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a wind"
-        f" needs by {moved.trim_price:+.2f} percent"
+        f"would move the fast pole by {shift.fast_pole:+.2f} percent and the deflection that a wind"
+        f" needs by {shift.trim_price:+.2f} percent"
     )

@@ -1,4 +1,4 @@
-"""Standard trials of laws: the same winds for all, and what each law needs in them.
+"""Standard trials of laws: the same winds for all, and the limit that each law requires.
 
 Every wind has the same peak and is measured by the duration of the triangle it belongs to.
 """
@@ -39,23 +39,26 @@ WINDS = (
     *("two gusts", "opposite gusts", "flip to 0.3", "full reversal"),
 )
 """The winds of trials, see `standard_winds`."""
-_SPARE = 1.2
-"""Loads are those at so many times the boundary, where every law is at its ease."""
-_POINTS = 801
-_HIGHEST = 4.0
-_RATE = 100.0
+_LOAD_LIMIT_RATIO = 1.2
+"""Limit of the flights for loads, as a ratio to the boundary."""
+_LOAD_POINTS = 801
+"""Number of times of the flights for loads."""
+_MAX_LIMIT = 4.0
+"""Largest limit that is tried, normalised by trim."""
+_SAMPLE_RATE = 100.0
+"""Sample rate of laws by default [Hz]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LawsRequest:
-    """The laws that are to be flown, and in which winds.
+    """Specification of the laws that are flown, and of their winds.
 
     Attributes
     ----------
     names : tuple of str
-        Laws, of `standard_laws`.
+        Names of `standard_laws`.
     winds : tuple of str
-        Winds, of `standard_winds`.
+        Names of `standard_winds`.
     sample_rate : float
         Sample rate of the laws [Hz].
     """
@@ -73,21 +76,21 @@ LAWS_TABLE = file_table("[laws]", LawsRequest)
 
 @dataclass(frozen=True)
 class LawTrial(Shown):
-    """One law in one wind.
+    """Trial of a law in a wind.
 
     Attributes
     ----------
     law, wind : str
-        Their names.
+        Names of law and wind.
     limit : float
-        Boundary: least deflection limit, over ``|B alpha_w,max|``; infinite if none was found, and
-        the lowest that was tried if that survives.
+        Boundary: minimum deflection limit, normalised by ``|B alpha_w,max|``; infinite if none is
+        sufficient, and the lowest that was tried if that survives.
     status : str
-        "ok", or in words what is to be said of the boundary, as of `ClosedLoopBoundary`.
+        "ok", or a reservation on the boundary in words, as of `ClosedLoopBoundary`.
     lowest, highest : float
-        The range of limits that were tried.
+        Range of limits that were tried, normalised by trim.
     growth : float
-        Growth rate [1/s] of the worst mode near rest, as of `ClosedLoopBoundary`.
+        Growth rate [1/s] of the worst mode in the linear range, as of `ClosedLoopBoundary`.
     creeps : bool
         Whether the law lets that mode creep away, though it survives the wind.
     monotone : bool
@@ -96,8 +99,8 @@ class LawTrial(Shown):
         Steps in which limits were tried above the boundary, and up to where, as of
         `ClosedLoopBoundary`.
     peak_angle_of_attack, peak_attitude : float
-        Largest of 801 samples of a flight at 1.2 times the boundary, over the peak of the wind;
-        NaN where there is no boundary, or where they were not asked for.
+        Largest of 801 samples of a flight at 1.2 times the boundary, normalised by the peak of the
+        wind; NaN without a boundary, and without `loads`.
     """
 
     law: str
@@ -169,13 +172,13 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
 def standard_laws(
     plant: Plant, peak: float, autopilot: Autopilot | None = None, rate_limit: float = np.inf
 ) -> dict[str, Law]:
-    """Return every law by name, designed on a plant, for a peak [rad] and a rate limit [rad/s].
+    """Return all laws by name, designed on a plant for a peak wind [rad] and rate limit [rad/s].
 
-    As `design_law`; the law "autopilot" has the gains of an autopilot where one is given.
+    As `design_law`; the law "autopilot" has the gains of `autopilot` unless that is None.
     """
-    own: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
+    options: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
     design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
-    return {name: design(name, **own.get(name, {})) for name in LAWS}
+    return {name: design(name, **options.get(name, {})) for name in LAWS}
 
 
 def law_trials(
@@ -183,13 +186,13 @@ def law_trials(
     laws: Mapping[str, Law],
     winds: Mapping[str, History],
     *,
-    sample_rate: float = _RATE,
+    sample_rate: float = _SAMPLE_RATE,
     cuts: int = 0,
     loads: bool = True,
     progress: Callable[[int, int], None] | None = None,
     **hardware: Any,
 ) -> LawTrials:
-    """Return what each law needs in each wind, winds within laws.
+    """Return the trial of each law in each wind, winds within laws.
 
     Parameters
     ----------
@@ -200,33 +203,33 @@ def law_trials(
     sample_rate : float
         Samples of the law in a second [Hz].
     cuts : int
-        Sudden stops that are tried as well, as of `closed_loop_boundary`.
+        Number of sudden ends of each wind that are tried as well, as of `closed_loop_boundary`.
     loads : bool
         Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
     progress : callable, optional
-        Is told how much is done, and how much there is at most, as of `closed_loop_boundary`.
+        Called with the finished and the largest total work, as of `closed_loop_boundary`.
     **hardware
         rate_limit, actuator and delay, as of `closed_loop_boundary`.
     """
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    for name, given, kind in (("laws", laws, Law), ("winds", winds, History)):
-        instance(name, given, Mapping, "by name")
-        each(name, tuple(given.values()), kind, "by name")
+    for name, mapping, kind in (("laws", laws, Law), ("winds", winds, History)):
+        instance(name, mapping, Mapping, "by name")
+        each(name, tuple(mapping.values()), kind, "by name")
     flag("loads", loads)
     flown = {"sample_rate": sample_rate, **hardware}
     pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
 
-    def told(pair: int) -> Callable[[int, int], None]:
-        def tell(done: int, total: int) -> None:
+    def progress_of(pair: int) -> Callable[[int, int], None]:
+        def report(done: int, total: int) -> None:
             if progress is not None:
                 progress(pair * total + done, len(pairs) * total)
 
-        return tell
+        return report
 
     with repeated(len(pairs)):
         return LawTrials(
-            _trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs)
+            _trial(plant, *pair, cuts, loads, flown, progress_of(k)) for k, pair in enumerate(pairs)
         )
 
 
@@ -236,17 +239,17 @@ def law_curve(
     tau_beta: FloatArray,
     peak: float,
     *,
-    sample_rate: float = _RATE,
+    sample_rate: float = _SAMPLE_RATE,
     **hardware: Any,
 ) -> FloatArray:
-    """Return the boundary of a law in triangular winds, over tau times beta.
+    """Return the boundaries of a law in triangular winds, normalised by trim, over tau times beta.
 
-    With damping over tau times the pole. The wind has a peak [rad], the law so many samples in a
-    second [Hz]; hardware is as of `law_trials`.
+    With damping, over tau times the pole. `peak`: of the winds [rad]. `sample_rate`: of
+    the law [Hz]. `hardware`: as of `law_trials`.
     """
     pole = float(plant.coefficients.pole)
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
-    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST, **hardware}
+    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _MAX_LIMIT, **hardware}
     return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
 
 
@@ -257,35 +260,38 @@ def _trial(
     cuts: int,
     loads: bool,
     flown: dict[str, Any],
-    tell: Callable[[int, int], None],
+    progress: Callable[[int, int], None],
 ) -> LawTrial:
-    options = {"cuts": cuts, "highest": _HIGHEST, "progress": tell, **flown}
-    found = closed_loop_boundary(plant, law[1], wind[1], **options)
-    largest = (np.nan, np.nan)
-    if loads and np.isfinite(found.limit):
-        largest = _loads(plant, law[1], wind[1], _SPARE * abs(found.deflection), flown)
+    """Return the trial of a law in a wind, both with their names."""
+    options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}
+    boundary = closed_loop_boundary(plant, law[1], wind[1], **options)
+    loads_of_flight = (np.nan, np.nan)
+    if loads and np.isfinite(boundary.limit):
+        loads_of_flight = _loads(
+            plant, law[1], wind[1], _LOAD_LIMIT_RATIO * abs(boundary.deflection), flown
+        )
     return LawTrial(
         law=law[0],
         wind=wind[0],
-        limit=found.limit,
-        status=found.status,
-        lowest=float(found.scan[0]),
-        highest=float(found.scan[-1]),
-        growth=found.growth,
-        creeps=found.has_unstable_mode,
-        monotone=found.monotone,
-        looked=found.refinements,
-        peak_angle_of_attack=largest[0],
-        peak_attitude=largest[1],
+        limit=boundary.limit,
+        status=boundary.status,
+        lowest=float(boundary.scan[0]),
+        highest=float(boundary.scan[-1]),
+        growth=boundary.growth,
+        creeps=boundary.has_unstable_mode,
+        monotone=boundary.monotone,
+        looked=boundary.refinements,
+        peak_angle_of_attack=loads_of_flight[0],
+        peak_attitude=loads_of_flight[1],
     )
 
 
 def _loads(
     plant: AnyPlant, law: Law, wind: History, limit: float, flown: dict[str, Any]
 ) -> tuple[float, float]:
-    """The largest angle of attack and attitude of one flight, over the peak of the wind."""
+    """Return the largest angle of attack and attitude of a flight, relative to the peak wind."""
     start, end = float(wind.onset), float(wind.end)
-    times = np.linspace(start, end + 0.5 * (end - start), _POINTS)
+    times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
     outputs = fly(plant, law, wind, times, deflection_limit=limit, **flown).outputs
     peak = abs(float(wind.peak))
     angle, attitude = (

@@ -1,4 +1,4 @@
-"""When a gust on top of a wind asks for most: the least favourable of all times."""
+"""Worst time of a gust on top of a wind: that with the largest required deflection."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import Plant
 from tvclin.winds.shaped import ShapedWind
 
-_COARSE, _FINE = 16, 64
-"""Steps over the wind, at least and at most: two in each duration of the gust."""
-_CLOSE = 1e-4
-"""The time is known to this part of the duration of the wind."""
-_LOOKS = 15
-"""About how often that takes to look."""
+_MIN_STEPS, _MAX_STEPS = 16, 64
+"""Smallest and largest number of steps over the wind, two in each duration of the gust."""
+_TIME_TOLERANCE = 1e-4
+"""Tolerance of the time of the gust, relative to the duration of the wind."""
+_EVALUATIONS = 15
+"""Typical number of evaluations of the refinement."""
 
 
 def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
-    """Return a wind without a heading with its gust at the time at which a plant needs most.
+    """Return a wind without a heading with its gust at the time with the largest requirement.
 
-    It is returned as it is where it has no gust, or one with a time. The time is that of the
-    largest of `open_loop_requirements` from the beginning of the wind to its end: of a scan,
-    refined between the neighbours of the best. Where the gust blows against the wind, and where no
-    limit is defined, it stays in the middle.
+    A wind without a gust, or with a gust that has a time, is returned unchanged. The time is that
+    of the largest of `open_loop_requirements` from the beginning of the wind to its end: of a scan,
+    refined between the neighbours of the best. Where the gust opposes the wind, and where no limit
+    is defined, it stays in the middle.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:
@@ -38,30 +38,31 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     if plant.batch or float(gust.peak) * wind.peak < 0.0:
         return wind
     alone, K = replace(wind, gust=None).history({}), np.asarray(dead_band)
-    own = 0.5 * (float(gust.onset) + float(gust.end))
+    middle = 0.5 * (float(gust.onset) + float(gust.end))
 
-    def needed(at: FloatArray) -> FloatArray:
-        blows = alone + gust.shift(at - own)
-        boundary = boundary_limit(plant, blows, K, "literal")
-        return np.max(list(open_loop_requirements(plant, blows, K, boundary).values()), axis=0)
+    def required(time: FloatArray) -> FloatArray:
+        """Return the required deflections [rad] with the gust at times [s], in their shape."""
+        gusty = alone + gust.shift(time - middle)
+        boundary = boundary_limit(plant, gusty, K, "literal")
+        return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
 
-    steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _COARSE, _FINE))
+    steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _MIN_STEPS, _MAX_STEPS))
     times = np.linspace(0.0, length, steps + 1)
     with suppress(InputError):
-        found = needed(times)
-        if not np.all(np.isfinite(found)) or found.max() == 0.0:
+        scan = required(times)
+        if not np.all(np.isfinite(scan)) or scan.max() == 0.0:
             return wind
-        best = int(found.argmax())
-        near = times[[max(best - 1, 0), min(best + 1, steps)]]
+        best = int(scan.argmax())
+        bracket = times[[max(best - 1, 0), min(best + 1, steps)]]
         from scipy.optimize import minimize_scalar
 
-        with repeated(_LOOKS):
+        with repeated(_EVALUATIONS):
             finer = minimize_scalar(
-                lambda at: -float(needed(np.asarray(at))),
-                bounds=tuple(near),
+                lambda time: -float(required(np.asarray(time))),
+                bounds=tuple(bracket),
                 method="bounded",
-                options={"xatol": _CLOSE * length},
+                options={"xatol": _TIME_TOLERANCE * length},
             )
-        better = -finer.fun > found[best]
+        better = -finer.fun > scan[best]
         return replace(wind, gust_at=float(finer.x if better else times[best]))
     return wind
