@@ -159,8 +159,8 @@ def availability(
     Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
     needs no forecast. What a balloon did not see is unknown, not calm.
 
-    Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
-    every direction; 1: it is not, or that is not known; 2: bad input.
+    Exit code 0: some soundings were judged; with --today: the limit is sufficient for that balloon,
+    in every direction; 1: it is not, or that is not known; 2: bad input.
     """
     from tvclin import plots
     from tvclin.answers.availability.availability import availability as availability_of

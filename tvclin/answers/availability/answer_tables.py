@@ -25,7 +25,7 @@ def by_month(a: Availability) -> Table:
             cells = [number(f"{key}.{name}", value, 0) for name, value in counts.items()]
             cells += [number(f"{key}.{k}_percent", 100.0 * x, 1) for k, x in shares.items()]
             rows.append(((f"{_MONTHS[month - 1]}{towards}",), *cells))
-    head = ("month", "enough in", "of", "unknown", "part [%]", "from [%]", "to [%]")
+    head = ("month", "SURVIVED", "of", "unknown", "fraction [%]", "from [%]", "to [%]")
     return Table("By month", head, tuple(rows))
 
 
@@ -47,7 +47,7 @@ def placard(a: Availability) -> Table:
         )
         rows.append(((f"{100.0 * part:g} %",), *cells))
     head = ("part", *(f"limit [deg]{towards}" for towards in _towards(a)))
-    return Table("Limit that is enough in a part of soundings", head, tuple(rows))
+    return Table("Limit that is sufficient in a fraction of the soundings", head, tuple(rows))
 
 
 def unknown(a: Availability) -> Table:

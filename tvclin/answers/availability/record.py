@@ -302,7 +302,7 @@ class Availability(Tabled):
         ]
         rows += [
             (
-                f"enough for {100 * p:g} %",
+                f"sufficient for {100 * p:g} %",
                 ", ".join(text(degrees("", limit)) for limit in self.placard([p]).ravel()),
                 "deg",
             )
