@@ -38,6 +38,8 @@ from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, NominalWind, beyond_linea
 
 _MARCH_ERROR = 1e-6
 """Error of `time_varying` over static trim: closed forms stand where it requires no more."""
+_AFTER_TRIM_ERROR = 0.01
+"""Relative error of the march where the minimum after trim decides, which has an exact solution."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +148,8 @@ def required_deflection(
         winds = law_wind if value == 1.0 else wind
         law += _trim_law(plant, winds, cases & (value == K), value)
     static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
-    needs[Reason.TRIM_LAW] = np.where(law > least + _MARCH_ERROR * static, law, 0.0)
+    error = _MARCH_ERROR * static + np.where(K == 1.0, 0.0, _AFTER_TRIM_ERROR * least)
+    needs[Reason.TRIM_LAW] = np.where(law > least + error, law, 0.0)
     governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
     most = np.array(needs[Reason.BOUNDARY])
     for name in (Reason.MINIMUM, Reason.NO_FORECAST, Reason.AFTER_TRIM, Reason.TRIM_LAW):
