@@ -1,6 +1,6 @@
-"""Everything that a plan asks for, found before anything is written.
+"""Results of a study plan, computed before anything is written.
 
-What answers a part is imported where that part is asked for.
+The engine of a result is imported where the plan requests that result.
 """
 
 from __future__ import annotations
@@ -44,24 +44,25 @@ if TYPE_CHECKING:
     from tvclin.linear.flexible import AnyPlant
 
 Told = Callable[[float, float], None]
-"""Is told how much of a part is done, and how much there is."""
+"""Progress of a result: called with the steps done and the steps in total."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
-"""Of the plant that flies and its autopilot."""
+"""Function that returns the plant that flies and its autopilot."""
 Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
-"""What has both."""
-_LATER = (
+"""Results with a plant and an autopilot."""
+_UNSEALED_IF_NONE = (
     *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
     *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
 )
+"""Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
 MOST_CASES = 20_000
-"""Dispersed cases of a page; more are for a campaign."""
+"""Largest number of dispersed cases of a page; a campaign computes more."""
 
 
 @dataclass(frozen=True, eq=False)
 class HeadWind:
-    """The same answers in the dynamic pressure at the peak of a head wind, held throughout.
+    """Answers at a constant dynamic pressure, that at the peak of a head wind.
 
-    `stop` and `rates` are as of `Findings`, None where there is no answer.
+    `stop` and `rates` have the meaning of those fields of `Findings`; None where not computed.
     """
 
     stop: ClosedLoopBoundary | None
@@ -70,17 +71,17 @@ class HeadWind:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """A plan and all that was found for it; None, or empty, where that is not asked for.
+    """A plan and its results; None, or empty, where the plan does not request a result.
 
     `trials` are the laws, each in each wind; `comparison` is the autopilot in the wind, with its
-    margins; `flexible` the same around a flexible vehicle. `stop` is the least limit with which the
-    autopilot, flown with it as a stop, survives the wind, `flown` what the limit leaves of the
-    margins there. `flight` is the whole flight, and the worst of all that its nozzle has to do;
-    `card` what a law asks of the nozzle there. `availability` says on how many days of an archive
-    it flies, `rates` what limit and rate limit leave in the wind, `loads` the limit over what the
-    structure bears. `head` has `stop` and `rates` in a head wind, where that counts in what the
-    wind needs. Of what has no answer `reasons` has the reason, by the name of its field;
-    `warnings` is what was said on the way.
+    margins; `flexible` the autopilot and margins of a flexible vehicle. `stop` is the minimum limit
+    with which the autopilot, flown with it as a stop, survives the wind, `flown` the margins with
+    the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
+    `card` the nozzle duty of a law along it. `availability` is the fraction of the days of an
+    archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
+    limit and load. `head` has `stop` and `rates` in a head wind, where that sets the requirement.
+    `reasons` says why a result is missing, by the name of its field; `warnings` are those of the
+    computation.
     """
 
     plan: StudyPlan
@@ -102,7 +103,7 @@ class Findings:
 
     @property
     def criteria(self) -> Criteria:
-        """What the margins are held to."""
+        """Criteria of the margins."""
         return self.plan.held_to
 
     @property
@@ -124,7 +125,7 @@ class Findings:
 
     @property
     def autopilot_survives(self) -> float:
-        """How many times the wind the autopilot survives, flown with the limit as its stop.
+        """Largest factor on the wind that the autopilot survives, flown with the limit as its stop.
 
         At nominal dynamic pressure a flight scales with its wind; a larger head wind raises that
         too. NaN where it is not flown.
@@ -132,40 +133,41 @@ class Findings:
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:
             return np.nan
-        part, head = limit / s.of_both, None if self.head is None else self.head.stop
+        limit /= s.of_both  # of this plane
+        head = None if self.head is None else self.head.stop
         if head is None or not np.isfinite(head.deflection):
-            least = abs((head or stop).deflection)
-            return part / least if least else np.inf
+            required = abs((head or stop).deflection)
+            return limit / required if required else np.inf
         loop = self.flexible or self.comparison
         assert loop is not None
 
         from tvclin.answers.autopilot_requirement import at_peak_pressure, autopilot_boundary
 
-        def need(size: float) -> float:
+        def requirement(size: float) -> float:
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)
                 flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.of_both)
                 return size * abs(float(flown.deflection))
             return np.inf
 
-        return survived_size(part, need)
+        return survived_size(limit, requirement)
 
     @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        asked = asdict(self.plan, dict_factory=_known)
-        del asked["document"]  # no number depends on it
-        return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
+        inputs = asdict(self.plan, dict_factory=_sealed)
+        del inputs["document"]  # no number depends on it
+        return sha256(json.dumps(inputs, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
-def _known(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """What is given: the seals of what could be asked before stay what they were."""
+def _sealed(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the inputs of a record that its seal covers, by name."""
     pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it
-    return {key: value for key, value in pairs if value is not None or key not in _LATER}
+    return {key: value for key, value in pairs if value is not None or key not in _UNSEALED_IF_NONE}
 
 
 def _plain(value: Any) -> Any:
-    """What arrays and histories are in JSON: lists, complex numbers as pairs, times as text."""
+    """Return an array or history as JSON lists: complex numbers as pairs, times as text."""
     array = np.asarray(value)
     if np.iscomplexobj(array):
         return [array.real.tolist(), array.imag.tolist()]
@@ -175,37 +177,37 @@ def _plain(value: Any) -> Any:
 
 
 def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
-    """Return everything that a plan asks for, and tell how many of its parts are found.
+    """Return all results that a plan requests; `progress` is called with results done and in total.
 
-    A part that cannot be answered for this vehicle, such as margins of laws for one that is stable,
+    A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
     has its reason in place of an answer. `InputError` as `StudyPlan.study`.
     """
-    said: list[str] = []
-    with warned(said.append):
+    messages: list[str] = []
+    with warned(messages.append):
         study = plan.study()
         reasons: dict[str, str] = {}
-        asked = _asked(plan)
+        requests = _requests(plan)
 
-        def part(name: str, compute: Callable[[Any, Told], Any]) -> Any:
-            if name not in asked:
+        def result(name: str, compute: Callable[[Any, Told], Any]) -> Any:
+            if name not in requests:
                 return None
 
-            def told(done: float, total: float) -> None:
+            def report(done: float, total: float) -> None:
                 if progress is not None:
-                    progress(list(asked).index(name) + done / total, len(asked))
+                    progress(list(requests).index(name) + done / total, len(requests))
 
             try:
-                return compute(asked[name], told)
+                return compute(requests[name], report)
             except InputError as error:
                 reasons[name] = str(error)
                 return None
             finally:
-                told(1, 1)
+                report(1, 1)
 
-        loop = cache(partial(_loop, plan, study))  # gains for the least nozzle take a search
-        trials = part("trials", partial(_trials, plan, study, loop)) or ()
-        comparison = part("comparison", lambda *_: _comparison(study, loop))
-        flexible = part("flexible", lambda *_: _flexible(plan, study, loop))
+        loop = cache(partial(_loop, plan, study))  # gains for the smallest nozzle take a search
+        trials = result("trials", partial(_trials, plan, study, loop)) or ()
+        comparison = result("comparison", lambda *_: _comparison(study, loop))
+        flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
         flying = flexible or comparison
         return Findings(
             plan=plan,
@@ -213,24 +215,26 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             trials=trials,
             comparison=comparison,
             flexible=flexible,
-            stop=flying and part("stop", lambda *_: _stop(plan, study, flying)),
-            flown=flying and part("flown", lambda limit, _: _flown(plan, study, flying, limit)),
-            dispersed=part("dispersed", lambda asked, _: _dispersed(plan, study, asked)),
-            flight=part("flight", partial(_flight, plan)),
-            card=part("card", partial(_card, plan)),
-            availability=part("availability", lambda asked, told: asked.availability(plan, told)),
-            rates=part("rates", lambda limit, _: _rates(plan, study, limit)),
-            loads=part("loads", lambda asked, _: asked.front(plan, 1.0 / study.of_both)),
-            head=part("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
+            stop=flying and result("stop", lambda *_: _stop(plan, study, flying)),
+            flown=flying and result("flown", lambda limit, _: _flown(plan, study, flying, limit)),
+            dispersed=result("dispersed", lambda request, _: _dispersed(plan, study, request)),
+            flight=result("flight", partial(_flight, plan)),
+            card=result("card", partial(_card, plan)),
+            availability=result(
+                "availability", lambda request, told: request.availability(plan, told)
+            ),
+            rates=result("rates", lambda limit, _: _rates(plan, study, limit)),
+            loads=result("loads", lambda request, _: request.front(plan, 1.0 / study.of_both)),
+            head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
             reasons=reasons,
-            warnings=tuple(said),
+            warnings=tuple(messages),
         )
 
 
-def _asked(plan: StudyPlan) -> dict[str, Any]:
-    """What a plan asks for, and of what, by the names of fields of `Findings`."""
+def _requests(plan: StudyPlan) -> dict[str, Any]:
+    """Return the requests of a plan, each an input of its result, by field of `Findings`."""
     loop = plan.design or plan.criteria
-    wanted = {
+    requests = {
         "trials": plan.laws,
         "comparison": loop,
         "flexible": plan.vehicle.structure and loop,
@@ -244,21 +248,21 @@ def _asked(plan: StudyPlan) -> dict[str, Any]:
         "loads": plan.load,
         "head": plan.nozzle.limit if loop or plan.nozzle.rate_limit else None,
     }
-    return {name: one for name, one in wanted.items() if one is not None}
+    return {name: request for name, request in requests.items() if request is not None}
 
 
 def _trials(
-    plan: StudyPlan, study: Study, loop: Loop, asked: LawsRequest, told: Told
+    plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, told: Told
 ) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
 
     plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
-    nozzle = plan.hardware | {"sample_rate": asked.sample_rate}
-    own = None if plan.design is None else loop()[1]
-    laws = standard_laws(plant.rigid, study.wind.peak, own, nozzle["rate_limit"])
+    nozzle = plan.hardware | {"sample_rate": request.sample_rate}
+    autopilot = None if plan.design is None else loop()[1]
+    laws = standard_laws(plant.rigid, study.wind.peak, autopilot, nozzle["rate_limit"])
     winds = standard_winds(study.wind.peak, study.wind.duration)
-    if plan.vehicle.structure is None:  # beside boundaries, which have none
+    if plan.vehicle.structure is None:  # compared with boundaries, which have none
         nozzle |= {"actuator": None, "delay": 0.0}
     else:
         from tvclin.answers.flexible import with_filters
@@ -266,8 +270,8 @@ def _trials(
         laws = {name: with_filters(law, plan.asked) for name, law in laws.items()}
     return law_trials(
         plant,
-        {name: laws[name] for name in asked.names},
-        {name: winds[name] for name in asked.winds},
+        {name: laws[name] for name in request.names},
+        {name: winds[name] for name in request.winds},
         loads=False,
         progress=told,
         **nozzle,
@@ -284,22 +288,22 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
 
     (plant, autopilot), criteria = loop(), plan.held_to
-    # along a straight wind the stop leaves this plane its part
+    # of this plane, along a straight wind
     limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.of_both
     return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
 
 
 def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
-    """The margins that the limit leaves in the wind, of an autopilot and its plant."""
+    """Return the margins of an autopilot and its plant in the wind, with the limit."""
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    law, part = SaturatedLaw.of(loop.autopilot), limit / study.of_both
-    return flown_margins(loop.plant, law, study.history, limit=part, **plan.hardware)
+    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.of_both
+    return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
 
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
-    """The autopilot requirement at nominal pressure; that of a flexible vehicle is known."""
+    """Return the autopilot requirement at nominal pressure; `loop` has a flexible vehicle's."""
     from tvclin.answers.autopilot_requirement import autopilot_boundary
     from tvclin.answers.flexible import FlexibleAnswer
 
@@ -311,7 +315,7 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
 def _in_a_head_wind(
     plan: StudyPlan, study: Study, loop: Flying | None, limit: float
 ) -> HeadWind | None:
-    """The answers at the dynamic pressure of a head wind, where that sets the requirement."""
+    """Return answers at the pressure of a head wind; None where that sets no requirement."""
     from tvclin.answers.autopilot_requirement import at_peak_pressure, head_wind_boundary
 
     if study.ratio_to_nominal <= 1.0:
@@ -325,37 +329,37 @@ def _in_a_head_wind(
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
-    """The plant and the autopilot that is asked for; gains that are sought meet the criteria."""
+    """Return the plant and its autopilot, whose optimised gains satisfy the criteria."""
     from tvclin.answers.least_gains.asked import autopilot_asked
 
     return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
 
 
-def _flight(plan: StudyPlan, asked: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:
-    found = asked.sizing(plan, told)
-    return found, asked.total(plan, found)
+def _flight(plan: StudyPlan, request: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:
+    sizing = request.sizing(plan, told)
+    return sizing, request.total(plan, sizing)
 
 
-def _card(plan: StudyPlan, asked: SizingRequest, told: Told) -> FlightCard:
+def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
     from tvclin.answers.nozzle_cards.whole import flight_card
 
-    return flight_card(plan, asked, str(asked.card), progress=told)
+    return flight_card(plan, request, str(request.card), progress=told)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateFront:
     from tvclin.boundary.fronts.rates import rate_front
 
-    part = limit / study.of_both  # the stop leaves this plane its part
+    limit /= study.of_both  # of this plane
     rate = plan.nozzle.rate_limit
-    return rate_front(plan.plant.rigid, study.history, limit=part, rate_limit=rate)
+    return rate_front(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
 
 
-def _dispersed(plan: StudyPlan, study: Study, asked: Dispersions) -> DispersedStudy:
+def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:
     from tvclin.answers.campaign.quick import disperse_study
 
     return disperse_study(
         study,
-        asked,
+        request,
         cases=min(plan.cases, MOST_CASES),
         seed=plan.seed,
         probability=plan.probability,

@@ -1,4 +1,4 @@
-"""What is asked of a limit and an autopilot, each question with its answer."""
+"""Questions of a study file about a limit and an autopilot, with their answers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -17,16 +17,17 @@ from tvclin.control.margins.margins import DIGITS, unit_factor
 from tvclin.winds.wind_angles import ATTACK, beyond_linear
 
 _FLIGHTS = ("flexible flight",)
+"""Questions whose answer is the outcome of a flight: survived or not."""
 _CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
-"""Questions that a flight answers, and a criterion; the answer to others is a verdict."""
+"""Questions whose answer is that of a criterion: satisfied or not. Others have a verdict."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What is needed for a yes beside what there is, both in the unit that is shown.
+    """Required and available value of a question, both in `unit`, the unit that is shown.
 
-    With so many digits behind the point. `at_most`: what there is must not be above what is needed,
-    in place of not below.
+    `digits` is the number of digits behind the point. `at_most`: the available value must not be
+    above the required value, in place of not below.
     """
 
     needed: float
@@ -39,12 +40,12 @@ class Measure:
 
     @property
     def left(self) -> float:
-        """Return how much of what is there is not needed; negative where it is too little."""
+        """Available minus required value; negative where it is insufficient."""
         return (self.there - self.needed) * (-1.0 if self.at_most else 1.0)
 
     @property
     def part(self) -> float:
-        """Return which part of what is there is needed; above one where it is too little."""
+        """Required over available value; above one where it is insufficient."""
         over, under = (self.there, self.needed) if self.at_most else (self.needed, self.there)
         return over / under if under else float("inf") if over > 0.0 else 0.0
 
@@ -55,9 +56,9 @@ class Question:
 
     `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
     "probability", "autopilot", "margins" or "flexible flight"; the answer is None where it is not
-    known, and `line` is why. `needs` is the deflection [rad] that a yes takes, not a number of a
-    question that asks for none, and `whose` says who needs it, with the verb. `measure` is what a
-    yes takes beside what there is: a deflection is beside the limit unless something else is given.
+    known, and `line` is why. `needs` is the required deflection [rad], NaN for a question without
+    one, and `whose` its subject with the verb, in words. `measure` holds the required and the
+    available value: by default `needs` and the limit.
     """
 
     name: str
@@ -78,12 +79,12 @@ class Question:
 
     @property
     def text(self) -> str:
-        """Return why, as plain text."""
+        """Reason of the answer, as plain text."""
         return text(self.line)
 
 
 def questioned(plan: StudyPlan) -> StudyPlan:
-    """Return a plan without what is shown on its page and not asked with yes or no."""
+    """Return a plan without the parts that its page shows and that no question judges."""
     archive = plan.availability
     if archive is not None and archive.least_part is None:
         archive = None
@@ -91,19 +92,19 @@ def questioned(plan: StudyPlan) -> StudyPlan:
 
 
 def questions(found: Findings) -> tuple[Question, ...]:
-    """Return all that the plan of these findings asks, in its order, with the answers."""
+    """Return the questions of a plan with their answers, in the order of the plan."""
     limit = found.study.limit
     return tuple(
-        replace(one, measure=_of_angles(one.needs, limit))
-        if one.measure is None and limit is not None and not np.isnan(one.needs)
-        else one
-        for one in _asked(found)
+        replace(question, measure=_of_angles(question.needs, limit))
+        if question.measure is None and limit is not None and not np.isnan(question.needs)
+        else question
+        for question in _in_linear_range(found)
     )
 
 
 def sufficient(found: Findings) -> bool | None:
     """Return whether every answer is yes; None where one is not known, or no limit was given."""
-    answers = [one.yes for one in questions(found)]
+    answers = [question.yes for question in questions(found)]
     if False in answers:
         return False
     return None if found.study.limit is None or None in answers else True
@@ -112,9 +113,9 @@ def sufficient(found: Findings) -> bool | None:
 def overall(found: Findings) -> str:
     """Return the answers that are not yes by their words, or the verdict where all are."""
     others: dict[str, list[str]] = {}
-    for one in questions(found):
-        if one.yes is not True:
-            others.setdefault(one.answer, []).append(one.name)
+    for question in questions(found):
+        if question.yes is not True:
+            others.setdefault(question.answer, []).append(question.name)
     if not others:
         return "no limit was given" if found.study.limit is None else sufficiency(True)
     return "; ".join(f"{word}: {', '.join(names)}" for word, names in sorted(others.items()))
@@ -122,17 +123,17 @@ def overall(found: Findings) -> str:
 
 def all_yes(found: Findings) -> bool:
     """Return whether no question has another answer than yes."""
-    return all(one.yes is True for one in questions(found))
+    return all(question.yes is True for question in questions(found))
 
 
 def nominal_notes(found: Findings) -> Iterator[str]:
     """Say which answers are at nominal pressure, where a head wind sets the requirement."""
     flown = found.head is not None and found.head.stop is not None
-    left = {"load", *(() if flown else ("autopilot", "flexible flight"))}
-    calm = [one.name for one in questions(found) if one.yes and one.name in left]
-    if calm and found.study.ratio_to_nominal > 1.0:
+    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    nominal = [q.name for q in questions(found) if q.yes and q.name in names]
+    if nominal and found.study.ratio_to_nominal > 1.0:
         for words in nominal_pressure(found.plan):
-            yield f"{listed(calm)}: {words}"
+            yield f"{listed(nominal)}: {words}"
 
 
 _IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight")
@@ -140,146 +141,148 @@ _IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flex
 
 
 def loop_notes(found: Findings) -> Iterator[str]:
-    """Yield what was not specified of the autopilot and the nozzle that answer its questions."""
+    """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
     if found.margins is None and found.card is None:
         return
     from tvclin.answers.gain_notes import actuator_notes, gain_notes  # late: it designs autopilots
 
     margins = found.margins
     if margins is not None:
-        met = bool(found.criteria.are_satisfied(margins))
-        yield from gain_notes(found.plan, found.criteria, met)
+        satisfied = bool(found.criteria.are_satisfied(margins))
+        yield from gain_notes(found.plan, found.criteria, satisfied)
     else:
         yield from actuator_notes(found.plan)
 
 
-def _asked(found: Findings) -> Iterator[Question]:
-    """Questions with their answers: none that rests on a wind beyond linear aerodynamics."""
-    for one in _answered(found):
-        beyond = found.study.beyond if one.name in _IN_THE_WIND else ""
-        yield Question(one.name, None, (beyond,)) if beyond else one
+def _in_linear_range(findings: Findings) -> Iterator[Question]:
+    """Yield the questions; the answer is None where the wind is beyond linear aerodynamics."""
+    for question in _answered(findings):
+        beyond = findings.study.beyond if question.name in _IN_THE_WIND else ""
+        yield Question(question.name, None, (beyond,)) if beyond else question
 
 
-def _answered(found: Findings) -> Iterator[Question]:
-    limit = found.study.limit
+def _answered(findings: Findings) -> Iterator[Question]:
+    """Yield the questions of a plan, each with the answer of its own function."""
+    limit = findings.study.limit
     if limit is not None:
-        yield _wind(found)
-        if found.plan.nozzle.rate_limit is not None:
-            yield _rate(found)
-        if found.plan.load is not None:
-            yield _load(found)
-        if found.plan.sizing is not None:
-            yield _flight(found)
-            yield from _card(found)
-        asked = found.plan.availability
-        if asked is not None and asked.least_part is not None:
-            yield _availability(found, asked.least_part)
-        if found.plan.dispersions is not None:
-            yield _probability(found, limit)
-    if found.plan.design is not None or found.plan.criteria is not None:
+        yield _wind(findings)
+        if findings.plan.nozzle.rate_limit is not None:
+            yield _rate(findings)
+        if findings.plan.load is not None:
+            yield _load(findings)
+        if findings.plan.sizing is not None:
+            yield _flight(findings)
+            yield from _card(findings)
+        request = findings.plan.availability
+        if request is not None and request.least_part is not None:
+            yield _availability(findings, request.least_part)
+        if findings.plan.dispersions is not None:
+            yield _probability(findings, limit)
+    if findings.plan.design is not None or findings.plan.criteria is not None:
         if limit is not None:
-            yield _autopilot(found, limit)
-        yield _margins(found)
-        if limit is not None and found.plan.vehicle.structure is not None:
-            yield _flexible(found)
+            yield _autopilot(findings, limit)
+        yield _margins(findings)
+        if limit is not None and findings.plan.vehicle.structure is not None:
+            yield _flexible(findings)
 
 
-def _wind(found: Findings) -> Question:
-    need, by = found.study.required_deflection, found.study.governs
+def _wind(findings: Findings) -> Question:
+    """Return the question whether the limit covers the required deflection of the wind."""
+    required, governs = findings.study.required_deflection, findings.study.governs
     whose = "this wind requires"
-    line: Line = (f"set by {by}",)
-    if not need:
+    line: Line = (f"set by {governs}",)
+    if not required:
         line = ("no deflection is needed",)
-    elif np.isinf(need):
+    elif np.isinf(required):
         line = ("with this dead band no limit is sufficient",)
-    return Question("wind", found.study.sufficient, line, need, whose)
+    return Question("wind", findings.study.sufficient, line, required, whose)
 
 
-def _rate(found: Findings) -> Question:
-    """Whether any control gets by with the limit at the rate that the nozzle has."""
-    name, front = "nozzle rate", found.rates
+def _rate(findings: Findings) -> Question:
+    """Return the question whether the rate limit is above the lower bound of every control."""
+    name, front = "nozzle rate", findings.rates
     if front is None:
-        return Question(name, None, (_reason(found, "rates"),))
+        return Question(name, None, (_reason(findings, "rates"),))
     line: Line = ("the least rate with which any control survives with this limit",)
     if np.isinf(front.needed_rate):
         line = ("with this limit no rate is sufficient",)
     yes = front.above_lower_bound
-    if found.head is not None and found.head.rates is not None:
-        calm = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
-        line, front = (*line, _at_peak(found), *calm), found.head.rates
+    if findings.head is not None and findings.head.rates is not None:
+        nominal = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
+        line, front = (*line, _at_peak(findings), *nominal), findings.head.rates
         yes = _also(yes, front.above_lower_bound)
-    need = front.needed * found.study.of_both
+    required = front.needed * findings.study.of_both
     measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
-    return Question(name, yes, line, need, "at this rate any control requires", measure)
+    return Question(name, yes, line, required, "at this rate any control requires", measure)
 
 
-def _load(found: Findings) -> Question:
-    """Whether a control that knows the wind keeps to what the structure bears with the limit."""
-    name, front = "load", found.loads
+def _load(findings: Findings) -> Question:
+    """Return the question whether the limit and the load limit admit a control of known wind."""
+    name, front = "load", findings.loads
     if front is None:
-        return Question(name, None, (_reason(found, "loads"),))
+        return Question(name, None, (_reason(findings, "loads"),))
     line: Line = ("for this load, of a control that knows the wind",)
     if front.above_lower_bound and front.takes_a_forecast:
         line = (*line, "; a law that does not know when it stops bears more")
-    need = front.needed * found.study.of_both
-    return Question(
-        name, front.above_lower_bound, line, need, "within this load any control requires"
-    )
+    required, whose = front.needed * findings.study.of_both, "within this load any control requires"
+    return Question(name, front.above_lower_bound, line, required, whose)
 
 
-def _flight(found: Findings) -> Question:
-    name, asked = "whole flight", found.plan.sizing
-    if found.flight is None or asked is None:
-        return Question(name, None, (_reason(found, "flight"),))
-    total = found.flight[1]
-    whole = f"the whole flight of {asked.source}" if asked.source else "the whole flight"
-    whose = f"{whole} requires"
+def _flight(findings: Findings) -> Question:
+    """Return the question whether the limit covers the total deflection along the flight."""
+    name, request = "whole flight", findings.plan.sizing
+    if findings.flight is None or request is None:
+        return Question(name, None, (_reason(findings, "flight"),))
+    total = findings.flight[1]
+    flight = f"the whole flight of {request.source}" if request.source else "the whole flight"
+    whose = f"{flight} requires"
     reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
-    line: Line = (whole, reserve)
+    line: Line = (flight, reserve)
     if total.sufficient is None:
-        line = (f"{whole} is not sized {', '.join(total.not_sized)}",)
-    limit = found.study.limit
+        line = (f"{flight} is not sized {', '.join(total.not_sized)}",)
+    limit = findings.study.limit
     if total.too_slow and (
         limit is None or covers(limit, total.required)
     ):  # the angle is sufficient
-        line = (f"the least rate with which the limit is sufficient for {whole}", reserve)
+        line = (f"the least rate with which the limit is sufficient for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
     return Question(name, total.sufficient, line, total.required, whose)
 
 
-def _card(found: Findings) -> Iterator[Question]:
-    """Whether the nozzle can do what a law asks of it along the flight, by its worst line."""
+def _card(findings: Findings) -> Iterator[Question]:
+    """Yield the question whether the nozzle can follow a law along the flight, if it is sized."""
     name = "nozzle card"
-    if found.card is None:
-        if "card" in found.reasons:
-            yield Question(name, None, (_reason(found, "card"),))
+    if findings.card is None:
+        if "card" in findings.reasons:
+            yield Question(name, None, (_reason(findings, "card"),))
         return
-    verdict = found.card.verdict
+    verdict = findings.card.verdict
     worst = verdict.needs[0]
     measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
-    line: Line = (f"the {worst.name} that {found.card.law} takes along the flight",)
+    line: Line = (f"the {worst.name} that {findings.card.law} takes along the flight",)
     if verdict.lost or verdict.unknown:
         line = (verdict.reason,)
     yield Question(name, verdict.met, line, measure=measure)
 
 
-def _availability(found: Findings, least: float) -> Question:
-    if found.availability is None:
-        return Question("availability", None, (_reason(found, "availability"),))
-    a = found.availability
-    whole = a.part()
-    measure = Measure(100.0 * least, 100.0 * whole.part, "%", 1)
-    yes, line = a.reaches(least), str(whole)
+def _availability(findings: Findings, minimum: float) -> Question:
+    """Return the question whether at least this fraction of the soundings fly."""
+    if findings.availability is None:
+        return Question("availability", None, (_reason(findings, "availability"),))
+    fraction = findings.availability.part()
+    measure = Measure(100.0 * minimum, 100.0 * fraction.part, "%", 1)
+    yes, line = findings.availability.reaches(minimum), str(fraction)
     if yes is None:
-        line = f"too few soundings to tell whether {100.0 * least:g} % of days fly; {line}"
+        line = f"too few soundings to tell whether {100.0 * minimum:g} % of days fly; {line}"
     return Question("availability", yes, (line,), measure=measure)
 
 
-def _probability(found: Findings, limit: float) -> Question:
-    d = found.dispersed
+def _probability(findings: Findings, limit: float) -> Question:
+    """Return the question whether the limit covers the required quantile of dispersed cases."""
+    d = findings.dispersed
     if d is None:
-        return Question("probability", None, (_reason(found, "dispersed"),))
+        return Question("probability", None, (_reason(findings, "dispersed"),))
     r = d.required
     flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
     if np.isinf(r.estimate):
@@ -291,110 +294,113 @@ def _probability(found: Findings, limit: float) -> Question:
     return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
 
 
-def _autopilot(found: Findings, limit: float) -> Question:
-    """Whether the autopilot survives with the limit as a stop, flown; and without any stop."""
-    name, c = "autopilot", found.comparison
+def _autopilot(findings: Findings, limit: float) -> Question:
+    """Return the question whether the autopilot, flown with the limit as its stop, survives."""
+    name, c = "autopilot", findings.comparison
     if c is None:
-        return Question(name, None, (_reason(found, "comparison"),))
+        return Question(name, None, (_reason(findings, "comparison"),))
     if not c.margins.stable:
-        whose = "" if found.flexible is None else " of the flexible vehicle"
+        whose = "" if findings.flexible is None else " of the flexible vehicle"
         return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
-    if beyond := beyond_linear(c.peak_angle_of_attack * found.study.of_both, ATTACK):
+    if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.of_both, ATTACK):
         return Question(name, None, (beyond,))
-    peak = without_stop(found)
+    peak = without_stop(findings)
     turns = degrees("asked.autopilot", peak, unit="deg")
     free: Line = ("without a limit it would turn the nozzle by ", *turns)
-    if found.study.in_both:
+    if findings.study.in_both:
         free += (" in both planes",)
     whose = "this autopilot requires"
-    rate, most = c.peak_deflection_rate, found.plan.nozzle.rate_limit or np.inf
-    if rate > most:
+    rate, max_rate = c.peak_deflection_rate, findings.plan.nozzle.rate_limit or np.inf
+    if rate > max_rate:
         free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
-    requirement = found.autopilot_requirement
+    requirement = findings.autopilot_requirement
     if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
-        known = True if covers(limit, peak) and rate <= most else None
-        return Question(name, known, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
+        within = True if covers(limit, peak) and rate <= max_rate else None
+        return Question(name, within, (f"{_reason(findings, 'stop')}; ", *free), peak, whose)
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
     line: Line = ("flown with its stop; ", *free)
     if np.isinf(nominal):
         line = ("flown with a stop it survives at no limit that was tried; ", *free)
     elif requirement.head is not None:
-        whose += f", by the bound for a {found.study.direction} wind"
-        needs = degrees("asked.calm", nominal, unit="deg")
-        line = ("flown with its stop", _at_peak(found), *needs, "; ", *free)
-    needed = nominal if np.isinf(nominal) else requirement.deflection
-    return Question(name, yes, line, needed, whose)
+        whose += f", by the bound for a {findings.study.direction} wind"
+        at_nominal = degrees("asked.calm", nominal, unit="deg")
+        line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
+    required = nominal if np.isinf(nominal) else requirement.deflection
+    return Question(name, yes, line, required, whose)
 
 
-def _at_peak(found: Findings) -> str:
-    """The dynamic pressure of an upper bound, before the number at the nominal one."""
-    wind = f"{found.study.direction} wind"
+def _at_peak(findings: Findings) -> str:
+    """Return words on the dynamic pressure of an upper bound, before the nominal number."""
+    wind = f"{findings.study.direction} wind"
     return f", with the dynamic pressure at the peak of a {wind} throughout, at the nominal one "
 
 
 def _also(nominal: bool | None, head: bool | None) -> bool | None:
-    """Return an answer that holds at nominal pressure and at more than that of a head wind."""
+    """Return the answer of both dynamic pressures: yes needs both, no is that at the nominal."""
     return True if nominal and head else None if nominal else nominal
 
 
 def without_stop(found: Findings) -> float:
-    """Return how far [rad] the autopilot turns a nozzle without a stop; nan without one."""
+    """Return the peak deflection [rad] of the autopilot without a stop; NaN without autopilot."""
     if found.comparison is None:
         return float("nan")
     return float(found.comparison.peak_deflection * found.study.of_both)
 
 
-def _margins(found: Findings) -> Question:
-    flexible = found.plan.vehicle.structure is not None
-    part = "flexible" if flexible else "comparison"
-    margins = found.margins
-    if getattr(found, part) is None or margins is None:
-        return Question("margins", None, (_reason(found, part),))
-    met = bool(found.criteria.are_satisfied(margins))
-    words, whose = "meets" if met else "does not meet", " of the flexible vehicle" * flexible
-    line: Line = (f"the loop{whose} {words} the criteria {found.criteria.name}",)
-    judged = [one for one in found.criteria.judge(margins) if np.isfinite(one.surplus)]
-    worst = min(judged, key=_spare, default=None)
+def _margins(findings: Findings) -> Question:
+    """Return the question whether the margins satisfy the criteria, by the smallest surplus."""
+    flexible = findings.plan.vehicle.structure is not None
+    field = "flexible" if flexible else "comparison"
+    margins = findings.margins
+    if getattr(findings, field) is None or margins is None:
+        return Question("margins", None, (_reason(findings, field),))
+    satisfied = bool(findings.criteria.are_satisfied(margins))
+    words, whose = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
+    line: Line = (f"the loop{whose} {words} the criteria {findings.criteria.name}",)
+    judged = [j for j in findings.criteria.judge(margins) if np.isfinite(j.surplus)]
+    worst = min(judged, key=_relative_surplus, default=None)
     if worst is None:
-        return Question("margins", met, line)
+        return Question("margins", satisfied, line)
     of = f" of {worst.band}" if worst.band else ""
     line += (f"; the {worst.requirement.name}{of} has least to spare",)
-    return Question("margins", met, line, measure=_measured(worst))
+    return Question("margins", satisfied, line, measure=_measured(worst))
 
 
-def _spare(one: Judgement) -> float:
-    """How much of what is asked is left over."""
-    return float(one.surplus) / one.requirement.limit if one.requirement.limit else np.inf
+def _relative_surplus(judgement: Judgement) -> float:
+    """Return the surplus of a margin over its criterion; infinite for a criterion of zero."""
+    limit = judgement.requirement.limit
+    return float(judgement.surplus) / limit if limit else np.inf
 
 
-def _measured(one: Judgement) -> Measure:
-    """A margin beside what is asked of it, in the unit of tables."""
-    limit, unit = one.requirement.shown
-    value, digits = unit_factor(unit) * float(one.value), DIGITS[unit]
-    return Measure(limit, value, unit, digits, one.requirement.is_upper_limit)
+def _measured(judgement: Judgement) -> Measure:
+    """Return a margin with its criterion, in the unit of tables."""
+    limit, unit = judgement.requirement.shown
+    value, digits = unit_factor(unit) * float(judgement.value), DIGITS[unit]
+    return Measure(limit, value, unit, digits, judgement.requirement.is_upper_limit)
 
 
-def _flexible(found: Findings) -> Question:
-    """Whether the flexible vehicle survives the wind with this limit, flown."""
-    f = found.flexible
+def _flexible(findings: Findings) -> Question:
+    """Return the question whether the flexible vehicle, flown with this limit, survives."""
+    f = findings.flexible
     if f is None or f.flight is None:
-        return Question("flexible flight", None, (_reason(found, "flexible"),))
-    part = f" with the {found.study.plane} plane's part of the stop" * found.study.in_both
+        return Question("flexible flight", None, (_reason(findings, "flexible"),))
+    stop = f" with the {findings.study.plane} plane's part of the stop" * findings.study.in_both
     flexible, rigid = f.flight.outcomes
-    flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{part}"
+    flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{stop}"
     line: Line = (f"{flown} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:
         line += (f", the rigid one {rigid}",)
-    least = abs(float(f.boundaries[0].deflection)) * found.study.of_both
-    limit = found.study.limit
-    measure = None if limit is None else _of_angles(least, limit)
+    required = abs(float(f.boundaries[0].deflection)) * findings.study.of_both
+    limit = findings.study.limit
+    measure = None if limit is None else _of_angles(required, limit)
     return Question("flexible flight", f.flight.survived, line, measure=measure)
 
 
-def _of_angles(needed: float, there: float, unit: str = "deg") -> Measure:
-    """The measure of angles [rad] or rates [rad/s]."""
-    return Measure(float(np.degrees(needed)), float(np.degrees(there)), unit)
+def _of_angles(required: float, available: float, unit: str = "deg") -> Measure:
+    """Return the measure of angles [rad] or rates [rad/s], in degrees."""
+    return Measure(float(np.degrees(required)), float(np.degrees(available)), unit)
 
 
-def _reason(found: Findings, part: str) -> str:
-    return found.reasons.get(part, "there is no answer")
+def _reason(findings: Findings, field: str) -> str:
+    """Return the reason why a field of the findings has no answer."""
+    return findings.reasons.get(field, "there is no answer")
