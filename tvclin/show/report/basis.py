@@ -1,4 +1,4 @@
-"""What the page rests on: assumptions, equations, inputs and versions, and its words."""
+"""Sections on the basis of the page: assumptions, equations, inputs, versions and glossary."""
 
 import platform
 import re
@@ -29,42 +29,42 @@ _PLANTS = {
     "drift-exact": "(B7)",
     "drift-and-speed": "(B5)",
 }
-"""The equation of the attitude of each model."""
+"""Number of the report's attitude equation, by model."""
 _CLOSED_FORMS = {
     ("rectangular", "fixed-path"): "(7)",
     ("rectangular", "drift"): "(16)",
     ("triangular", "fixed-path"): "(12)",
     ("triangular", "drift"): "(18)",
 }
-"""The equation of the boundary in a shape of wind, of the models of one pole alone."""
+"""Number of the report's closed-form boundary, by wind shape and model of one unstable pole."""
 
 
-def assumptions(found: Findings) -> Section:
-    """Return what the numbers assume, and whether it holds here."""
-    s = found.study
+def assumptions(findings: Findings) -> Section:
+    """Return the section of the assumptions of the numbers, doubtful ones first."""
+    s = findings.study
     odd = [
         f"boundaries on the {name} model: {status}"
-        for name, one in s.boundaries.items()
-        for status in dict.fromkeys(str(status) for status in one.status if status != "ok")
+        for name, boundary in s.boundaries.items()
+        for status in dict.fromkeys(str(status) for status in boundary.status if status != "ok")
     ]
     odd += [note for note in s.notes if OUTLASTS not in note and DOUBTFUL not in note]
-    odd += [*nominal_notes(found), *found.warnings]
-    if found.comparison is not None:
-        notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
+    odd += [*nominal_notes(findings), *findings.warnings]
+    if findings.comparison is not None:
+        notes = dict.fromkeys((*findings.comparison.margins.notes, *findings.comparison.notes))
         odd += [f"autopilot: {note}" for note in notes]
     assumed = [
         "the motion is planar, linear, and a deviation from the nominal flight",
         "the engine stops sharply at its limit",
-        _left_out(found),
+        _neglected(findings),
     ]
-    if found.dispersed is not None:
+    if findings.dispersed is not None:
         assumed.append("the dispersions are those given, and not checked")
     return Section("assumptions", "Assumptions", tuple(checks(odd, assumed)))
 
 
-def _left_out(found: Findings) -> str:
-    damped = "" if found.study.coefficients.damping else ", damping of the attitude rate"
-    if found.plan.vehicle.structure is None:
+def _neglected(findings: Findings) -> str:
+    damped = "" if findings.study.coefficients.damping else ", damping of the attitude rate"
+    if findings.plan.vehicle.structure is None:
         return f"bending, slosh{damped} and sensor noise are left out"
     return (
         "bending and slosh count for the autopilot alone, and are left out of all else; sensor"
@@ -72,11 +72,11 @@ def _left_out(found: Findings) -> str:
     )
 
 
-def equations(found: Findings) -> Section:
-    """Return the equations that were used, by their numbers in the report of 1968."""
-    s = found.study
-    known = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
-    used = {key: one["use"] for key, one in known.items() if "use" in one}
+def equations(findings: Findings) -> Section:
+    """Return the section of the equations used, by their numbers in the report of 1968."""
+    s = findings.study
+    printed = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
+    used = {key: equation["use"] for key, equation in printed.items() if "use" in equation}
     for name in s.boundaries:
         used[_PLANTS[name]] = f"the {name} model"
         if (s.shape, name) in _CLOSED_FORMS:
@@ -84,8 +84,8 @@ def equations(found: Findings) -> Section:
         if name != "fixed-path":
             used["(15b)"] = "K1"
     rows: list[tuple[Line, ...]] = [
-        ((key,), (Formula(one["tex"], one["text"]),), (used[key],))
-        for key, one in known.items()
+        ((key,), (Formula(equation["tex"], equation["text"]),), (used[key],))
+        for key, equation in printed.items()
         if key in used
     ]
     words = (
@@ -98,9 +98,9 @@ def equations(found: Findings) -> Section:
     return Section("equations", "Equations", (table, Paragraph((words,))))
 
 
-def origin(found: Findings) -> Section:
-    """Return the seal of the inputs and the versions that computed the page."""
-    rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (found.seal,))]
+def origin(findings: Findings) -> Section:
+    """Return the section with the seal of the inputs and the versions that computed the page."""
+    rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (findings.seal,))]
     rows += [((name,), (version(name),)) for name in _PACKAGES]
     rows.append((("Python",), (platform.python_version(),)))
     words = "The same study file and versions give the same page, to the last byte."
@@ -109,7 +109,7 @@ def origin(found: Findings) -> Section:
 
 
 def glossary(sections: Sequence[Section]) -> Section:
-    """Return what the symbols and terms of these sections mean."""
+    """Return the section that explains the symbols and terms used in these sections."""
     words = " ".join(_texts(sections))
     used: list[tuple[Line, ...]] = [
         (_symbols(name), (as_sentence(meaning),))
@@ -126,18 +126,18 @@ def glossary(sections: Sequence[Section]) -> Section:
 
 
 def _symbols(names: str) -> Line:
-    """One symbol, or several with commas between."""
-    first, *others = (labelled(one)[-1] for one in names.split(", "))
-    return (first, *(part for one in others for part in (", ", one)))
+    """Return the line of one symbol, or of several separated by commas."""
+    first, *others = (labelled(name)[-1] for name in names.split(", "))
+    return (first, *(word for name in others for word in (", ", name)))
 
 
 def _texts(sections: Sequence[Section]) -> Iterator[str]:
-    """All that stands in sections, but the figures themselves."""
+    """Yield the text of all blocks of sections; of a figure its caption."""
     for block in (block for section in sections for block in section.blocks):
         if isinstance(block, Table):
             yield from (block.caption, *block.head)
             yield from (text(line) for row in block.rows for line in row)
         elif isinstance(block, Checks):
-            yield from (text(one.line) for one in block.each)
+            yield from (text(check.line) for check in block.each)
         else:
             yield block.caption if isinstance(block, Figure) else text(block.line)

@@ -1,4 +1,4 @@
-"""What a page is made of: paragraphs, checks, tables, figures."""
+"""Blocks of a page: paragraphs, checks, tables, figures."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Checks:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: what it shows in words for those who do not see it, its caption, and its SVG."""
+    """A figure: its description for screen readers, its caption, and its SVG."""
 
     label: str
     caption: str
@@ -54,23 +54,27 @@ class Section:
 
 
 def section_of(
-    found: Findings, part: str, name: str, title: str, blocks: Callable[[Findings], Iterable[Block]]
+    findings: Findings,
+    attribute: str,
+    name: str,
+    title: str,
+    blocks: Callable[[Findings], Iterable[Block]],
 ) -> Section | None:
-    """Return the section of a part of the findings.
+    """Return the section of an attribute of the findings; None where it was not requested.
 
-    Where the part has no answer the section says why; where nobody asked for it there is none.
+    Where the attribute has no answer the section gives the reason.
     """
-    if part in found.reasons:
-        why = Paragraph((f"There is no answer: {found.reasons[part]}.",))
+    if attribute in findings.reasons:
+        why = Paragraph((f"There is no answer: {findings.reasons[attribute]}.",))
         return Section(name, title, (why,))
-    return Section(name, title, tuple(blocks(found))) if getattr(found, part) else None
+    return Section(name, title, tuple(blocks(findings))) if getattr(findings, attribute) else None
 
 
-def checks(doubts: Iterable[str], assumed: Iterable[str] = ()) -> list[Block]:
-    """Return notes as a list of what to beware of and what is assumed; nothing without any."""
-    each = [Check("doubt", (as_sentence(one),)) for one in doubts]
-    each += [Check("reader", (as_sentence(one),)) for one in assumed]
-    return [Checks(tuple(each))] if each else []
+def checks(warnings: Iterable[str], assumed: Iterable[str] = ()) -> list[Block]:
+    """Return one block of checks, warnings before assumptions; an empty list without notes."""
+    items = [Check("doubt", (as_sentence(note),)) for note in warnings]
+    items += [Check("reader", (as_sentence(note),)) for note in assumed]
+    return [Checks(tuple(items))] if items else []
 
 
 def as_sentence(note: str) -> str:

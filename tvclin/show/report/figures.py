@@ -1,4 +1,4 @@
-"""Figures as SVG that stands in a page: the same bytes every time, and colours that can change."""
+"""Figures as inline SVG of a page: reproducible bytes, and colours that a style can change."""
 
 import io
 import re
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 _WIDTH, _PANEL, _FOOT = 6.4, 1.9, 1.1
 """Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
-_ALONE = 4.2
+_SINGLE_PANEL = 4.2
+"""Height of the only panel of a figure [inch]."""
 _LINE = 0.21
 """Height of a line of the legend [inch]."""
 _COLOUR = re.compile(r"#([0-9a-f]{6})\b")
@@ -24,14 +25,13 @@ _NAMED = re.compile(r'\b(id="|href="#|url\(#)')
 def figure_of(plot: "ControlPlot", name: str, label: str, caption: str) -> Figure:
     """Return a figure of the page, and close the plot.
 
-    `name`: letters; of another figure of the page another. `label`: what it shows, for those who do
-    not see it.
+    `name`: letters, unique within the page. `label`: description of the figure for screen readers.
     """
     return Figure(label, caption, _inline_svg(plot, name, label))
 
 
 def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
-    """The `svg` element of a figure.
+    """Return the `svg` element of a figure.
 
     Titles go, for the page has a caption, and the legend stands below, so that the letters stay
     large on a narrow screen. Every colour becomes a variable of the page's style sheet with the
@@ -75,10 +75,10 @@ def narrow(plot: "ControlPlot") -> None:
     if not panels:  # a drawing without axes
         plot.axes.flat[0].set_title("")
         ends = plot.axes.flat[0].get_ylim(), plot.axes.flat[0].get_xlim()
-        high, wide = (float(np.ptp(each)) for each in ends)
+        high, wide = (float(np.ptp(interval)) for interval in ends)
         figure.set_size_inches(_WIDTH, _WIDTH * high / wide)
         return
-    height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
+    height = _SINGLE_PANEL if len(panels) == 1 else _PANEL * len(panels)
     options = {"handles": list(entries.values()), "labels": list(entries), "frameon": False}
     for columns in (2, 1):
         foot = max(_FOOT, _LINE * (-(-len(entries) // columns) + 1))

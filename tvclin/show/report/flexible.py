@@ -35,43 +35,43 @@ _SLOSH = {
     "frequency": " [rad/s]",
 }
 _ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
-"""What is shown of each, and its unit."""
+"""Fields shown of a bending mode, a slosh mode and the engine, with their units."""
 
 
-def flexible(found: Findings) -> Section | None:
-    """Return what bends and sloshes, and what that does to the autopilot; None of a rigid one."""
-    plan, f = found.plan, found.flexible
+def flexible(findings: Findings) -> Section | None:
+    """Return the section of modes, margins and flight; None for a rigid vehicle."""
+    plan, f = findings.plan, findings.flexible
     if plan.vehicle.structure is None:
         return None
-    whole = plan.vehicle, plan.vehicle.structure, DEFAULT_MODEL, plan.plane
-    plant = FlexiblePlant.from_vehicle(*whole) if f is None else f.plant
+    arguments = plan.vehicle, plan.vehicle.structure, DEFAULT_MODEL, plan.plane
+    plant = FlexiblePlant.from_vehicle(*arguments) if f is None else f.plant
     blocks: list[Block] = [Paragraph(_words(plant)), *_modes(plant)]
     if f is None:
         none = "Its margins and flights need an autopilot: [autopilot] in a study file."
-        why = found.reasons.get("flexible")
+        why = findings.reasons.get("flexible")
         blocks.append(Paragraph((f"There is no answer: {why}." if why else none,)))
         return Section(_NAME, _TITLE, tuple(blocks))
-    blocks += [band_table(f.bands, found.criteria.judge(f.bands)), *_detuned(f)]
+    blocks += [band_table(f.bands, findings.criteria.judge(f.bands)), *_detuned(f)]
     label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
     caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
     blocks.append(figure_of(bode_chart(f.autopilot, plant), "bode", label, caption))
-    alone = found.study.plane if found.study.in_both else ""
-    blocks += [_flown(f, alone), *_notes(f)]
+    plane = findings.study.plane if findings.study.in_both else ""
+    blocks += [_flown(f, plane), *_notes(f)]
     return Section(_NAME, _TITLE, tuple(blocks))
 
 
 def given(structure: Structure) -> list[Table]:
-    """Return what went in: modes, tanks, the engine and sensors, in SI units."""
+    """Return the tables of the structure's inputs in SI units: modes, tanks, engine, sensors."""
     kinds: tuple[tuple[str, str, tuple[Any, ...], dict[str, str]], ...] = (
         ("Bending", "bending", structure.bending, _BENDING),
         ("Slosh", "slosh", structure.slosh, _SLOSH),
         ("Engine", "engine", () if structure.engine is None else (structure.engine,), _ENGINE),
     )
     tables = []
-    for title, name, every, units in kinds:
+    for title, name, elements, units in kinds:
         rows: list[tuple[Line, ...]] = []
         for field, unit in units.items():
-            values = [getattr(one, field) for one in every]
+            values = [getattr(one, field) for one in elements]
             if any(value is not None for value in values):
                 cells = (
                     ("-",)
@@ -80,8 +80,8 @@ def given(structure: Structure) -> list[Table]:
                     for k, value in enumerate(values)
                 )
                 rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
-        head = ("quantity", *(f"{name} {k}" for k in range(1, len(every) + 1)))
-        tables += [Table(title, head, tuple(rows))] if every else []
+        head = ("quantity", *(f"{name} {k}" for k in range(1, len(elements) + 1)))
+        tables += [Table(title, head, tuple(rows))] if elements else []
     lags = {"attitude": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
     sensors = tuple(
         ((name,), *filter_cells(one, f"structure.{name.replace(' ', '_')}"))
@@ -93,7 +93,7 @@ def given(structure: Structure) -> list[Table]:
 
 
 def _words(plant: FlexiblePlant) -> Line:
-    """What is flexible here and what is rigid, and by how much that matters."""
+    """Return the line that says which results are of the flexible vehicle, and its shifts [%]."""
     said = (
         "The margins and flights of the autopilot are those of the flexible vehicle, on the"
         f" {plant.model} model. Boundaries, minimum and sizes are those of the rigid vehicle"
@@ -128,7 +128,7 @@ def _modes(plant: FlexiblePlant) -> list[Block]:
 
 
 def _detuned(f: FlexibleAnswer) -> list[Block]:
-    """Each mode off its place: the margins of the whole loop, and what fails first."""
+    """Return the margins of the loop with each mode detuned, and the first one to fail."""
     d = f.detuned
     if d is None:
         return []
@@ -136,18 +136,23 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
 
 
 def _flown(f: FlexibleAnswer, plane: str) -> Table:
-    """What the autopilot needs with limits, of a plane where both share the stop."""
+    """Return the table of the flight with limits; `plane`: empty unless both planes share them."""
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
     caption += f", {plane} plane alone" if plane else ""
-    bends, rigid = (abs(one.deflection) for one in f.boundaries)
+    bends, rigid = (abs(boundary.deflection) for boundary in f.boundaries)
     if f.flight is not None:
         return f.flight.table(caption, ("flexible", "rigid"), (bends, rigid))
-    limits = (minimum_limit(degrees(f"flown.0.{k}", one)) for k, one in enumerate((bends, rigid)))
+    limits = (
+        minimum_limit(degrees(f"flown.0.{k}", boundary))
+        for k, boundary in enumerate((bends, rigid))
+    )
     head = ("quantity", "flexible", "rigid")
     return Table(caption, head, ((("least limit that survives [deg]",), *limits),))
 
 
 def _notes(f: FlexibleAnswer) -> list[Block]:
     names = ("the flexible vehicle", "the rigid vehicle")
-    each = zip(names, f.boundaries, strict=True)
-    return checks(f"{name}: {one.status}" for name, one in each if one.status != "ok")
+    pairs = zip(names, f.boundaries, strict=True)
+    return checks(
+        f"{name}: {boundary.status}" for name, boundary in pairs if boundary.status != "ok"
+    )

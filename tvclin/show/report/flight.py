@@ -1,4 +1,4 @@
-"""The sections of the whole flight: what it needs by time, and on how many days it flies."""
+"""Sections of the whole flight: required deflection over flight time, and availability."""
 
 from collections.abc import Iterator
 
@@ -17,19 +17,19 @@ from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section
 from tvclin.show.report.figures import figure_of
 
 
-def over_flight(found: Findings) -> Section | None:
-    """Return required deflections by flight time and wind, and the worst total."""
-    return section_of(found, "flight", "flight", "The whole flight", _over_flight)
+def over_flight(findings: Findings) -> Section | None:
+    """Return the section of required deflections by flight time and wind, and the worst total."""
+    return section_of(findings, "flight", "flight", "The whole flight", _over_flight)
 
 
-def _over_flight(found: Findings) -> list[Block]:
-    asked = found.plan.sizing
-    assert asked is not None
-    assert found.flight is not None
-    sizing, total = found.flight
-    counted = asked.counted(sizing, found.plan.sign)
-    of = f" of {asked.source}" if asked.source else ""
-    blocks: list[Block] = [Paragraph((_words(sizing, of),)), *_measured(asked)]
+def _over_flight(findings: Findings) -> list[Block]:
+    request = findings.plan.sizing
+    assert request is not None
+    assert findings.flight is not None
+    sizing, total = findings.flight
+    counted = request.counted(sizing, findings.plan.sign)
+    of = f" of {request.source}" if request.source else ""
+    blocks: list[Block] = [Paragraph((_words(sizing, of),)), *_measured(request)]
     if sizing.times.size > 1:
         label = "Required deflection over flight time, in the worst wind of each"
         caption = (
@@ -40,24 +40,24 @@ def _over_flight(found: Findings) -> list[Block]:
         blocks.append(figure_of(sizing_chart(sizing, total.limit), "flight", label, caption))
     for j in range(len(sizing.winds)):
         blocks += tables.over_time(sizing, counted, j)
-    ratio = asked.ratio(found.plan, sizing)
+    ratio = request.ratio(findings.plan, sizing)
     notes = checks(
-        (*asked.warnings, *sizing.notes), (*asked.notes, *(ratio.notes if ratio else ()))
+        (*request.warnings, *sizing.notes), (*request.notes, *(ratio.notes if ratio else ()))
     )
     verdict = [Paragraph(line) for line in total.verdict]
-    beside: list[Block] = [ratio.table, Paragraph(ratio.verdict)] if ratio else []
-    blocks += [total_table(total, counted.label), *verdict, *beside]
-    if (card := found.card) is not None:
+    ratio_blocks: list[Block] = [ratio.table, Paragraph(ratio.verdict)] if ratio else []
+    blocks += [total_table(total, counted.label), *verdict, *ratio_blocks]
+    if (card := findings.card) is not None:
         said = Paragraph((f"The card of the nozzle, {card.law} flown: {card.verdict.words}.",))
         blocks += [said, *card.tables(), *checks((), card.notes)]
-    elif "card" in found.reasons:
-        blocks.append(Paragraph((f"No card of the nozzle: {found.reasons['card']}.",)))
+    elif "card" in findings.reasons:
+        blocks.append(Paragraph((f"No card of the nozzle: {findings.reasons['card']}.",)))
     return [*blocks, *notes]
 
 
-def _measured(asked: SizingRequest) -> Iterator[Block]:
-    """The soundings that the flight goes through, with station, date and direction of flight."""
-    for name, sounding in asked.soundings.items():
+def _measured(request: SizingRequest) -> Iterator[Block]:
+    """Yield a paragraph for each sounding, with station, date and direction of flight."""
+    for name, sounding in request.soundings.items():
         source = sounding.profile.source or "given without a source"
         azimuth = number(f"flight.azimuth.{name}", np.degrees(sounding.azimuth), 1, "deg")
         said = source if source.startswith(name) else f"{name}: {source}"
@@ -75,22 +75,22 @@ def _words(s: Sizing, of: str) -> str:
     )
 
 
-def availability(found: Findings) -> Section | None:
-    """Return which part of an archive's soundings flies, by month and over the limit."""
+def availability(findings: Findings) -> Section | None:
+    """Return the section of the fraction of soundings that fly, by month and over the limit."""
     return section_of(
-        found, "availability", "availability", "On how many days it flies", _availability
+        findings, "availability", "availability", "On how many days it flies", _availability
     )
 
 
-def _availability(found: Findings) -> list[Block]:
-    a = found.availability
+def _availability(findings: Findings) -> list[Block]:
+    a = findings.availability
     assert a is not None
-    whole = a.part()
+    share = a.part()
     answer: Line = (
         "Limit ",
         *degrees("availability.limit", a.limit, unit="deg"),
         ": ",
-        *whole.line,
+        *share.line,
     )
     blocks: list[Block] = [
         Paragraph((*answer, ".")),
@@ -104,9 +104,9 @@ def _availability(found: Findings) -> list[Block]:
         )
         blocks.append(figure_of(availability_chart(a), "availability", label, caption))
     blocks.append(answer_tables.by_month(a))
-    if whole.judged:
+    if share.judged:
         blocks.append(answer_tables.placard(a))
-    if whole.unknown:
+    if share.unknown:
         blocks.append(answer_tables.unknown(a))
     return [*blocks, *checks(a.notes)]
 

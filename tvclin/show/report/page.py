@@ -1,4 +1,4 @@
-"""The page: sections into the template."""
+"""The page: its sections, rendered by the template."""
 
 from collections.abc import Callable
 from dataclasses import asdict
@@ -37,7 +37,7 @@ SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     basis.equations,
     basis.origin,
 )
-"""The sections in their order; one that was not asked for is None and left out."""
+"""The sections in their order; one that was not requested is None and omitted."""
 
 
 def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
@@ -74,27 +74,27 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
 
 
 def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Findings]:
-    """Return the page of a plan, and the findings it tells of; raises as `report_html`."""
+    """Return the page of a plan, and its findings; same exceptions as `report_html`."""
     template = _template()
-    found = find(plan, progress)
-    return _render(found, template), found
+    findings = find(plan, progress)
+    return _render(findings, template), findings
 
 
-def _render(found: Findings, template: "Template") -> str:
-    made = [section for make in SECTIONS if (section := make(found)) is not None]
-    assumed = rests.rests(found)
-    given = {} if found.plan.document is None else asdict(found.plan.document)
+def _render(findings: Findings, template: "Template") -> str:
+    made = [section for make in SECTIONS if (section := make(findings)) is not None]
+    assumed = rests.rests(findings)
+    fields = {} if findings.plan.document is None else asdict(findings.plan.document)
     return template.render(
-        document={name: value for name, value in given.items() if value},
-        name=found.study.vehicle.name or "unnamed vehicle",
-        state={True: "yes", False: "no", None: "open"}[sufficient(found)],
-        verdict=verdict.sentence(found),
-        basis=verdict.basis(found),
-        facts=verdict.facts(found),
+        document={name: value for name, value in fields.items() if value},
+        name=findings.study.vehicle.name or "unnamed vehicle",
+        state={True: "yes", False: "no", None: "open"}[sufficient(findings)],
+        verdict=verdict.sentence(findings),
+        basis=verdict.basis(findings),
+        facts=verdict.facts(findings),
         rests=assumed,
         doubts=rests.doubts_counted(assumed, made),
         sections=[*made, basis.glossary(made)],
-        seal=found.seal,
+        seal=findings.seal,
     )
 
 
@@ -123,8 +123,11 @@ def _template() -> "Template":
 
 
 def _printable(value: object) -> object:
-    """Replace what HTML cannot hold, such as control characters, in a text."""
+    """Return a text with each character that HTML cannot hold replaced, such as a control code."""
     if not isinstance(value, str) or all(line.isprintable() for line in value.split("\n")):
         return value
-    kept = "".join(one if one.isprintable() or one in "\n\t" else "\ufffd" for one in value)
-    return type(value)(kept)
+    printable = "".join(
+        character if character.isprintable() or character in "\n\t" else "\ufffd"
+        for character in value
+    )
+    return type(value)(printable)

@@ -1,4 +1,4 @@
-"""The sections of the study itself: vehicle, inputs, boundaries, planes, response and load."""
+"""Sections of the study itself: vehicle, inputs, boundaries, planes, response and load."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -40,36 +40,38 @@ from tvclin.winds.histories import History
 if TYPE_CHECKING:
     from control import ControlPlot
 
-_TO_SHOW, _POINTS = 2.0, 401
-"""A response is shown for so many durations of the wind, at so many points."""
-_ABOVE = 1.1
-"""Without a limit in question, the response is that to so many times what is needed."""
+_END_OVER_DURATION, _POINTS = 2.0, 401
+"""Longest time of a response shown, in durations of the wind, and its number of points."""
+_LIMIT_OVER_REQUIREMENT = 1.1
+"""Limit of the response over the required deflection, where the study has no limit."""
 _CAPTION = (
     "The vehicle along its axis, with lengths to scale. Its radius, nose and nozzle are sketched:"
     " they are not among its numbers."
 )
 
 
-def vehicle(found: Findings) -> Section:
-    """Return the vehicle; of one that is known by its coefficients alone there is no drawing."""
-    own, blocks = found.study.vehicle, list[Block]()
-    if isinstance(own, Vehicle):
+def vehicle(findings: Findings) -> Section:
+    """Return the section of the vehicle; one defined by its coefficients alone has no drawing."""
+    study_vehicle, blocks = findings.study.vehicle, list[Block]()
+    if isinstance(study_vehicle, Vehicle):
         label = "The vehicle along its axis: control force, centres of gravity and of pressure"
-        caption = f"{_CAPTION} {_source(own)}"
-        blocks.append(figure_of(vehicle_chart(own, found.study.limit), "vehicle", label, caption))
-    each = (tables.vehicle(found.study), tables.coefficients(found.study))
-    return Section("vehicle", "The vehicle", (*blocks, *each))
+        caption = f"{_CAPTION} {_source(study_vehicle)}"
+        blocks.append(
+            figure_of(vehicle_chart(study_vehicle, findings.study.limit), "vehicle", label, caption)
+        )
+    input_tables = (tables.vehicle(findings.study), tables.coefficients(findings.study))
+    return Section("vehicle", "The vehicle", (*blocks, *input_tables))
 
 
-def _source(own: Vehicle) -> str:
-    if own.numbers_from:
-        return f"The numbers come from: {own.numbers_from}."
+def _source(study_vehicle: Vehicle) -> str:
+    if study_vehicle.numbers_from:
+        return f"The numbers come from: {study_vehicle.numbers_from}."
     return "The vehicle file does not say where its numbers come from (numbers_from in [vehicle])."
 
 
-def inputs(found: Findings) -> Section:
-    """Return what went in, each number with its unit."""
-    s, plan, wind = found.study, found.plan, pulse_of(found.plan)
+def inputs(findings: Findings) -> Section:
+    """Return the section of the inputs, each number with its unit."""
+    s, plan, wind = findings.study, findings.plan, pulse_of(findings.plan)
     case: list[tuple[str, Line]] = [
         ("plane", ("pitch and yaw, one stop" if s.in_both else plan.plane,)),
         ("model of the verdict", (plan.model,)),
@@ -105,18 +107,18 @@ def inputs(found: Findings) -> Section:
 
 
 def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
-    """An angle [rad] or a rate in degrees as it was typed."""
+    """Return an angle [rad] or a rate [rad/s] in degrees, as it was typed."""
     return significant(name, np.degrees(angle), unit=unit)
 
 
-def boundaries(found: Findings) -> Section:
-    """Return the boundary at every dead band, and what stands above and below it."""
-    s = found.study
-    alone = f" and in the {s.plane} plane alone" if s.in_both else ""
+def boundaries(findings: Findings) -> Section:
+    """Return the section of the boundaries by dead band and model, with trim and the minimum."""
+    s = findings.study
+    plane_text = f" and in the {s.plane} plane alone" if s.in_both else ""
     label = f"Required deflection over the duration of the wind, for {' and '.join(s.boundaries)}"
     caption = (
         "Required deflection over the duration of the wind, for each dead band K and model, in the"
-        f" nominal dynamic pressure{alone}. The dot is what this study requires."
+        f" nominal dynamic pressure{plane_text}. The dot is what this study requires."
     )
     words = (
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
@@ -138,9 +140,12 @@ def boundaries(found: Findings) -> Section:
     return Section("boundaries", "Boundaries", blocks)
 
 
-def both_planes(found: Findings) -> Section | None:
-    """Return what pitch and yaw ask of one stop; None where the wind has no direction."""
-    study, planes = found.study, found.study.planes
+def both_planes(findings: Findings) -> Section | None:
+    """Return the section of the deflection required of pitch and yaw with one limit.
+
+    None where the wind has no direction.
+    """
+    study, planes = findings.study, findings.study.planes
     if planes is None or study.slanting is None or study.slanting.heading is None:
         return None
     rows: list[tuple[Line, ...]] = [
@@ -166,16 +171,19 @@ def both_planes(found: Findings) -> Section | None:
         ("what turns the nozzle", "[deg]"),
         tuple(rows),
     )
-    return Section("planes", "Both planes", (Paragraph(words), table, *_against_the_stop(found)))
+    return Section("planes", "Both planes", (Paragraph(words), table, *_against_the_stop(findings)))
 
 
-def _against_the_stop(found: Findings) -> list[Block]:
-    """The demand against the stop; nothing where it has no vector, as with a pair of poles."""
+def _against_the_stop(findings: Findings) -> list[Block]:
+    """Return the figure of the demand against the limit; an empty list where it has no vector.
+
+    A complex pair of poles gives no vector.
+    """
     label = (
         "Trim deflection and the discounted mean of its future, in pitch and yaw, against the stop"
     )
     try:
-        drawn = study_planes_chart(found.study)
+        drawn = study_planes_chart(findings.study)
     except InputError:
         return []
     caption = (
@@ -186,25 +194,29 @@ def _against_the_stop(found: Findings) -> list[Block]:
     return [figure_of(drawn, "planes", label, caption)]
 
 
-def response(found: Findings) -> Section | None:
-    """Return the exact response to the limit in question; None where nothing is, or can be."""
-    s = found.study
+def response(findings: Findings) -> Section | None:
+    """Return the section of the exact response with the limit; None if that is 0 or infinite."""
+    s = findings.study
     needed = abs(float(s.requirement.deflection))
-    limit = s.limit if s.limit is not None else _ABOVE * needed
+    limit = s.limit if s.limit is not None else _LIMIT_OVER_REQUIREMENT * needed
     if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(s.coefficients, s.model), s.history
     against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
     deflection = trim_then_hold(plant, wind, against * limit, s.dead_band, s.switch)
-    end, ends = _end(found, plant, deflection)
-    whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
-    label = f"Attitude, deflection and wind over time with {whose}"
-    alone = f" in the {s.plane} plane alone" if s.in_both else ""
-    caption = (
-        f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the"
-        f" engine follows trim until the dead band is left, then it holds the limit. {ends}"
+    end, ends = _end(findings, plant, deflection)
+    whose = (
+        "the limit in question"
+        if s.limit is not None
+        else f"{_LIMIT_OVER_REQUIREMENT:g} times what is needed"
     )
-    drawn = _over_time(found, plant, deflection, end, limit)
+    label = f"Attitude, deflection and wind over time with {whose}"
+    plane_text = f" in the {s.plane} plane alone" if s.in_both else ""
+    caption = (
+        f"Exact response of the linear model{plane_text} with {whose}, {np.degrees(limit):.3f} deg:"
+        f" the engine follows trim until the dead band is left, then it holds the limit. {ends}"
+    )
+    drawn = _response_plot(findings, plant, deflection, end, limit)
     figure = figure_of(drawn, "response", label, caption)
     stands, loads = extremes(plant, deflection, s.history, end), None
     if end >= s.history.end:
@@ -213,10 +225,10 @@ def response(found: Findings) -> Section | None:
     return Section("response", "Response", (figure, table))
 
 
-def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
-    """When a response has said all, and why."""
-    wind = found.study.history
-    longest = _TO_SHOW * float(wind.end)
+def _end(findings: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
+    """Return the end of the response shown [s], and the sentence that says why."""
+    wind = findings.study.history
+    longest = _END_OVER_DURATION * float(wind.end)
     shown = response_end(plant, deflection, wind, longest)
     words = {
         RELEASED: "It ends where the attitude is back at zero: there an autopilot lets go of the"
@@ -225,7 +237,7 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
         COMPLETE: "The attitude does not come back to zero in this time.",
     }
     said = words[shown.why]
-    if shown.why == OVERTURNED and (found.study.limit is None or found.study.sufficient):
+    if shown.why == OVERTURNED and (findings.study.limit is None or findings.study.sufficient):
         said += f" {OVERTURNED_NOTE}"
     stands = extremes(plant, deflection, wind, shown.time)
     if stands.with_wind is None and stands.against_wind is None:
@@ -233,24 +245,24 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
     return shown.time, said
 
 
-def _over_time(
-    found: Findings, plant: Plant, deflection: History, end: float, limit: float
+def _response_plot(
+    findings: Findings, plant: Plant, deflection: History, end: float, limit: float
 ) -> "ControlPlot":
-    """The figure of a response: angles, deflection beside the limit [rad], and wind."""
-    wind = found.study.history
+    """Return the plot of a response: angles, deflection with its limit [rad], and wind."""
+    wind = findings.study.history
     answer = attitude_responses(plant, deflection, wind, np.linspace(0.0, end, _POINTS))
     curves = response_curves(answer, limit=limit, deflection=deflection, wind=wind)
-    kept = tuple(column for column in curves.columns if column.panel != "rate")
-    return response_chart(replace(curves, columns=kept), across=1)
+    columns = tuple(column for column in curves.columns if column.panel != "rate")
+    return response_chart(replace(curves, columns=columns), across=1)
 
 
-def load(found: Findings) -> Section | None:
-    """Return the least deflection over the largest load."""
-    return section_of(found, "loads", "load", "What the structure bears", _load)
+def load(findings: Findings) -> Section | None:
+    """Return the section of the minimum deflection over the largest load."""
+    return section_of(findings, "loads", "load", "What the structure bears", _load)
 
 
-def _load(found: Findings) -> list[Block]:
-    front = found.loads
+def _load(findings: Findings) -> list[Block]:
+    front = findings.loads
     assert front is not None
     label = "Least deflection over the largest load"
     caption = (
