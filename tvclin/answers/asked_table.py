@@ -17,30 +17,32 @@ _SUFFIXES = {"%": "percent"}
 """Units in the names of numbers."""
 _ROUNDED = ("deg", "deg/s", "%", "dB", "ms", "")
 """Units of which the digits behind the point are given; of others four digits count."""
-_TOLD = "not judged"
-_FEW = 3
-"""So many changes are named that do not meet what is asked."""
+_NOT_JUDGED = "not judged"
+"""Answer of values that no criterion bounds."""
+_MAX_NAMED_CHANGES = 3
+"""Number of changes that are named of those that miss the criteria."""
 
 
 def asked_table(found: Findings) -> Table:
-    """Return every question with its answer, and below them what is known and not judged."""
-    each = sorted(questions(found), key=_worst_first)
-    rows = [_row(one, one.answer) for one in each]
-    rows += [_row(one, _TOLD) for one in beside(found)]
+    """Return every question with its answer, and below them the values that are not judged."""
+    judged = sorted(questions(found), key=_worst_first)
+    rows = [_row(question, question.answer) for question in judged]
+    rows += [_row(question, _NOT_JUDGED) for question in beside(found)]
     return Table("Every question, and its answer, worst first", HEAD, tuple(rows))
 
 
-def _worst_first(one: Question) -> tuple[int, float]:
-    """No before not known before yes; of each the one that takes the largest part."""
-    part = np.nan if one.measure is None else one.measure.part
-    return (False, None, True).index(one.yes), np.inf if np.isnan(part) else -part
+def _worst_first(question: Question) -> tuple[int, float]:
+    """Return the sort key: no, not known, yes, and in each the largest ratio required/available."""
+    ratio = np.nan if question.measure is None else question.measure.part
+    return (False, None, True).index(question.yes), np.inf if np.isnan(ratio) else -ratio
 
 
-def _row(one: Question, answer: str) -> tuple[Line, ...]:
+def _row(question: Question, answer: str) -> tuple[Line, ...]:
+    """Return the row of a question with its answer."""
     cells: tuple[Line, ...] = (("",),) * 3
-    if one.measure is not None:
-        cells = measured(f"asked.{one.name.replace(' ', '_')}", one.measure)
-    return ((one.name,), (answer,), *cells, one.line)
+    if question.measure is not None:
+        cells = measured(f"asked.{question.name.replace(' ', '_')}", question.measure)
+    return ((question.name,), (answer,), *cells, question.line)
 
 
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
@@ -62,36 +64,37 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
 
 
 def beside(found: Findings) -> Iterator[Question]:
-    """Yield what is known beside the questions, of which no answer was asked."""
+    """Yield the values that no criterion bounds, as questions without an answer."""
     margins = found.margins
     if isinstance(margins, BandMargins) and not found.criteria.has_mode_limits:
         yield from _modes(margins)
     if found.flexible is not None and found.flexible.detuned is not None:
         d = found.flexible.detuned
-        missed = [one for one, met in zip(d.changes, d.satisfied, strict=True) if not met]
-        named = f": {', '.join(missed[:_FEW])}{', ...' * (len(missed) > _FEW)}" if missed else ""
+        missed = [name for name, fine in zip(d.changes, d.satisfied, strict=True) if not fine]
+        more = ", ..." * (len(missed) > _MAX_NAMED_CHANGES)
+        named = f": {', '.join(missed[:_MAX_NAMED_CHANGES])}{more}" if missed else ""
         words = f"{len(missed)} of {len(d.changes)} changes of one mode miss the criteria{named}"
         yield Question("modes detuned", None, (words,))
     if found.availability is not None and found.availability.limit is not None:
-        asked = found.plan.availability
-        if asked is not None and asked.least_part is None:
+        request = found.plan.availability
+        if request is not None and request.least_part is None:
             words = f"{found.availability.part()}; no least_part is asked in [availability]"
             yield Question("availability", None, (words,))
 
 
 def _modes(margins: BandMargins) -> Iterator[Question]:
-    """The modes with the least margins, where no criterion is asked of modes."""
-    gains = [one for one in margins.modes if one.stabilised == GAIN]
-    phases = [one for one in margins.modes if one.stabilised == PHASE]
+    """Yield the modes with the smallest gain and phase margins, as a question without an answer."""
+    gains = [mode for mode in margins.modes if mode.stabilised == GAIN]
+    phases = [mode for mode in margins.modes if mode.stabilised == PHASE]
     line: Line = ()
     if gains:
-        one = min(gains, key=lambda one: float(one.gain_margin_dB))
-        line += (f"{one.name} stays ", *margin("asked.mode.gain", one.gain_margin_dB, "dB"))
+        worst = min(gains, key=lambda mode: float(mode.gain_margin_dB))
+        line += (f"{worst.name} stays ", *margin("asked.mode.gain", worst.gain_margin_dB, "dB"))
         line += (" below one",)
     if phases:
-        one = min(phases, key=lambda one: float(one.phase_margin_deg))
-        has = margin("asked.mode.phase", one.phase_margin_deg, "deg")
-        line += (", " * bool(line) + f"{one.name} has ", *has, " of phase")
+        worst = min(phases, key=lambda mode: float(mode.phase_margin_deg))
+        has = margin("asked.mode.phase", worst.phase_margin_deg, "deg")
+        line += (", " * bool(line) + f"{worst.name} has ", *has, " of phase")
     if line:
         words = "; nothing is asked of modes without mode_gain_margin_dB in [criteria]"
         yield Question("modes", None, (*line, words))

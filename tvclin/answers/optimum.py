@@ -1,4 +1,4 @@
-"""The least deflection that survives a wind known beforehand, beside trim and a held limit."""
+"""Minimum peak deflection in a known wind, with trim and the boundary at K = 0."""
 
 from __future__ import annotations
 
@@ -17,16 +17,15 @@ from tvclin.boundary.optimum.rate_limit import RateLimitedOptimum, optimum_with_
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
-_FEW = 6
-"""So many switch times are shown."""
+_MAX_SHOWN_SWITCHES = 6
+"""Number of switch times that are shown."""
 
 
 @dataclass(frozen=True, eq=False)
 class KnownWind(Shown):
-    """The least deflection in a wind that is known beforehand, and what stands beside it.
+    """Minimum peak deflection in a known wind, with the numbers it is compared with.
 
-    `best` is the deflection of least peak, `limited` the same with a rate limit, where that is
-    asked for.
+    `best` is the deflection of minimum peak, `limited` that with a rate limit; None without one.
     """
 
     plant: Plant
@@ -52,27 +51,27 @@ class KnownWind(Shown):
 
     @property
     def deflection(self) -> History:
-        """The deflection [rad], with its rate limit where it has one."""
+        """Deflection [rad] of minimum peak, with the rate limit where there is one."""
         return (self.limited or self.best).deflection
 
     @property
     def trim(self) -> float:
-        """The largest deflection [rad] of ideal trim."""
+        """Static trim [rad]: the largest deflection of ideal trim."""
         return abs(float(self.plant.coefficients.B * self.wind.peak))
 
     @property
     def part_of_trim(self) -> float | None:
-        """The least peak over that of ideal trim."""
+        """Minimum peak over static trim; None without trim."""
         return self.best.peak / self.trim if self.trim else None
 
     @property
     def held(self) -> float:
-        """The limit [rad] that is held from the onset of the wind on, K = 0, for one pole."""
+        """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
         return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
 
     @property
     def first_segment(self) -> str:
-        """To which side the deflection goes first, in words."""
+        """Direction of the first segment of the deflection, in words."""
         deflection = self.best.deflection
         if np.isinf(deflection.onset):
             return "none"
@@ -90,7 +89,7 @@ class KnownWind(Shown):
         }
 
     def table(self, caption: str) -> Table:
-        """Return the peak, its proof, and what stands beside it."""
+        """Return the peak, its certificate, and the numbers it is compared with."""
         best, proof = self.best, self.best.certificate
         peak = degrees("optimum.peak", best.peak, unit="deg")
         if self.part_of_trim is not None:
@@ -101,8 +100,10 @@ class KnownWind(Shown):
             rate = f"with {np.degrees(self.limited.rate):.4g} deg/s"
             limited = degrees("optimum.limited", self.limited.peak, unit="deg")
             rows.append((rate, (*limited, f", {self.limited.status}")))
-        switches = ", ".join(f"{t:.4g} s" for t in best.switch_times[:_FEW]) or "none"
-        more = best.switch_times.size - _FEW
+        switches = (
+            ", ".join(f"{t:.4g} s" for t in best.switch_times[:_MAX_SHOWN_SWITCHES]) or "none"
+        )
+        more = best.switch_times.size - _MAX_SHOWN_SWITCHES
         gap = significant("optimum.gap", proof.gap, 2)
         rows += [
             ("first segment", (self.first_segment,)),

@@ -1,8 +1,8 @@
-"""What each question does with each part of a case: it is computed, told, or refused.
+"""Use of each part of a case by each question: computed, told in a note, or refused.
 
-A part that a question *computes* changes its answer. Where a part is *told*, a sentence says what
-was left out, and by how much where that is known. What is *refused* ends with a sentence that names
-who answers it. Nothing is ignored.
+A part that a question *computes* changes its answer. Where a part is *told*, a note says what is
+omitted, and by how much where that is known. A part that is *refused* ends with a sentence that
+names the questions that compute it. No part is ignored.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "limit": ("--limit-deg",),
     "torque, power, travel and acceleration limits": (),
 }
-"""The parts of a case, and the options that give each; the sign of a peak makes it a head wind, and
-a sign that counts the dynamic pressure one of those that are met."""
+"""Parts of a case, and the options that give each; the sign of a peak makes it a head wind, and a
+sign that counts selects an encountered dynamic pressure."""
 _LAW = ("actuator", "delay", "filters")
 _LOOP = (*_LAW, "rate limit", "sample rate", "gains")
 _WIND = ("gust", "head wind", "sign that counts", "heading", "measured wind")
@@ -55,7 +55,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "study": (_WORK,),
     "report": (_WORK,),
     "respond": (*_LOOP, *_CALM),
-    "optimum": (*(one for one in _LOOP if one != "rate limit"), *_CALM, "limit"),
+    "optimum": (*(part for part in _LOOP if part != "rate limit"), *_CALM, "limit"),
     "boundary": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "poles": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "margins": _CALM,
@@ -65,7 +65,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "nozzle": ("sign that counts", "shape of the stop", "dispersion"),
     "loads": _CALM,
     "card": ("dispersion",),
-    "size": (*(one for one in _LOOP if one != "rate limit"), _WORK),
+    "size": (*(part for part in _LOOP if part != "rate limit"), _WORK),
     "availability": (*_LOOP, "dispersion", _WORK),
     "campaign": (_WORK,),
     "explore": ("measured wind", "dispersion", _WORK),
@@ -81,7 +81,7 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
     "loads without --law": (*_LAW, "sample rate", "gains"),
 }
-"""What a question that computes a part leaves out of a file, as it is asked here."""
+"""Parts that a question computes, and omits with or without these options."""
 _LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")
 _HERE = "these numbers"
 _OF_THE_RIGID: dict[str, str] = {
@@ -99,14 +99,14 @@ _OF_THE_RIGID: dict[str, str] = {
     "margins --box": "the margins in the box",
     "fly --engine planar": _HERE,
 }
-"""What of an answer is of the rigid vehicle, as the residue condition is."""
+"""Numbers of an answer that are those of the rigid vehicle, by question."""
 QUESTIONS = tuple(_REFUSED)
 
 
 def entry(question: str, part: str) -> str:
-    """Return what a question does with a part of a case: `COMPUTED`, `TOLD` or `REFUSED`.
+    """Return the use of a part of a case by a question: `COMPUTED`, `TOLD` or `REFUSED`.
 
-    `InputError` for a question or a part that there is not.
+    `InputError` for an unknown question or part.
     """
     one_of("question", question, QUESTIONS)
     one_of("part", part, OPTIONS)
@@ -121,7 +121,7 @@ def who_computes(part: str) -> list[str]:
 
 
 def refusal(question: str, option: str) -> str | None:
-    """Return why a question has not this option, and who has; None for an option of no part."""
+    """Return the message that refuses an option to a question; None for an option of no part."""
     for part, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
             if entry(question, part) == COMPUTED:
@@ -129,18 +129,18 @@ def refusal(question: str, option: str) -> str | None:
                     f"tvclin {question} takes no {option}: a study file gives it the {part}"
                     " (tvclin init --study my.toml writes one)"
                 )
-            every = [f"tvclin {one}" for one in who_computes(part)]
-            do = "do" if len(every) > 1 else "does"
-            return f"tvclin {question} does not take {option}: {listed(every)} {do}"
+            commands = [f"tvclin {command}" for command in who_computes(part)]
+            do = "do" if len(commands) > 1 else "does"
+            return f"tvclin {question} does not take {option}: {listed(commands)} {do}"
     return None
 
 
 def told(case: Case, *questions: str) -> Iterator[str]:
-    """Yield a sentence for what questions leave out of a case that a file gives.
+    """Yield a note for each part of a case that questions omit.
 
-    A question is one of `QUESTIONS`, or as it is asked with an option or without.
+    `questions`: of `QUESTIONS`, or with the words for an option, such as "margins --box".
     """
-    of_the_rigid = [one for one in questions if one in _OF_THE_RIGID]
+    of_the_rigid = [question for question in questions if question in _OF_THE_RIGID]
     if case.vehicle.structure is not None:
         for question in of_the_rigid:
             from tvclin.answers.flexible import shift_words  # late: of flights
@@ -153,26 +153,28 @@ def told(case: Case, *questions: str) -> Iterator[str]:
         drift = case.model == "drift"
         why = "leaves out the structure" if drift else "has a speed, which laws are not shown"
         yield f"the model is {flown}: {case.model} {why}"
-    left = {
-        part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
+    omitted = {
+        part
+        for question in questions
+        for part in (*_REFUSED.get(question, ()), *_ONLY_ASIDE.get(question, ()))
     }
-    named = _given(case, left)
-    for who, some in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
-        if some:
-            of = listed([part for part in named if part in some])
+    named = _given(case, omitted)
+    for who, parts in (("study", set(named) - {_WORK}), ("card", set(named) & {_WORK})):
+        if parts:
+            of = listed([part for part in named if part in parts])
             yield f"what the file says of {of} is left out here; tvclin {who} has it"
 
 
 def wholly_rigid(question: str) -> bool:
-    """Return whether all that a question answers is of the rigid vehicle."""
+    """Return whether all numbers of a question are those of the rigid vehicle."""
     return _OF_THE_RIGID.get(question) == _HERE
 
 
-def _given(case: Case, left: set[str]) -> list[str]:
-    """The parts of those left out that a case has; structure and damping are not among them."""
+def _given(case: Case, omitted: set[str]) -> list[str]:
+    """Return the omitted parts that a case has, without structure and damping."""
     nozzle, wind = case.nozzle, case.wind
     sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
-    there: dict[str, Callable[[], Any]] = {
+    tests: dict[str, Callable[[], Any]] = {
         "gust": lambda: getattr(wind, "gust", None) is not None,
         "head wind": lambda: getattr(wind, "peak", 0.0) < 0.0,
         "sign that counts": lambda: case.sign is not None,
@@ -189,9 +191,9 @@ def _given(case: Case, left: set[str]) -> list[str]:
         ),
         "dispersion": lambda: dispersions is not None and dispersions.each,
         "limit": lambda: nozzle.limit is not None,
-        _WORK: lambda: any(vars(nozzle)[one] is not None for one in _LIMITS_OF_WORK),
+        _WORK: lambda: any(vars(nozzle)[name] is not None for name in _LIMITS_OF_WORK),
     }
-    return [part for part, given in there.items() if part in left and given()]
+    return [part for part, given in tests.items() if part in omitted and given()]
 
 
 def table() -> str:

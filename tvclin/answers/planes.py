@@ -1,4 +1,4 @@
-"""What both planes ask of one stop: each by itself in its part of it, and the vector of both.
+"""Required deflection of both planes with one limit shape: by planes, and of their vector.
 
 A rectangle inside the stop gives each plane a part of its own, in which it may be flown as if the
 other were not there: what each requires alone is then sufficient. The report's control in the
@@ -26,16 +26,17 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
 
-_LARGEST = 1e99
+_MAX_FINITE_RAD = 1e99
+"""Deflections [rad] below this are finite; others are infinite or NaN."""
 
 
 @dataclass(frozen=True, eq=False)
 class VectorNeed:
-    """What the vector of a wind asks for [rad], in the measure of the stop.
+    """Requirements of the vector of a wind [rad], in the measure of the stop.
 
     `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
-    dead band, ``(k,)``, `no_forecast` what no law without a forecast undercuts, and `minimum` what
-    nothing does; `said` is why something is not defined, or is more than (4b) says.
+    dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
+    that of every control; `said` is why a number is not defined, or is more than (4b) says.
     """
 
     trim: float
@@ -48,14 +49,14 @@ class VectorNeed:
 def vector_need(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
 ) -> VectorNeed:
-    """Return what a wind that ends asks of two planes; zeros where (4b) has no vector for them."""
+    """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
     from tvclin.boundary.planes.needed import needed
     from tvclin.boundary.planes.pair import Pair, checked
 
     pair = Pair((pitch, yaw), wind)
     try:
         checked(pitch, wind, stop, yaw)
-        found = needed(pair, stop, dead_bands.tolist(), literal=True)
+        limits = needed(pair, stop, dead_bands.tolist(), literal=True)
     except InputError as error:
         return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
     if isinstance(stop, CircularStop):
@@ -64,31 +65,31 @@ def vector_need(
         trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
     return VectorNeed(
         trim=trim,
-        required=np.array([one.limit for one in found]),
-        no_forecast=found[0].bound,
-        minimum=found[0].minimum,
-        said=tuple(dict.fromkeys(note for one in found for note in one.notes)),
+        required=np.array([limit.limit for limit in limits]),
+        no_forecast=limits[0].bound,
+        minimum=limits[0].minimum,
+        said=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
     )
 
 
 def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
-    """Return the least limit whose shape holds -x to x in pitch and -y to y in yaw [rad].
+    """Return the minimum limit whose shape contains -x to x in pitch and -y to y in yaw [rad].
 
-    Infinite and NaN where one of them is.
+    Infinite and NaN where one of the deflections is.
     """
     x, y = np.broadcast_arrays(np.asarray(pitch, dtype=float), np.asarray(yaw, dtype=float))
-    known = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)
-    a, b = np.where(known, x, 0.0), np.where(known, y, 0.0)
+    finite = (np.abs(x) < _MAX_FINITE_RAD) & (np.abs(y) < _MAX_FINITE_RAD)
+    a, b = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
     corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
-    return np.where(known, stop.gauge(corners).max(axis=0), x + y)
+    return np.where(finite, stop.gauge(corners).max(axis=0), x + y)
 
 
 @dataclass(frozen=True, eq=False)
 class PlanesNeeded:
-    """What one wind with a direction, or each of a batch, asks of both planes at one dead band.
+    """Requirement of both planes at one dead band, in a wind with a direction or a batch of them.
 
-    `deflection` is what is required [rad], in the measure of the stop, `alone` what each plane by
-    itself requires.
+    `deflection` is the required deflection [rad], in the measure of the stop, `alone` that of each
+    plane by itself.
     """
 
     stop: Stop
@@ -98,9 +99,9 @@ class PlanesNeeded:
 
     @property
     def governs(self) -> Reason:
-        """Which of the two is larger; of one wind."""
-        held = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
-        vector = self.deflection > held * (1.0 + ROUNDING)
+        """Reason of the larger requirement, one plane or the vector of both; for one wind."""
+        by_planes = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
+        vector = self.deflection > by_planes * (1.0 + ROUNDING)
         return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
 
     @property
@@ -109,53 +110,53 @@ class PlanesNeeded:
         return float(self.wind.peak)
 
     def over(self, plane: str) -> float:
-        """Return how much of the stop a wind of one direction takes, over what one plane takes.
+        """Return the ratio of the limit of both planes to that of one, in a wind of one direction.
 
         The other plane is the same loop in the same wind, and its deflections have that ratio.
         """
-        parts = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
-        return float(rectangle(self.stop, parts["pitch"], parts["yaw"])) / parts[plane]
+        peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
+        return float(rectangle(self.stop, peaks["pitch"], peaks["yaw"])) / peaks[plane]
 
     def misses(self, plane: str) -> float:
-        """Return by which part of what both need one plane alone asks for too little."""
+        """Return the fraction of the requirement of both planes that one plane omits."""
         return float(missing_part(self.alone[plane], self.deflection))
 
 
 def planes_needed(
     plants: dict[str, Plant], wind: PlaneWind, stop: Stop, dead_band: float
 ) -> PlanesNeeded:
-    """Return what winds ask of both planes; `InputError` as `required_deflection`.
+    """Return the requirement of both planes; `InputError` as `required_deflection`.
 
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
     alone = alone_needed(plants, wind, dead_band)
-    needs = rectangle(stop, alone["pitch"], alone["yaw"])
-    if all(_blows(getattr(wind, plane)) for plane in PLANES):
-        least = needs.ravel().tolist()
+    required = rectangle(stop, alone["pitch"], alone["yaw"])
+    if all(_has_onset(getattr(wind, plane)) for plane in PLANES):
         vector = [
-            _vector(plants, wind, stop, dead_band, one, case, needs.shape)
-            for case, one in enumerate(least)
+            _vector(plants, wind, stop, dead_band, by_planes, case, required.shape)
+            for case, by_planes in enumerate(required.ravel().tolist())
         ]
-        needs = np.reshape(vector, needs.shape)
+        required = np.reshape(vector, required.shape)
     return PlanesNeeded(
-        stop, wind, plain(needs), {k: plain(np.asarray(v)) for k, v in alone.items()}
+        stop, wind, plain(required), {k: plain(np.asarray(v)) for k, v in alone.items()}
     )
 
 
 def alone_needed(
     plants: dict[str, Plant], wind: PlaneWind, dead_band: float
 ) -> dict[str, FloatArray]:
-    """Return what winds ask of each plane by itself [rad]; nothing where they do not blow."""
+    """Return the required deflection of each plane by itself [rad]; zero in a calm."""
     winds = {plane: getattr(wind, plane) for plane in PLANES}
     return {
-        plane: np.abs(required_deflection(plants[plane], one, dead_band).deflection)
-        if _blows(one)
+        plane: np.abs(required_deflection(plants[plane], history, dead_band).deflection)
+        if _has_onset(history)
         else np.zeros(())
-        for plane, one in winds.items()
+        for plane, history in winds.items()
     }
 
 
-def _blows(wind: History) -> bool:
+def _has_onset(wind: History) -> bool:
+    """Return whether no wind of a batch is a calm, whose onset is infinite."""
     return bool(np.all(np.isfinite(wind.onset)))
 
 
@@ -164,11 +165,11 @@ def _vector(
     wind: PlaneWind,
     stop: Stop,
     dead_band: float,
-    least: float,
+    by_planes: float,
     case: int,
     shape: tuple[int, ...],
 ) -> float:
-    """What the vector of one wind of a batch asks for [rad]; `least` where that is no less."""
+    """Return the required limit [rad] of one wind vector of a batch, at least `by_planes`."""
     from tvclin.boundary.planes.needed import in_vectors
     from tvclin.boundary.planes.pair import Pair, checked
 
@@ -176,9 +177,9 @@ def _vector(
     pair = Pair((pitch, yaw), wind.case(case, shape))
     try:
         checked(pitch, pair.wind, stop, yaw)
-        return in_vectors(pair, stop, dead_band, least)
+        return in_vectors(pair, stop, dead_band, by_planes)
     except InputError:  # (4b) has no vector for them
-        return least
+        return by_planes
 
 
 def of_heading(
@@ -188,11 +189,11 @@ def of_heading(
     stop: Stop | None,
     dead_band: float,
 ) -> PlanesNeeded:
-    """Return what a wind with a heading asks of both planes; the stop is round without one."""
+    """Return the requirement of both planes in a wind with a heading; the default stop is round."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
-    both = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
-    return planes_needed(plants, both, stop or CircularStop(), dead_band)
+    plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
+    return planes_needed(plants, plane_wind, stop or CircularStop(), dead_band)
 
 
 def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:
@@ -219,7 +220,7 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) 
 
 
 def missing_part(alone: ArrayLike, both: ArrayLike) -> FloatArray:
-    """Return by which part of what both planes need one alone falls short; zero of nothing."""
-    one, all_ = np.asarray(alone, dtype=float), np.asarray(both, dtype=float)
+    """Return the fraction of the requirement of both planes that one omits; zero without any."""
+    plane, planes = np.asarray(alone, dtype=float), np.asarray(both, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(all_ > 0.0, 1.0 - one / all_, 0.0 * all_)
+        return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)

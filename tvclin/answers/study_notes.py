@@ -1,4 +1,4 @@
-"""What the reader of a study should know before believing its numbers, in words."""
+"""Notes of a study: limits of validity of its numbers, and inputs that were assumed."""
 
 from __future__ import annotations
 
@@ -24,20 +24,21 @@ from tvclin.vehicle.vehicle import vehicle_warnings as slips
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
 
-_STRONG = radians(1.5)
-"""Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
+_MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
+"""Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""
 
-_SLOWER = 0.04
-"""By about so much air and jet slow the pole of a booster."""
-_LONG = 2.5
-"""Duration over the time of the pole, from which a slower one may ask for more."""
+_POLE_REDUCTION = 0.04
+"""Relative reduction of the pole of a booster by the damping of air and jet, about."""
+_MAX_DURATION_OVER_TIME_CONSTANT = 2.5
+"""Duration over the time constant of the pole, above which a slower pole may require more."""
 OUTLASTS = "is too long for the single-pole theory"
+"""Words on a wind in the notes of a study."""
 TRUSTS = "trusts a forecast"
-"""Of a wind and of a dead band, in the notes of a study."""
+"""Words on a dead band in the notes of a study."""
 
 
 def doubts(vehicle: AnyVehicle) -> Iterator[str]:
-    """Yield what is odd about a vehicle, or not known of it."""
+    """Yield warnings on implausible or unknown numbers of a vehicle."""
     if isinstance(vehicle, LinearVehicle):
         if not vehicle.path_known:
             yield (
@@ -49,8 +50,8 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
 
 
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
-    """Say of a strong wind in the pitch plane what its dynamic pressure leaves in doubt."""
-    if need.plane != "pitch" or abs(float(need.history.peak)) <= _STRONG:
+    """Yield a note where a strong wind in the pitch plane changes the dynamic pressure."""
+    if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
     if need.sign == FROZEN:
@@ -60,9 +61,13 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
 
 
 def nominal_pressure(case: Case) -> Iterator[str]:
-    """Say by how much a head wind raises the dynamic pressure over the nominal one."""
+    """Yield a note on the rise of the dynamic pressure in a head wind over the nominal one."""
     peak = abs(float(getattr(case.wind, "peak", 0.0)))
-    if case.plane != "pitch" or peak <= _STRONG or not isinstance(case.vehicle, Vehicle):
+    if (
+        case.plane != "pitch"
+        or peak <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD
+        or not isinstance(case.vehicle, Vehicle)
+    ):
         return
     ratio = float(pressure_ratio(case.vehicle.attitude, np.asarray(-peak)))
     if ratio > 1.0:
@@ -73,7 +78,7 @@ def nominal_pressure(case: Case) -> Iterator[str]:
 
 
 def gust_placed(asked: ShapedWind, placed: ShapedWind) -> Iterator[str]:
-    """Say when a gust comes whose time was not given."""
+    """Yield the time of a gust that was placed where it requires most."""
     if asked.gust_at is None and placed.gust_at is not None:
         yield (
             f"the gust comes when it asks for most, at {placed.gust_at:.4g} s (--gust-at, or"
@@ -84,7 +89,7 @@ def gust_placed(asked: ShapedWind, placed: ShapedWind) -> Iterator[str]:
 def slow_or_paired(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
-    """Say where two modes grow together, or the wind is too long for the single-pole theory."""
+    """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory."""
     if required.status == PAIR:
         yield (
             "two unstable poles are a pair or equal here, and no limit meets the condition (4b) of"
@@ -102,7 +107,7 @@ def slow_or_paired(
 
 
 def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
-    """Say where the exact model has unstable modes beside, which this one leaves out."""
+    """Yield a note where the exact model has unstable modes that this model omits."""
     name = DEFAULT_MODEL
     if plant.model not in ONE_POLE or name not in modes:
         return
@@ -117,7 +122,7 @@ def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
 def forecast_trusted(
     required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
 ) -> Iterator[str]:
-    """Say where the limit required is one that only a control with a forecast can live with."""
+    """Yield a note where the required limit is below the bound of laws without a forecast."""
     if free is None or dead_band == 1.0:
         return
     bound = abs(float(free.deflection))
@@ -131,19 +136,20 @@ def forecast_trusted(
 def undamped(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
-    """Say where a vehicle without damping is promised too little, because its pole is too fast."""
+    """Yield a note where a vehicle without damping requires less, because its pole is faster."""
     c = plant.coefficients
     if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
         return
-    if float(wind.end - wind.onset) * float(c.pole) <= _LONG:
+    if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_OVER_TIME_CONSTANT:
         return
-    slower = (1.0 - _SLOWER) * float(c.pole)
+    slower = (1.0 - _POLE_REDUCTION) * float(c.pole)
     damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
     needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
-    with_it, without = (abs(float(one.deflection)) for one in (needed, required))
-    if with_it > without * (1.0 + ROUNDING):
+    damped_limit, undamped_limit = (abs(float(r.deflection)) for r in (needed, required))
+    if damped_limit > undamped_limit * (1.0 + ROUNDING):
+        excess = damped_limit / undamped_limit - 1.0
         yield (
             "no pitch_damping is given, and leaving it out is not conservative here: a pole"
-            f" {100 * _SLOWER:.0f} percent slower would need {100 * (with_it / without - 1.0):.1f}"
+            f" {100 * _POLE_REDUCTION:.0f} percent slower would need {100 * excess:.1f}"
             " percent more"
         )

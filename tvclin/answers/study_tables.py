@@ -43,15 +43,16 @@ _FIELDS = {
     "control_slope": "control_force_slope",
     "damping": "pitch_damping",
 }
-"""What files call the quantities of a vehicle, where it is not the same."""
+"""Names of the quantities of a vehicle in files, where these differ."""
 AIR = {
     None: "the worst of head and tail wind",
     "head": "encountered in a head wind",
     "tail": "encountered in a tail wind",
     "frozen": "nominal",
 }
+"""Words for the dynamic pressure, by the sign that counts."""
 LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
-"""What the dynamic pressure is, and what leaves the dead band, in words."""
+"""Words for the exit of the dead band, by switch."""
 _NOT_STABLE = ("none (stable)",)
 _VERDICT = " (verdict)"
 
@@ -59,19 +60,19 @@ _VERDICT = " (verdict)"
 def vehicle(
     s: Study, source: str = "unnamed", own: Mapping[str, tuple[float, str]] | None = None
 ) -> Table:
-    """Return the numbers of the vehicle, first in the units of its file where these are others.
+    """Return the numbers of the vehicle, first in the units of its file where these differ.
 
-    `source` is what a vehicle without a name is called, `own` numbers as they stand in the file, by
-    name, with units; see `as_written`.
+    `source` is the title of a vehicle without a name, `own` the numbers in the units of the file,
+    by name, with these units; see `as_written`.
     """
-    rows = [(one.label, _in_units(one, own or {})) for one in s.vehicle.quantities()]
+    rows = [(quantity.label, _in_units(quantity, own or {})) for quantity in s.vehicle.quantities()]
     planes = "pitch and yaw" if s.in_both else s.plane
     return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
 
 
 def coefficients(s: Study) -> Table:
-    """Return the linear coefficients, those of the flight path where they are known."""
-    c, grows = s.coefficients, s.coefficients.mu_alpha > 0.0
+    """Return the linear coefficients, with those of the flight path where these are known."""
+    c, unstable = s.coefficients, s.coefficients.mu_alpha > 0.0
     units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
     path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
     rows: list[Row] = []
@@ -80,9 +81,9 @@ def coefficients(s: Study) -> Table:
         label = "pole p" if name == "pole" else name
         if name == "K1" and not drifts:
             continue
-        if name in ("damping", "pole") and not (c.damping and (grows or name == "damping")):
+        if name in ("damping", "pole") and not (c.damping and (unstable or name == "damping")):
             continue
-        if name in ("beta", "K1") and not grows:
+        if name in ("beta", "K1") and not unstable:
             rows.append((label, _NOT_STABLE))
             continue
         rows.append((label, significant(f"coefficients.{name}", getattr(c, name), 4, unit)))
@@ -94,14 +95,14 @@ def poles(s: Study) -> Table:
     rows: list[Row] = []
     for model, modes in s.modes.items():
         line: Line = ()
-        for k, pole in enumerate(one for one in modes.poles if one.imag >= 0.0):
+        for k, pole in enumerate(pole for pole in modes.poles if pole.imag >= 0.0):
             line += ((", ",) if k else ()) + upper_pole(f"poles.{model}.{k}", pole)
         rows.append((model, line or ("none",)))
     return quantities("Unstable poles [1/s]", rows)
 
 
 def boundaries(s: Study) -> Table:
-    """Return the boundary at every dead band, what stands above and below it, and what survives.
+    """Return static trim, the boundary at every dead band, lower bounds, and survivable peaks.
 
     The row of the verdict is marked. The last column, where a limit is in question, is the peak of
     the wind that it survives with the model of the verdict.
@@ -112,9 +113,9 @@ def boundaries(s: Study) -> Table:
         mark = _VERDICT if K == s.dead_band and not judged else ""
         cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
         for name in names:
-            one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            cells.append(minimum_limit(degrees(key, abs(one.deflection[i]))))
-            cells.append(minimum_limit(number(f"{key}.limit", one.limit[i])))
+            boundary, key = s.boundaries[name], f"boundary.{name}.{i}"
+            cells.append(minimum_limit(degrees(key, abs(boundary.deflection[i]))))
+            cells.append(minimum_limit(number(f"{key}.limit", boundary.limit[i])))
         rows.append(tuple(cells))
     for row in judged:
         mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
@@ -122,19 +123,19 @@ def boundaries(s: Study) -> Table:
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     if s.limit is not None and not s.in_both and s.model in s.boundaries:
-        peaks = _survived(s, s.limit, [one.survived for one in judged])
+        peaks = _survived(s, s.limit, [row.survived for row in judged])
         bound = abs(s.peak_bound)
-        survived = [survivable(f"survived.{k}", one, bound) for k, one in enumerate(peaks)]
+        survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "limit survives [deg]")
-        rows = [(*row, one) for row, one in zip(rows, survived, strict=True)]
+        rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
-    part = ""
+    component = ""
     if s.slanting is not None:
         vector = abs(float(np.degrees(s.slanting.peak)))
-        part = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
+        component = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
-        f"{s.wind_in_plane.gust_text}{part}"
+        f"{s.wind_in_plane.gust_text}{component}"
     )
     return Table(caption, head, tuple(rows))
 
@@ -160,8 +161,8 @@ def _judged(s: Study) -> list[_Judged]:
     if s.model not in s.boundaries:
         return []
     rows = []
-    alone = s.governs == Reason.BOUNDARY and s.switch == "literal"
-    if not s.encountered and (alone or s.governs == Reason.NOTHING):
+    by_boundary = s.governs == Reason.BOUNDARY and s.switch == "literal"
+    if not s.encountered and (by_boundary or s.governs == Reason.NOTHING):
         return []
     row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
     nominal = s.nominal_deflection
@@ -178,9 +179,9 @@ def _judged(s: Study) -> list[_Judged]:
 def verdict(s: Study) -> Iterator[Line]:
     """Yield the required deflection, and the verdict on the limit."""
     needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
-    left = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
+    switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
     air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
-    basis = f" (model {s.model}, dead band {s.dead_band:g}{left}{air}), {_governed(s)}"
+    basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
     yield (
         "Required deflection: ",
         *((f"NOT KNOWN: {s.beyond}",) if s.beyond else (*needed, basis)),
@@ -202,46 +203,47 @@ def survivable(name: str, peak: float, bound: float) -> Line:
     return degrees(name, peak)
 
 
-def _in_units(one: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
-    """A number in the unit of its file, and beside it in that of tables, where it is another."""
-    shown = significant(f"vehicle.{one.key}", one.value, 6, one.unit)
-    name = _FIELDS.get(one.key, one.key)
+def _in_units(quantity: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
+    """Return a number in the unit of its file, and in that of tables where it differs."""
+    shown = significant(f"vehicle.{quantity.key}", quantity.value, 6, quantity.unit)
+    name = _FIELDS.get(quantity.key, quantity.key)
     value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
-    if not unit or unit == one.unit.replace("²", "2"):
+    if not unit or unit == quantity.unit.replace("²", "2"):
         return shown
-    return (*significant(f"vehicle.{one.key}.own", value, 6, unit), " (", *shown, ")")
+    return (*significant(f"vehicle.{quantity.key}.own", value, 6, unit), " (", *shown, ")")
 
 
 def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
-    """Cells of a deflection for each model: in degrees, and over trim."""
+    """Return the cells of a deflection for each model: in degrees, and normalised by trim."""
     cells: list[Line] = []
     for name in s.boundaries:
         need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
-        part = need / s.trim_deflection if s.trim_deflection else np.nan
-        known = need if s.trim_deflection else np.nan
-        cells += [degrees(f"{key}.{name}", known), number(f"{key}.{name}.part", part)]
+        if not s.trim_deflection:
+            need = np.nan
+        ratio = need / s.trim_deflection if s.trim_deflection else np.nan
+        cells += [degrees(f"{key}.{name}", need), number(f"{key}.{name}.part", ratio)]
     return cells
 
 
 def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
-    """Which peak [rad] a limit survives, for each row, with the model of the verdict."""
+    """Return the survivable peaks [rad] of a limit, for each row, of the model of the verdict."""
     undercut = s.minima.get(s.model, 0.0)
     rows = [
-        s.nominal_deflection if s.dead_band == K else max(abs(float(each)), undercut)
-        for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
+        s.nominal_deflection if s.dead_band == K else max(abs(float(boundary)), undercut)
+        for K, boundary in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
     minimum_limit = [needs.get(s.model, np.nan) for needs in s.needs.values()]
     peak = abs(float(s.history.peak))
     with np.errstate(divide="ignore"):
         linear, below = (
-            [float(peak * limit / np.float64(row)) for row in each]
-            for each in ((s.trim_deflection, *rows), minimum_limit)
+            [float(peak * limit / np.float64(required)) for required in column]
+            for column in ((s.trim_deflection, *rows), minimum_limit)
         )
     return [*linear, *judged, *below]
 
 
 def _governed(s: Study) -> str:
-    """By what the required deflection is governed."""
+    """Return words for the reason that sets the required deflection."""
     if s.in_both:
         return f"of both planes, {s.governs}"
     return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"
