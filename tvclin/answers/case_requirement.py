@@ -1,4 +1,4 @@
-"""What is required of the nozzle of a case: the number that the verdict of a study rests on."""
+"""Required deflection of the nozzle of a case: the number that the verdict of a study rests on."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.open_loop import Reason
 from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
@@ -28,7 +29,7 @@ _SIZE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class CaseRequirement:
-    """What a wind requires of the nozzle of a case, at one dead band.
+    """Requirement of a wind on the nozzle of a case, at one dead band.
 
     Attributes
     ----------
@@ -39,15 +40,15 @@ class CaseRequirement:
     wind_in_plane : ShapedWind
         The wind in the plane, with its gust.
     requirement : RequiredDeflection
-        What a limit must be at nominal dynamic pressure.
+        Required deflection at nominal dynamic pressure.
     planes : PlanesNeeded or None
-        What a wind with a direction requires of both planes at nominal dynamic pressure.
+        Requirement of both planes at nominal dynamic pressure, in a wind with a direction.
     encountered : dict of str to float
         Required deflection [rad] at the wind's own angle and dynamic pressure, by its possible
         directions: head and tail, one of them, or cross. Empty by request, and where it is not
         known.
     encountered_unknown : str
-        Why it is not known.
+        Reason why it is not known.
 
     All requirements are NaN, or empty, in a wind `beyond` linear aerodynamics.
     """
@@ -77,12 +78,12 @@ class CaseRequirement:
 
     @property
     def sign(self) -> str | None:
-        """The sign of the wind along the path that counts, as of the case."""
+        """Sign of the wind along the path that counts, as the case specifies it."""
         return self.case.sign
 
     @property
     def limit(self) -> float | None:
-        """The capability [rad] in question."""
+        """Available deflection [rad]; None if the case specifies none."""
         return self.case.nozzle.limit
 
     @property
@@ -121,7 +122,7 @@ class CaseRequirement:
 
     @property
     def see_study(self) -> str:
-        """The required deflection in a clause, for answers beside the study."""
+        """Required deflection in a clause, for answers other than the study."""
         if np.isinf(self.required_deflection):
             return "no limit is sufficient, see study"
         band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
@@ -190,15 +191,15 @@ class CaseRequirement:
 
     @property
     def judged(self) -> dict[str, Any]:
-        """Whether the limit is sufficient, and what peak it survives; None without one."""
+        """Fields `sufficient` and `survivable_peak` [rad] of the limit; None without a limit."""
         limit, needed = self.limit, self.required_deflection
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
         if self.beyond:
             size = MAX_LINEAR_ANGLE / self.wind_angle
-            known = replace(self.case, wind=self.placed.scaled(size))
-            within = case_requirement(known, self.dead_band).judged
-            return {"sufficient": None, "survivable_peak": within["survivable_peak"]}
+            linear = replace(self.case, wind=self.placed.scaled(size))
+            judged = case_requirement(linear, self.dead_band).judged
+            return judged | {"sufficient": None}
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and 0.0 < size < np.inf:
             size = survived_size(limit, self.required_at)
@@ -211,7 +212,7 @@ class CaseRequirement:
 
     @property
     def governs(self) -> str:
-        """What the required deflection is governed by, in words."""
+        """Reason that sets the required deflection, in words."""
         if not self.at_nominal_pressure:
             return f"the dynamic pressure in a {self.direction} wind"
         if self.planes is not None and self.in_both:
@@ -220,16 +221,16 @@ class CaseRequirement:
 
 
 def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
-    """Return what a wind of one shape requires of the nozzle of a case; it raises as `Study.of`."""
+    """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
     stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
     in_plane, planes = case.wind_in_plane_at(K), None
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
-        whole = complete_vehicle(case.vehicle, "a wind with a direction")
+        vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
         placed = replace(wind, gust_at=in_plane.gust_at)
-        planes = of_heading(whole, case.model, placed, stop, K)
+        planes = of_heading(vehicle, case.model, placed, stop, K)
     elif stop is not None:
         raise InputError(
             "a stop of both planes needs a wind with a direction: give where it blows from,"
@@ -253,7 +254,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
 def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | None:
     """Return the requirement of a study of the case, for other answers; None where it has none.
 
-    That is in a wind that is not of one shape, and beyond linear aerodynamics.
+    There is none in a wind that is not of one shape, and beyond linear aerodynamics.
     """
     try:
         need = case_requirement(case, dead_band)
@@ -263,12 +264,12 @@ def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | N
 
 
 def _unknown(required: RequiredDeflection) -> RequiredDeflection:
-    """Requirement [rad] of a wind beyond linear aerodynamics: no number but that over trim."""
+    """Return a requirement with NaN deflections [rad], for winds beyond linear aerodynamics."""
     return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
 
 
 def _unknown_planes(planes: PlanesNeeded) -> PlanesNeeded:
-    """Requirement [rad] of both planes in such a wind."""
+    """Return a requirement of both planes with NaN [rad], for winds beyond linear aerodynamics."""
     return replace(planes, deflection=np.nan, alone=dict.fromkeys(planes.alone, np.nan))
 
 
@@ -282,10 +283,11 @@ def pulse_of(case: Case) -> ShapedWind:
 
 
 def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
-    """The required deflections [rad] of a case by the direction of so many times its wind.
+    """Return required deflections [rad] of a case in `size` times its wind, by direction.
 
-    Of both planes the larger of what each by itself requires of the limit shape, and of what the
-    vector requires at nominal dynamic pressure times the larger ratio of the planes.
+    For both planes the larger of the requirement of the planes by themselves, as a limit of the
+    limit shape, and of that of the vector at nominal dynamic pressure times the larger ratio of
+    encountered to nominal requirement of the planes.
     """
     if need.sign == FROZEN:
         return {}
@@ -295,19 +297,20 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
 
     directions = encountered_requirements(need.case, need.placed, need.dead_band, size)
     if not need.in_both or need.planes is None:
-        return {name: each[need.plane] for name, each in directions.items()}
+        return {name: by_plane[need.plane] for name, by_plane in directions.items()}
     planes, required = need.planes, {}
-    for name, each in directions.items():
-        required[name] = float(rectangle(planes.stop, each.get("pitch", 0.0), each.get("yaw", 0.0)))
+    for name, by_plane in directions.items():
+        pitch, yaw = (by_plane.get(plane, 0.0) for plane in PLANES)
+        required[name] = float(rectangle(planes.stop, pitch, yaw))
         if planes.governs is Reason.BOTH_PLANES:
-            ratios = [x / (size * float(planes.alone[plane])) for plane, x in each.items() if x]
+            ratios = [x / (size * float(planes.alone[plane])) for plane, x in by_plane.items() if x]
             ratio = max(ratios, default=0.0)
             required[name] = max(required[name], size * planes.deflection * ratio)
     return required
 
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
-    """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
+    """Return the factor on a wind at which the required deflection, `need` of it, is the limit."""
     from scipy.optimize import brentq
 
     @cache

@@ -1,4 +1,4 @@
-"""The unstable mode of a vehicle along its flight, and what a deflection still does to it.
+"""Costate and control reach of the unstable mode of a vehicle along its flight.
 
     x' = A(t) x + b(t) delta + w(t) alpha_w,    p' = -A(t)^T p,    R' = -b(t).p
 
@@ -7,8 +7,8 @@ The unstable component p.x goes to zero in the end exactly when
     integral of p.b delta + p.w alpha_w dt = 0,
 
 which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
-backwards, every costate p turns into that of the unstable mode. The control reach R is what a unit
-deflection, held from t on, does to it.
+backwards, every costate p turns into that of the unstable mode. The control reach R is the effect
+on the unstable component of a unit deflection that is constant from t on.
 
 Both are marched backwards from the end of the flight, where they are those of the vehicle frozen as
 it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step. The error is
@@ -38,11 +38,11 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 
-_STEP = 0.1
+_STEP_OVER_TIME_CONSTANT = 0.1
 """Length of a step times the fastest rate of the attitude."""
 _MAX_STEPS = 100_000
-"""Steps along a flight."""
-_MAX_ROW_STEP = 0.5
+"""Largest number of steps along a flight."""
+_MAX_ROW_STEP_S = 0.5
 """Longest time [s] between two rows at which the poles of the vehicle are computed."""
 
 
@@ -58,7 +58,7 @@ class FlightMode:
     schedule : FlightSchedule
         The vehicle along its flight.
     model, plane : str
-        Of its linear model, as of `Plant.from_vehicle`.
+        Linear model and its plane; see `Plant.from_vehicle`.
     span : tuple of float
         First and last time [s] at which the mode is known; parameters are constant outside the
         schedule.
@@ -92,9 +92,9 @@ class FlightMode:
         ends, costates = self._march
         step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
         matrices = self._step_matrices(times, ends[step])
-        found = np.einsum("...i,...ij->...j", costates[step], matrices)
-        found = np.moveaxis(found / _length(found), -1, 0)
-        return found[:-1], found[-1]
+        solution = np.einsum("...i,...ij->...j", costates[step], matrices)
+        solution = np.moveaxis(solution / _length(solution), -1, 0)
+        return solution[:-1], solution[-1]
 
     @property
     def unstable(self) -> bool:
@@ -125,7 +125,7 @@ class FlightMode:
     def over(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``.
 
-        The costate at the end of the wind is that of the rest of the flight.
+        The costate at the end of the wind includes the remaining flight.
         """
         inside = np.minimum(times.ravel(), self.last_unstable)
         vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
@@ -151,9 +151,9 @@ class FlightMode:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        """The times [s] of the schedule, and even ones between those that are far apart."""
+        """Times [s] of the schedule, with even ones in intervals above `_MAX_ROW_STEP_S`."""
         times = self.schedule.times
-        return _refined(times, np.diff(times) / _MAX_ROW_STEP)
+        return _refined(times, np.diff(times) / _MAX_ROW_STEP_S)
 
     @cached_property
     def _last_unstable(self) -> float:
@@ -166,10 +166,10 @@ class FlightMode:
         return self._plants_at(np.minimum(np.asarray(t, dtype=float), self.last_unstable))
 
     def _plants_at(self, t: FloatArray) -> FloatArray:
-        """The same of the vehicle at these times themselves."""
+        """Return ``[A b w]`` at times [s] up to the last unstable one, ``t.shape + (m, m + 2)``."""
         A, inputs, _, _ = self.schedule.plants(t, self.model, self.plane).matrices()
-        both = np.concatenate([A, inputs], axis=-1)
-        return np.broadcast_to(both, (*t.shape, *both.shape[-2:]))
+        equations = np.concatenate([A, inputs], axis=-1)
+        return np.broadcast_to(equations, (*t.shape, *equations.shape[-2:]))
 
     @cached_property
     def _march(self) -> tuple[FloatArray, FloatArray]:
@@ -178,14 +178,14 @@ class FlightMode:
         breakpoints = np.append(self.schedule.times, self.last_unstable)
         inside = breakpoints[(breakpoints > start) & (breakpoints < stop)]
         knots = np.unique([start, *inside, stop])
-        ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP)
+        ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP_OVER_TIME_CONSTANT)
         matrices = self._step_matrices(ends[:-1], ends[1:])
-        found = np.empty((ends.size, matrices.shape[-1]))
-        found[-1] = unstable_end(self._equations(stop))
+        costates = np.empty((ends.size, matrices.shape[-1]))
+        costates[-1] = unstable_end(self._equations(stop))
         for k in range(ends.size - 2, -1, -1):
-            before = found[k + 1] @ matrices[k]
-            found[k] = before / _length(before)
-        return ends, found
+            before = costates[k + 1] @ matrices[k]
+            costates[k] = before / _length(before)
+        return ends, costates
 
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
         """The matrices M of (p, R) at the begin = (p, R) M at the end of steps, of fourth order."""
@@ -193,8 +193,8 @@ class FlightMode:
         times = np.stack([begin, 0.5 * (begin + end), end])
         first, middle, last = self._rates(times)
         slopes = [last]
-        for matrix, part in ((middle, 0.5), (middle, 0.5), (first, 1.0)):
-            slopes.append(matrix + part * h * slopes[-1] @ matrix)
+        for matrix, fraction in ((middle, 0.5), (middle, 0.5), (first, 1.0)):
+            slopes.append(matrix + fraction * h * slopes[-1] @ matrix)
         total = slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3]
         return np.asarray(np.eye(total.shape[-1]) + h / 6.0 * total)
 
@@ -205,13 +205,13 @@ class FlightMode:
 
 
 def _length(costate_and_reach: FloatArray) -> FloatArray:
-    """Return the length of the costate, with an axis for its parts."""
+    """Return the length of the costate, ``(..., 1)``."""
     return np.asarray(np.linalg.norm(costate_and_reach[..., :-1], axis=-1, keepdims=True))
 
 
-def _refined(times: FloatArray, parts: FloatArray) -> FloatArray:
-    """Return times [s] with so many even steps between each two, rounded up, and at least one."""
-    counts = np.maximum(np.ceil(parts), 1.0)
+def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
+    """Return times [s] with `steps` even steps between each two, rounded up, and at least one."""
+    counts = np.maximum(np.ceil(steps), 1.0)
     if not counts.sum() <= _MAX_STEPS:
         raise InputError(
             f"varying parameters can be followed for at most {_MAX_STEPS} steps; a flight of"

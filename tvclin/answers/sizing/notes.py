@@ -7,9 +7,9 @@ import numpy as np
 from tvclin.answers.sizing.record import STEADY, Sizing
 from tvclin.winds.wind_angles import linear_notes
 
-_FEW = 2
+_MAX_LISTED_TIMES = 2
 """Largest number of flight times that are listed one by one."""
-_SAME = 1e-9
+_RELATIVE_TOLERANCE = 1e-9
 """Relative difference up to which two deflections count as equal."""
 
 
@@ -45,7 +45,7 @@ def flight_times(times: Collection[float]) -> str:
     ends = [f"{t:.6g} s" for t in sorted({min(times), max(times)})]
     return (
         f"{len(times)} flight times, {' to '.join(ends)}"
-        if len(times) > _FEW
+        if len(times) > _MAX_LISTED_TIMES
         else " and ".join(ends)
     )
 
@@ -113,9 +113,9 @@ def _at_the_ends(found: Sizing) -> list[str]:
         times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:
             continue
-        if values[0] > (1.0 + _SAME) * values[1:].max():
+        if values[0] > (1.0 + _RELATIVE_TOLERANCE) * values[1:].max():
             ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
-        if values[-1] > (1.0 + _SAME) * values[:-1].max():
+        if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
     return [
         f"largest at the {end} it, these may be larger: {'; '.join(names)}"

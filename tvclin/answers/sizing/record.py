@@ -1,4 +1,4 @@
-"""What a sizing found: one value, with the worst, a table, a CSV and a Dataset."""
+"""Result of a sizing: one value, with the worst, a table, a CSV and a Dataset."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.concurrent import ConcurrentTrim
 
 STEADY = 0.1
-"""Frozen parameters are doubted where beta or B changes by more than this part of itself."""
+"""Relative change of beta or B above which frozen parameters are doubtful."""
 
 
 def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
@@ -65,16 +65,16 @@ class Sizing(Tabled):
         What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
         the recoverable-attitude law needs in flight.
     model, plane : str
-        As of `boundary_limit` and `Plant`; "both" for both planes, which share one stop.
+        Of `boundary_limit` and `Plant`; "both" for both planes, which share one stop.
     begins, ends : ndarray
-        When each wind blows [s], ``(n, m)``; NaN in a calm.
+        Onset and end of each wind [s], ``(n, m)``; NaN in a calm.
     change : ndarray
-        By how much beta or B changes while it blows, over its value at the flight time, ``(n, m)``.
+        Relative change of beta or B during the wind, over its value at the flight time, ``(n, m)``.
     known_times : ndarray
         First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
         its last level. Infinite for others.
     known : ndarray of bool
-        Where the wind is known, ``(n, m)``.
+        Whether the wind is known, ``(n, m)``.
     covered : ndarray of bool
         Whether the schedule covers the wind; outside, parameters are those of its nearer end.
     slow_mode : ndarray
@@ -83,11 +83,11 @@ class Sizing(Tabled):
     edge : ndarray
         Duration [s] of a triangle at which that happens, ``(n,)``; see `single_pole_validity`.
     said : tuple of str
-        Why a requirement is not defined or not met exactly; often nothing.
+        Reasons why a requirement is not defined or not exact; often none.
     notes : tuple of str
-        What the reader should know before believing the numbers; often nothing.
+        Notes on the validity of the numbers; often none.
     alone : dict of str to Sizing
-        For both planes, that of each plane by itself; else empty.
+        For both planes, the sizing of each plane by itself; else empty.
     unsigned : ndarray of bool, or None
         Where a pulse needs the same in each column of a sign because what its sign changes is not
         known there, ``(n, m)``; None where no sign was asked about.
@@ -130,7 +130,7 @@ class Sizing(Tabled):
 
     @property
     def pitch_misses(self) -> dict[Requirement, FloatArray]:
-        """By which part of each requirement the pitch plane alone asks for too little, ``(n, m)``.
+        """Fraction of each requirement that the pitch plane alone omits, ``(n, m)``.
 
         0.4 says that a limit for the pitch plane alone would be 40 percent too small.
         Empty for one plane.
@@ -144,9 +144,9 @@ class Sizing(Tabled):
         """Return the record as the command line prints it as JSON, angles in degrees."""
         planes: dict[str, Any] = {}
         if self.alone:
-            alone = {plane: picked(one, "deg=required") for plane, one in self.alone.items()}
+            alone = {plane: picked(sizing, "deg=required") for plane, sizing in self.alone.items()}
             planes = {"stop": repr(self.stop)}
-            planes["alone_deg"] = {plane: each["deg"] for plane, each in alone.items()}
+            planes["alone_deg"] = {plane: sizing["deg"] for plane, sizing in alone.items()}
             planes |= picked(self, "pitch_alone_misses=pitch_misses")
         return {
             **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
@@ -156,15 +156,20 @@ class Sizing(Tabled):
             **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
             **picked(self, "single_pole_edge_s=edge worst"),
             "worst_by_wind": {
-                wind: {key.label: one for key, one in self.worst_in(wind).items()}
+                wind: {key.label: worst for key, worst in self.worst_in(wind).items()}
                 for wind in self.winds
             },
         }
 
     def _repr_html_(self) -> str:
         rows = tuple(
-            ((key.label,), degrees("", one.deflection), significant("", one.time, 6), (one.wind,))
-            for key, one in self.worst.items()
+            (
+                (key.label,),
+                degrees("", worst.deflection),
+                significant("", worst.time, 6),
+                (worst.wind,),
+            )
+            for key, worst in self.worst.items()
         )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         name = self.schedule.vehicle.name or "Sizing"
@@ -174,17 +179,17 @@ class Sizing(Tabled):
 
     @property
     def beyond_one_pole(self) -> BoolArray:
-        """Where the wind is beyond the single-pole theory, ``(n, m)``."""
+        """Whether the wind is beyond the single-pole theory, ``(n, m)``."""
         return beyond_one_pole(self.slow_mode)
 
     @property
     def steady(self) -> BoolArray:
-        """Where beta and B change by at most a tenth while the wind blows, ``(n, m)``."""
+        """Whether beta and B change by at most a tenth during the wind, ``(n, m)``."""
         return np.asarray((self.change <= STEADY) & self.covered)
 
     @property
     def law_words(self) -> str:
-        """What stands for laws without a forecast, in words."""
+        """Basis of the requirement without a forecast, in words."""
         words = {
             "bound": "a bound for every law without a forecast",
             "flown": "the recoverable-attitude law",
@@ -193,13 +198,13 @@ class Sizing(Tabled):
 
     @property
     def worst(self) -> dict[Requirement, Worst]:
-        """The largest of each requirement; those defined nowhere are left out."""
+        """Largest value of each requirement, omitting those that are defined nowhere."""
         return self._largest(range(len(self.winds)))
 
     @property
     def largest(self) -> dict[Requirement, float]:
-        """The same as deflections [rad] alone."""
-        return {name: one.deflection for name, one in self.worst.items()}
+        """Largest deflection [rad] of each requirement, omitting those that are defined nowhere."""
+        return {name: worst.deflection for name, worst in self.worst.items()}
 
     def worst_in(self, wind: str) -> dict[Requirement, Worst]:
         """Return the largest of each requirement in one wind, as `worst` has it for all.
@@ -244,11 +249,11 @@ class Sizing(Tabled):
         InputError
             For an unknown name.
         """
-        one = requirement_among("name", name, self.required)
-        return np.asarray(self.arises.get(one, np.full(len(self.winds), np.nan)))
+        requirement = requirement_among("name", name, self.required)
+        return np.asarray(self.arises.get(requirement, np.full(len(self.winds), np.nan)))
 
     def not_sized(self, name: Requirement | str) -> tuple[str, ...]:
-        """Return in words where a requirement is not known in every wind; nothing if it is.
+        """Return the intervals in which a requirement is not known in every wind, in words.
 
         Raises
         ------
@@ -265,24 +270,25 @@ class Sizing(Tabled):
             f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
             f"at {rest.max(initial=0):.6g} s": rest.size == 1,
         }
-        return tuple(word for word, there in words.items() if there)
+        return tuple(word for word, unknown in words.items() if unknown)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
-        found = {}
-        for name, values in self.required.items():
-            part = values[:, winds]
-            if np.all(np.isnan(part)):
+        """Return the largest of each requirement in winds of these positions."""
+        largest = {}
+        for name, required in self.required.items():
+            values = required[:, winds]
+            if np.all(np.isnan(values)):
                 continue
-            i, j = np.unravel_index(int(np.nanargmax(part)), part.shape)
+            i, j = np.unravel_index(int(np.nanargmax(values)), values.shape)
             arises = float(self.arising(name)[winds[int(j)]])
             time = float(self.times[i]) if np.isnan(arises) else arises
-            found[name] = Worst(float(part[i, j]), time, self.winds[winds[int(j)]])
-        return found
+            largest[name] = Worst(float(values[i, j]), time, self.winds[winds[int(j)]])
+        return largest
 
     def _columns(self) -> Columns:
-        needs = {one.column: values for one, values in self.required.items()}
-        for plane, found in self.alone.items():
-            needs |= {f"{k.column}_{plane}_alone": v for k, v in found.required.items()}
+        needs = {requirement.column: values for requirement, values in self.required.items()}
+        for plane, sizing in self.alone.items():
+            needs |= {f"{k.column}_{plane}_alone": v for k, v in sizing.required.items()}
         others = "change known covered slow_mode beyond_one_pole"
         return Columns(
             (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),

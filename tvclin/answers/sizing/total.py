@@ -1,8 +1,8 @@
-"""What the nozzle must turn in all: the wind, and all else that takes deflection.
+"""Total deflection of a nozzle: requirement of the wind, nominal flight, offsets, dispersions.
 
     total = |nominal| + |wind| + sum of systematic offsets + sqrt(sum of random parts^2)
 
-A reserve is a part of the available limit that stays unused: total <= (1 - reserve) limit.
+A reserve is a fraction of the available limit that stays unused: total <= (1 - reserve) limit.
 """
 
 from __future__ import annotations
@@ -40,20 +40,21 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 
 KINDS = ("systematic", "random")
+"""Kinds of contributions to a total."""
 HEAD, SUMS = ("what", "how it adds up", "[deg]"), "sum and root of sum of squares"
-_WIDEST = 1e9
-"""Deflections beyond this [rad] mean nothing."""
-_SMALL = float(np.radians(0.001))
-"""A shortfall below it [rad] would be nothing in three digits behind the point."""
+_MAX_DEFLECTION_RAD = 1e9
+"""Largest deflection [rad] of a contribution."""
+_MIN_SHORTFALL_RAD = float(np.radians(0.001))
+"""Shortfall [rad] below which more than three digits behind the point are shown."""
 RATES = (1e-15, 1e9)
-"""Rates [rad/s] that can be told from none, and from any."""
+"""Smallest and largest rate limit [rad/s]."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """What takes deflection, and how much [rad], zero or positive.
+    """A contribution to the total deflection [rad], zero or positive.
 
-    What is systematic adds up with the others, what is random by the root of the sum of squares.
+    Systematic contributions add up, random ones by the root of the sum of squares.
     """
 
     name: str
@@ -67,7 +68,7 @@ class Line:
         text("name of a line", self.name)
         name = self.name or "deflection"
         size = number(name, self.deflection, nonnegative, "rad")
-        within(name, size, 0.0, _WIDEST, "rad")
+        within(name, size, 0.0, _MAX_DEFLECTION_RAD, "rad")
         object.__setattr__(self, "deflection", size)
 
 
@@ -78,23 +79,23 @@ class DeflectionTotal(Shown):
     Attributes
     ----------
     lines : tuple of Line
-        What takes deflection; nothing where that is known at no flight time.
+        Contributions; empty where the wind's is known at no flight time.
     reserve : float
-        Part of the limit that is to stay unused, in [0, 1).
+        Fraction of the limit that is to stay unused, in [0, 1).
     limit : float or None
         Available deflection [rad].
     time : float or None
         Flight time [s] to which the lines belong.
     not_sized : tuple of str
-        Where along the flight the total is not known, in words, such as "above 24.9 km"; nothing
-        where it is known throughout.
+        Intervals of the flight in which the total is not known, in words, such as
+        "above 24.9 km"; empty where it is known throughout.
     rate_limit : float or None
-        Of the nozzle [rad/s].
+        Rate limit of the nozzle [rad/s].
     end : str
-        Which end of the flight that time is, in words, beyond which the total may be larger; empty
+        End of the flight at that time, in words, beyond which the total may be larger; empty
         between the ends.
     needed_rate : float
-        The least deflection rate [rad/s], at the limit or else at any; NaN where it is not known.
+        Required rate [rad/s], at the limit or else at any; NaN where it is not known.
     """
 
     lines: tuple[Line, ...]
@@ -133,39 +134,38 @@ class DeflectionTotal(Shown):
     @property
     def verdict(self) -> tuple[Cell, ...]:
         """The verdict on the limit, and where the total is not known, each as a line."""
-        said: list[Cell] = []
+        verdicts: list[Cell] = []
         if self.limit is not None and self.left is not None:
-            left = degrees("total.left", abs(self.left), unit="deg")
-            beside = " remaining after the reserve" if self.reserve else " remaining"
-            line: Cell = (f"{sufficiency(True)}, ", *left, beside)
+            remaining = degrees("total.left", abs(self.left), unit="deg")
+            words = " remaining after the reserve" if self.reserve else " remaining"
+            line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
             if self.sufficient is None:
-                known = f"{sufficiency(None)}; where the winds are known "
-                line = (known, *line[1:])
+                line = (f"{sufficiency(None)}; where the winds are known ", *line[1:])
             if not self.lines:
                 line = (sufficiency(None),)
             elif self.sufficient is False:
                 lacks = self.required - self.limit
                 short = degrees("total.short", lacks, unit="deg")
-                if lacks < _SMALL:
+                if lacks < _MIN_SHORTFALL_RAD:
                     short = significant("total.short_deg", np.degrees(lacks), unit="deg")
                 of = " of a limit that keeps the reserve" if self.reserve else ""
                 line = (f"{sufficiency(False)}, short by ", *short, of)
                 if lacks <= 0.0:
                     line = (f"{sufficiency(False)} at this rate limit",)
             limit = degrees("total.limit", self.limit, unit="deg")
-            said.append(("Limit ", *limit, ": ", *line))
+            verdicts.append(("Limit ", *limit, ": ", *line))
         if self.not_sized:
-            said.append((f"NOT SIZED {', '.join(self.not_sized)}",))
+            verdicts.append((f"NOT SIZED {', '.join(self.not_sized)}",))
         if self.rate_limit is not None:
-            there = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
+            available = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
             needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
             word = f"{sufficiency(False)}, " if self.too_slow else ""
             line = (*needed, " required")
             if not np.isfinite(self.needed_rate):
                 unknown = np.isnan(self.needed_rate)
                 line = (sufficiency(None) if unknown else "no rate is sufficient",)
-            said.append(("Rate limit ", *there, f": {word}", *line))
-        return tuple(said)
+            verdicts.append(("Rate limit ", *available, f": {word}", *line))
+        return tuple(verdicts)
 
     @property
     def systematic(self) -> float:
@@ -175,29 +175,30 @@ class DeflectionTotal(Shown):
     @property
     def random(self) -> float:
         """Root of the sum of the squares of the random lines [rad]."""
-        parts = [line.deflection for line in self.lines if line.kind == "random"]
-        return float(np.linalg.norm(parts))
+        deflections = [line.deflection for line in self.lines if line.kind == "random"]
+        return float(np.linalg.norm(deflections))
 
     @property
     def total(self) -> float:
-        """Systematic and random together [rad]; NaN where nothing is known."""
+        """Sum of systematic and random contributions [rad]; NaN without any."""
         return self.systematic + self.random if self.lines else float("nan")
 
     @property
     def required(self) -> float:
-        """The least limit [rad] that leaves the reserve: total/(1 - reserve)."""
+        """Minimum limit [rad] with the reserve: total/(1 - reserve)."""
         return self.total / (1.0 - self.reserve)
 
     @property
     def too_slow(self) -> bool:
-        """Whether the rate limit is below what is needed."""
+        """Whether the rate limit is below the required rate."""
         return self.rate_limit is not None and self.needed_rate > self.rate_limit * (1.0 + 1e-9)
 
     @property
     def sufficient(self) -> bool | None:
-        """Whether the limit covers the total and leaves the reserve, at the rate that there is.
+        """Whether the limit covers the total and the reserve, at the available rate.
 
-        None without a limit, and where it is sufficient for what is known and not all is known.
+        None without a limit, and where it is sufficient at the flight times that are known and
+        others are not known.
         """
         if self.limit is None:
             return False if self.too_slow else None
@@ -208,19 +209,19 @@ class DeflectionTotal(Shown):
 
     @property
     def left(self) -> float | None:
-        """What of the limit total and reserve leave [rad]; negative if it is too little."""
+        """Remaining deflection [rad]: limit minus reserve and total; negative if insufficient."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
 
 
 def total_table(total: DeflectionTotal, counted: str = "") -> Table:
-    """Return what takes deflection and the total, as a table; `counted` says what of a wind."""
+    """Return the contributions and the total as a table; `counted` names the wind's requirement."""
     wind = f"wind, {counted}" if counted else "wind"
     rows = rows_of(total, "total", wind)
     rows.append((("total",), (SUMS,), degrees("total.total", total.total)))
     if total.reserve:
-        kept = significant("total.reserve_percent", 100 * total.reserve, unit="%")
+        reserve = significant("total.reserve_percent", 100 * total.reserve, unit="%")
         needed = degrees("total.required", total.required)
-        rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
+        rows.append((("limit that keeps ", *reserve, " in reserve"), ("",), needed))
     known = " of those that are known" if total.not_sized else ""
     return Table(f"All that takes deflection{at_time(total, 'the', known)}", HEAD, tuple(rows))
 
@@ -234,15 +235,15 @@ def at_time(total: DeflectionTotal, whose: str, known: str = "") -> str:
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
-    """Return what takes deflection as rows of a table, that of the wind in other words."""
+    """Return the contributions as rows of a table, the wind's with the label `wind`."""
     return [
         (
-            (wind if one.name == "wind" else one.name,),
-            (one.kind,),
-            degrees(f"{key}.{one.name.replace(' ', '_')}", one.deflection),
+            (wind if line.name == "wind" else line.name,),
+            (line.kind,),
+            degrees(f"{key}.{line.name.replace(' ', '_')}", line.deflection),
         )
-        for one in total.lines
-        if one.deflection
+        for line in total.lines
+        if line.deflection
     ]
 
 
@@ -271,11 +272,11 @@ def total_deflection(
     vehicle : Vehicle
         One vehicle, at that time.
     wind : float
-        What the wind asks for [rad]; see `boundary_limit` and `size`. Systematic.
+        Required deflection of the wind [rad]; see `boundary_limit` and `size`. Systematic.
     nominal : float
         Deflection of the nominal flight delta_n [rad]. Systematic.
     dispersion : float
-        What the dispersed vehicle and wind add [rad], such as the `required.upper` of
+        Contribution of the dispersed vehicle and wind [rad], such as the `required.upper` of
         `disperse_study` less the required deflection of its study. Random.
     thrust_offset : float
         Angle [rad] between the thrust and the axis of the nozzle. Random.
@@ -360,7 +361,7 @@ def worst_total(
         For an unknown name, and numbers out of range.
     """
     instance("sizing", sizing, Sizing, "see size")
-    part = number("dispersion", dispersion, nonnegative)
+    ratio = number("dispersion", dispersion, nonnegative)
     if rate_limit is not None:
         rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
     requirement = requirement_among("name", name, sizing.required)
@@ -374,7 +375,7 @@ def worst_total(
                 sizing.schedule.at(t),
                 wind,
                 nominal=float(sizing.schedule.nominal_at(t)),
-                dispersion=part * wind,
+                dispersion=ratio * wind,
                 **offsets,  # type: ignore[arg-type]
             ),
             wind,
@@ -383,31 +384,31 @@ def worst_total(
         )
         for t, wind in winds
     ]
-    worst = max(totals, key=lambda one: (one.too_slow, one.total))
-    needed = max(one.needed_rate for one in totals)
-    others = max((one.total for one in totals if one.time != worst.time), default=np.inf)
+    worst = max(totals, key=lambda total: (total.too_slow, total.total))
+    needed = max(total.needed_rate for total in totals)
+    others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
     end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
     return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
 
 
 def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
-    """Flight times [s], and what the worst wind of each asks for [rad].
+    """Return flight times [s] with the requirement [rad] of the worst wind of each.
 
-    A wind that is fixed in the flight asks once, at the time at which that arises.
+    A wind that is fixed in flight time has one requirement, at the time at which it arises.
     """
     arises, required = sizing.arising(requirement), sizing.required[requirement]
     fixed = np.isfinite(arises)
     by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
-    found = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))
+    needs = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))
     if fixed.any():
         once = np.fmax.reduce(required[:, fixed], axis=0)
         first, last = sizing.schedule.span
-        found += zip(np.clip(arises[fixed], first, last).tolist(), once.tolist(), strict=True)
-    return [(time, wind) for time, wind in found if not np.isnan(wind)]
+        needs += zip(np.clip(arises[fixed], first, last).tolist(), once.tolist(), strict=True)
+    return [(time, wind) for time, wind in needs if not np.isnan(wind)]
 
 
 def flight_end(sizing: Sizing, time: float | None) -> str:
-    """Return in words which end of a flight a worst time [s] is; empty between the ends."""
+    """Return the end of a flight at a worst time [s], in words; empty between the ends."""
     if time is None:
         return ""
     for word, beyond, k in (("first", "before", 0), ("last", "after", -1)):
@@ -423,22 +424,22 @@ def flight_end(sizing: Sizing, time: float | None) -> str:
 def _at_rate(
     total: DeflectionTotal, wind: float, pole: float, rate_limit: float | None
 ) -> DeflectionTotal:
-    """A total with what a rate limit adds to the wind's part, and the rate that is needed.
+    """Return a total with the contribution of a rate limit, and the required rate.
 
-    What is asked for is held the later the more slowly the nozzle turns; see `ramped_deflection`.
+    The slower the nozzle, the later it reaches the deflection; see `ramped_deflection`.
     """
     if rate_limit is None or not wind or not pole:
         return replace(total, rate_limit=rate_limit)
     more = float(ramped_deflection(wind, pole, rate_limit)) - wind
-    beside, rate = total.total - wind, pole * wind
+    others, rate = total.total - wind, pole * wind
     if total.limit is not None:
-        rate = float(ramp_rate(wind, pole, (1.0 - total.reserve) * total.limit - beside))
+        rate = float(ramp_rate(wind, pole, (1.0 - total.reserve) * total.limit - others))
     lines = (*total.lines, Line("rate limit", more)) if np.isfinite(more) else total.lines
     return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=rate)
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """The fast unstable pole [1/s] of the plane in which it is faster; zero without one."""
+    """Return the fast unstable pole [1/s], the faster of the planes; zero without one."""
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
-    return max(float(np.abs(unstable_modes(one).poles).max(initial=0.0)) for one in plants)
+    return max(float(np.abs(unstable_modes(plant).poles).max(initial=0.0)) for plant in plants)
