@@ -1,4 +1,4 @@
-"""The report's figures and sketches: each with its numbers, and where it differs from the print."""
+"""The report's figures and sketches, each with its numbers and its differences from the print."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -38,7 +38,7 @@ DIFFERENCES = {
     "figures 6 to 11": "their flights are flown here; those of 1968 are not printed as numbers",
     "sketch-c": "the form printed for large y, (y - 1)/(2 y), is not a solution of (C6)",
 }
-"""Where figures and their numbers differ from the print, by figure."""
+"""Differences of figures and their numbers from the print, by figure."""
 
 
 def reproduce(output: Path, progress: Callable[[float, float], None] | None = None) -> list[Path]:

@@ -1,4 +1,4 @@
-"""All numbers for the choices, and the verdict, of as many steps as are asked for: pure."""
+"""All numbers for the choices, and the verdict, after any number of steps: pure."""
 
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -32,12 +32,11 @@ _UNKNOWN = parts.Part(None, ())
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What the panel shows; what has no answer, or none yet, is None.
+    """Numbers that the panel shows; one without an answer, or without one yet, is None.
 
-    `boundary`: the deflection that is needed [rad] over the durations of the wind [s], and `need`
-    at the chosen one. `rest`: of the steps that are still to be taken, whether each is slow.
-    `fate`: what becomes of a law's flight, as of `FlownCases`. `notes`: why there is no answer,
-    what is left out, and warnings.
+    `boundary`: required deflection [rad] over the durations of the wind [s], and `need` at the
+    chosen one. `rest`: for each remaining step, whether it is slow. `fate`: outcome of a law's
+    flight, a status of `FlownCases`. `notes`: reasons, omissions and warnings.
     """
 
     choices: Choices
@@ -57,20 +56,20 @@ class Answer:
         return None if self.need is None else self.need.required_deflection
 
 
-def answer(choices: Choices, most: int | None = None) -> Answer:
+def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     """Return all numbers for the choices, of at most so many steps.
 
     A part that cannot be answered, such as a law for a stable vehicle, is None and has its reason
     among the notes. A slider waits for no kernel to be compiled; slow steps may compile theirs.
     """
-    steps, found = _steps(choices), []
-    for run, slow in steps[:most]:
+    steps, parts_done = _steps(choices), []
+    for run, slow in steps[:max_steps]:
         with nullcontext() if slow else compiling_nothing():
-            found.append(run())
-    first = [*found[:4], *[_UNKNOWN] * (4 - len(found))]
-    (margins, motion, fate, need), curve = first, found[4:]
-    values = [None if one.value is None else one.value.required_deflection for one in curve]
-    notes = [note for part in (need, *curve, motion, fate, margins) for note in part.notes]
+            parts_done.append(run())
+    first = [*parts_done[:4], *[_UNKNOWN] * (4 - len(parts_done))]
+    (margins, motion, fate, need), curve = first, parts_done[4:]
+    values = [None if point.value is None else point.value.required_deflection for point in curve]
+    notes = [note for item in (need, *curve, motion, fate, margins) for note in item.notes]
     if need.value is not None:
         notes += _notes(choices, need.value)
         if choices.law == REPORT and choices.limit > need.value.nominal_deflection > 0.0:
@@ -79,76 +78,78 @@ def answer(choices: Choices, most: int | None = None) -> Answer:
         choices=choices,
         durations=_durations(choices)[: len(curve)],
         boundary=None if None in values else np.array(values, dtype=float),
-        rest=tuple(slow for _, slow in steps[len(found) :]),
+        rest=tuple(slow for _, slow in steps[len(parts_done) :]),
         need=need.value,
         motion=motion.value,
         fate=fate.value,
         margins=margins.value,
-        verdict=_verdict(choices, need.value, fate.value, len(found) > 3),
-        notes=(*dict.fromkeys(notes), *_left_out(choices)),
+        verdict=_verdict(choices, need.value, fate.value, len(parts_done) > 3),
+        notes=(*dict.fromkeys(notes), *_neglected(choices)),
     )
 
 
 def _steps(choices: Choices) -> list[tuple[Callable[[], parts.Part], bool]]:
-    """The steps to an answer, and whether each takes longer than a slider may wait."""
-    asked, wind, gust = choices.of_need, choices.wind, choices.of_gust
+    """Return the steps to an answer, and whether each takes longer than a slider may wait."""
+    plan_of_need, wind, gust = choices.of_need, choices.wind, choices.of_gust
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in parts.placed.kept
 
-    def of_flight(part: parts.Kept) -> parts.Part:
+    def of_flight(cache: parts.Kept) -> parts.Part:
         at = parts.placed(gust)
         if at.value is None:
             return at
-        return part(replace(choices.of_motion, wind=at.value), choices.law)
+        return cache(replace(choices.of_motion, wind=at.value), choices.law)
 
     def of_need(plan: StudyPlan) -> tuple[Callable[[], parts.Part], bool]:
         return (lambda: parts.need(plan)), _slow(choices) and (plan,) not in parts.need.kept
 
-    lasting = (replace(wind, duration=one) for one in _durations(choices).tolist())
+    lasting = (replace(wind, duration=duration) for duration in _durations(choices).tolist())
     return [
         (lambda: parts.loop_margins(choices.of_margins), False),
         (lambda: of_flight(parts.motion), sought),
         (lambda: of_flight(parts.fate), sought),
-        of_need(asked),
-        *(of_need(replace(asked, wind=one)) for one in lasting),
+        of_need(plan_of_need),
+        *(of_need(replace(plan_of_need, wind=duration)) for duration in lasting),
     ]
 
 
 def _slow(choices: Choices) -> bool:
-    """Whether what is needed takes longer than a slider may wait."""
+    """Return whether a required deflection takes longer than a slider may wait."""
     return choices.wind.gust is not None or choices.wind.heading is not None
 
 
 def _durations(choices: Choices) -> FloatArray:
-    """The durations of the curve [s], fewer of what takes long."""
+    """Return the durations of the curve [s], fewer where each takes long."""
     return parts.DURATIONS[:: 3 if _slow(choices) else 1]
 
 
 def _notes(choices: Choices, need: CaseRequirement) -> list[str]:
-    """What a study says of a vehicle, a gust, a direction and the sign of a wind."""
+    """Return the notes of a study on its vehicle, its gust, its direction and its wind's sign."""
     plan, calm = choices.plan, need.at_nominal_pressure
-    both = [_BOTH.format(plan.plane)] if need.in_both else []
+    plane_notes = [_BOTH.format(plan.plane)] if need.in_both else []
     return [
         *linear_notes(need.wind_angle),
         *doubts(plan.vehicle),
         *gust_placed(choices.wind, need.wind_in_plane),
         *along_the_path(need),
-        *(both or words_of(need.planes, plan.plane, False, calm)),
+        *(plane_notes or words_of(need.planes, plan.plane, False, calm)),
         *(() if calm else [_NOMINAL]),
     ]
 
 
-def _left_out(choices: Choices) -> list[str]:
-    """What is computed without the structure."""
-    return [f"{one[0].upper()}{one[1:]}." for one in told(choices.plan, "explore")]
+def _neglected(choices: Choices) -> list[str]:
+    """Return a sentence on each effect that is neglected, such as the structure."""
+    return [f"{sentence[0].upper()}{sentence[1:]}." for sentence in told(choices.plan, "explore")]
 
 
-def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, known: bool) -> str:
+def _verdict(c: Choices, need: CaseRequirement | None, fate: str | None, computed: bool) -> str:
     flown = (
         "" if fate is None else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[fate]}."
     )
     if need is None:
         said = (
-            "No answer for these choices." if known else "What this wind requires is computed ..."
+            "No answer for these choices."
+            if computed
+            else "What this wind requires is computed ..."
         )
         return f"{said}{flown}"
     if need.beyond:

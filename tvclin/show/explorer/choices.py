@@ -1,4 +1,4 @@
-"""What is asked: a case, and the law that is flown."""
+"""Choices of the panel: a case, and the law that is flown."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,7 +16,7 @@ CONTROLS = (REPORT, *LAWS)
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """A case as a study file has it, with a limit, and what turns the nozzle: one of `CONTROLS`."""
+    """A case as a study file has it, with a limit, and its control: one of `CONTROLS`."""
 
     plan: StudyPlan
     law: str = TRIM
@@ -34,47 +34,47 @@ class Choices:
 
     @property
     def of_margins(self) -> StudyPlan:
-        """What the margins of the autopilot depend on."""
+        """Plan of the values on which the margins of the autopilot depend."""
         p = self.plan
         return _bare(p, vehicle=p.vehicle, nozzle=Nozzle(actuator=p.nozzle.actuator))
 
     @property
     def of_need(self) -> StudyPlan:
-        """What the required deflection depends on."""
+        """Plan of the values on which the required deflection depends."""
         p = self.plan
-        own = {"wind": p.wind, "nozzle": Nozzle(stop=p.nozzle.stop), "design": None}
-        return _bare(p, dead_band=p.dead_band, sign=p.sign, **own)
+        inputs = {"wind": p.wind, "nozzle": Nozzle(stop=p.nozzle.stop), "design": None}
+        return _bare(p, dead_band=p.dead_band, sign=p.sign, **inputs)
 
     @property
     def of_gust(self) -> StudyPlan:
-        """What the time of a gust in the response depends on."""
+        """Plan of the values on which the time of a gust in the response depends."""
         p = self.plan
         K = p.dead_band if self.law == REPORT else 1.0
         return _bare(p, wind=p.wind, dead_band=K, design=None)
 
     @property
     def of_motion(self) -> StudyPlan:
-        """What the response or the flight depends on, but for that time."""
+        """Plan of the values on which response or flight depend, except the time of the gust."""
         p, flown = self.plan, self.law != REPORT
         hardware = replace(p.nozzle, stop=None) if flown else Nozzle(limit=p.nozzle.limit)
-        asked = p.design if self.law == AUTOPILOT else loop_of(p.asked)
+        design = p.design if self.law == AUTOPILOT else loop_of(p.asked)
         return _bare(
             p,
             vehicle=p.vehicle if flown else p.vehicle.rigid,
             wind=p.wind,
             nozzle=hardware,
-            design=asked if flown else None,
+            design=design if flown else None,
             dead_band=p.dead_band if self.law in (REPORT, DEAD_BAND) else 1.0,
         )
 
 
-def _bare(plan: StudyPlan, **own: Any) -> StudyPlan:
-    """A plan of the same rigid motion and autopilot, with all else as it is usual."""
-    given: dict[str, Any] = {"vehicle": plan.vehicle.rigid, "design": plan.design} | own
-    return StudyPlan(model=plan.model, plane=plan.plane, **given)
+def _bare(plan: StudyPlan, **fields: Any) -> StudyPlan:
+    """Return a plan of the same rigid motion and autopilot, with defaults otherwise."""
+    values: dict[str, Any] = {"vehicle": plan.vehicle.rigid, "design": plan.design} | fields
+    return StudyPlan(model=plan.model, plane=plan.plane, **values)
 
 
-def loop_of(asked: AutopilotDesign) -> AutopilotDesign:
+def loop_of(design: AutopilotDesign) -> AutopilotDesign:
     """Return the delay, the samples and the filters of an autopilot, without its gains."""
-    chains: Any = asked.chains
-    return AutopilotDesign(delay=asked.delay, sample_rate=asked.sample_rate, **chains)
+    chains: Any = design.chains
+    return AutopilotDesign(delay=design.delay, sample_rate=design.sample_rate, **chains)

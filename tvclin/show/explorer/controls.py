@@ -1,7 +1,7 @@
-"""The controls: where each begins for a case, the plan that they ask for, and which of them rest.
+"""The controls: start values for a case, the plan that they specify, and the idle ones.
 
-Values are by field, as a list or a slider shows them: in the units of its label, zero for what is
-not there.
+Values are by field, as a list or a slider shows them: in the units of its label, zero for an
+absent part.
 """
 
 from dataclasses import replace
@@ -38,7 +38,7 @@ Values = dict[str, Any]
 
 
 class Slider(NamedTuple):
-    """A label, where it starts, its least and largest value, and its step."""
+    """A slider: label, start value, minimum, maximum and step."""
 
     label: str
     value: float
@@ -48,20 +48,20 @@ class Slider(NamedTuple):
 
 
 def settled(plan: StudyPlan) -> StudyPlan:
-    """Return a plan whose gains, where they are sought, are those that were found."""
+    """Return a plan with numerical gains, also where its design searches for them."""
     design = plan.design
     if plan.asked.design == LEAST_NOZZLE:
-        found = autopilot_asked(plan, plan.history, plan.held_to)
-        own: Any = {name: float(getattr(found, name)) for name in GIVEN_GAINS}
-        design = replace(loop_of(plan.asked), **own)
+        autopilot = autopilot_asked(plan, plan.history, plan.held_to)
+        gains: Any = {name: float(getattr(autopilot, name)) for name in GIVEN_GAINS}
+        design = replace(loop_of(plan.asked), **gains)
     return replace(plan, design=design)
 
 
 def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str], str]]:
-    """Return the lists, by field: label, what they offer, and where they begin for a plan."""
-    wind, asked, stop = plan.wind, plan.asked, plan.nozzle.stop
-    rule = _rule(asked)
-    own_rules = [] if rule in _RULES else [rule]
+    """Return the lists, by field: label, options, and start value for a plan."""
+    wind, design, stop = plan.wind, plan.asked, plan.nozzle.stop
+    rule = _rule(design)
+    further_rules = [] if rule in _RULES else [rule]
     law = TRIM if plan.design is None else AUTOPILOT
     direction = IN_PLANE if plan.heading is None else FROM_SIDE
     offered = {
@@ -73,14 +73,14 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
         "direction": ("wind blows", [IN_PLANE, FROM_SIDE], direction),
         "sign": ("sign that counts", [WORST, *SIGNS, FROZEN], plan.sign or WORST),
         "law": ("law", list(CONTROLS), law),
-        "design": ("gains", [*_RULES, *own_rules], rule),
+        "design": ("gains", [*_RULES, *further_rules], rule),
     }
     assert isinstance(wind, ShapedWind)
     return offered
 
 
 def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
-    """Return what is on or off, by field: label and start."""
+    """Return the switches, by field: label and start value."""
     return {
         "structure": ("bending and slosh", plan.vehicle.structure is not None),
         "filters": ("filters of the file", any(plan.asked.chains.values())),
@@ -88,10 +88,10 @@ def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
 
 
 def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
-    """Return the sliders, by field: where they begin for a plan, and room for all vehicles."""
-    start, *others = (_sizes(one, plan.plane) for one in (plan.vehicle, *vehicles))
-    B, per_rate = (max(both) for both in zip(*others, strict=True))
-    wind, nozzle, asked = plan.wind, plan.nozzle, plan.asked
+    """Return the sliders, by field, with start values of a plan and ranges for all vehicles."""
+    start, *others = (_sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles))
+    B, per_rate = (max(pair) for pair in zip(*others, strict=True))
+    wind, nozzle, design = plan.wind, plan.nozzle, plan.asked
     assert isinstance(wind, ShapedWind)
     gust, rate = wind.gust, nozzle.rate_limit or 0.0
     servo = 0.0 if nozzle.actuator is None else float(nozzle.actuator.natural_frequency)
@@ -99,7 +99,7 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
     lasts = 1.0 if gust is None else float(gust.end - gust.onset)
     heading = 45.0 if wind.heading is None else wind.heading / _DEG
     limit = None if nozzle.limit is None else nozzle.limit / _DEG
-    every = {
+    all_sliders = {
         "duration": Slider("wind duration [s]", wind.duration, 0.5, LONGEST, 0.1),
         "peak": Slider("wind peak [deg]", wind.peak / _DEG, -4.0 * _PEAK, 4.0 * _PEAK, 0.1),
         "heading": Slider("wind from [deg]", heading, -180.0, 360.0, 1.0),
@@ -109,22 +109,22 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
         "limit": _fitted("limit [deg]", 0.75 * start[0] * _PEAK, 3.0 * B * _PEAK, 1, limit),
         "rate_limit": Slider("rate limit [deg/s]", rate / _DEG, 0.0, 20.0, 0.1),
         "actuator": Slider("actuator [rad/s]", servo, 0.0, 100.0, 0.1),
-        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0, asked.attitude_gain),
-        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0, asked.rate_gain),
-        "alpha_gain": _signed("gain b0 [-]", 5.0 * B, asked.alpha_gain),
-        "delay": Slider("delay [ms]", 1e3 * asked.delay, 0.0, 200.0, 1.0),
-        "sample_rate": Slider("samples [Hz]", asked.sample_rate or 0.0, 0.0, 200.0, 1.0),
+        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0, design.attitude_gain),
+        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0, design.rate_gain),
+        "alpha_gain": _signed("gain b0 [-]", 5.0 * B, design.alpha_gain),
+        "delay": Slider("delay [ms]", 1e3 * design.delay, 0.0, 200.0, 1.0),
+        "sample_rate": Slider("samples [Hz]", design.sample_rate or 0.0, 0.0, 200.0, 1.0),
     }
-    return {field: _with_room(one) for field, one in every.items()}
+    return {field: _with_room(vehicle) for field, vehicle in all_sliders.items()}
 
 
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
-    """Return what the controls ask for; what none of them says is as in the plan of the file.
+    """Return the choices that the controls specify; all else comes from the plan of the file.
 
-    `InputError` as `StudyPlan` and all that is in it.
+    Same exceptions as `StudyPlan` and the records in it.
     """
-    both = v["plane"] == BOTH
-    slanting = both or v["direction"] == FROM_SIDE
+    both_planes = v["plane"] == BOTH
+    slanting = both_planes or v["direction"] == FROM_SIDE
     file_wind, servo = base.wind, base.nozzle.actuator or USUAL_ACTUATOR
     assert isinstance(file_wind, ShapedWind)
     actuator = replace(servo, natural_frequency=v["actuator"]) if v["actuator"] else None
@@ -141,11 +141,11 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         base,
         vehicle=vehicle if v["structure"] else vehicle.rigid,
         model=v["model"],
-        plane=_shown_plane(base.plane, vehicle, wind) if both else v["plane"],
+        plane=_shown_plane(base.plane, vehicle, wind) if both_planes else v["plane"],
         wind=wind,
         nozzle=Nozzle(
             limit=v["limit"] * _DEG,
-            stop=v["stop"] if both else None,
+            stop=v["stop"] if both_planes else None,
             rate_limit=v["rate_limit"] * _DEG or None,
             actuator=actuator,
         ),
@@ -174,22 +174,24 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
 
 
 def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
-    """The plane whose flight is shown of both; the other one where the wind has no part in it."""
-    whole = complete_vehicle(vehicle, "a wind with a direction")
-    blows = [one for one, peak in wind.peaks(float(np.asarray(whole.attitude))).items() if peak]
-    return plane if plane in blows else blows[0]
+    """Return the plane whose flight is shown: `plane`, or the other without wind in that."""
+    complete = complete_vehicle(vehicle, "a wind with a direction")
+    excited = [
+        name for name, peak in wind.peaks(float(np.asarray(complete.attitude))).items() if peak
+    ]
+    return plane if plane in excited else excited[0]
 
 
 def idle(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
-    """Return the controls that change nothing as the others stand, each with the reason."""
-    both = v["plane"] == BOTH
-    slanting = both or v["direction"] == FROM_SIDE
+    """Return the controls without effect at the values of the others, each with the reason."""
+    both_planes = v["plane"] == BOTH
+    slanting = both_planes or v["direction"] == FROM_SIDE
     ruled = f"the rule {v['design']} sets it: take {OWN}"
     reasons = {
         "structure": vehicle.structure is None and "the file of this vehicle has no structure",
         "filters": not any(base.asked.chains.values()) and "the file has no filters",
-        "stop": not both and f"counts only in the plane {BOTH}",
-        "direction": both and "both planes need a direction",
+        "stop": not both_planes and f"counts only in the plane {BOTH}",
+        "direction": both_planes and "both planes need a direction",
         "heading": not slanting and "counts only with a wind from a direction",
         "sign": v["sign"] != FROZEN
         and (
@@ -204,7 +206,7 @@ def idle(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
 
 
 def plateau_of(gust: History | None) -> float:
-    """Return how long a gust stays at its peak [s]: it has four knots then, as of `gust_of`."""
+    """Return the time of a gust at its peak [s]; zero unless it has the four knots of `gust_of`."""
     if gust is None or gust.knots.size < 4:
         return 0.0
     return float(gust.knots[2] - gust.knots[1])
@@ -212,52 +214,54 @@ def plateau_of(gust: History | None) -> float:
 
 @lru_cache(maxsize=256)
 def _gust(peak: float, duration: float, plateau: float) -> History | None:
-    """The same gust for the same numbers, so that what depends on it is known again."""
+    """Return a gust, the same object for the same numbers, so that cached results stay valid."""
     return gust_of(peak * _DEG, duration, plateau if plateau < duration else 0.0) if peak else None
 
 
-def _rule(asked: AutopilotDesign) -> str:
-    if asked.attitude_gain is not None:
+def _rule(design: AutopilotDesign) -> str:
+    if design.attitude_gain is not None:
         return OWN
-    return asked.design or (CANONICAL if asked.natural_frequency is None else "poles")
+    return design.design or (CANONICAL if design.natural_frequency is None else "poles")
 
 
-def _design(asked: AutopilotDesign, v: Values) -> AutopilotDesign:
-    rule, chains = v["design"], asked.chains if v["filters"] else {}
-    own: Any = {"design": rule}
+def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
+    rule, chains = v["design"], design.chains if v["filters"] else {}
+    gains: Any = {"design": rule}
     if rule == OWN:
-        own = {name: v[name] for name in GIVEN_GAINS}
-    elif rule == _rule(asked):
-        own |= {name: getattr(asked, name) for name in ("natural_frequency", "damping")}
+        gains = {name: v[name] for name in GIVEN_GAINS}
+    elif rule == _rule(design):
+        gains |= {name: getattr(design, name) for name in ("natural_frequency", "damping")}
     return AutopilotDesign(
-        integral_gain=asked.integral_gain,
+        integral_gain=design.integral_gain,
         delay=1e-3 * v["delay"],
         sample_rate=v["sample_rate"] or None,
-        **own | chains,
+        **gains | chains,
     )
 
 
-def _fitted(label: str, start: float, most: float, least: int, given: float | None) -> Slider:
-    """A slider to a round number, of some hundred steps, from so many steps on."""
-    most = round_up(most)
-    step = 10.0 ** (np.floor(np.log10(most)) - 2.0)
-    value = step * round(start / step) if given is None else given
-    return Slider(label, value, least * step, most, step)
+def _fitted(
+    label: str, start: float, upper: float, min_steps: int, start_value: float | None
+) -> Slider:
+    """Return a slider from `min_steps` steps to a round number, of some hundred steps."""
+    upper = round_up(upper)
+    step = 10.0 ** (np.floor(np.log10(upper)) - 2.0)
+    value = step * round(start / step) if start_value is None else start_value
+    return Slider(label, value, min_steps * step, upper, step)
 
 
-def _signed(label: str, most: float, given: float | None) -> Slider:
-    one = _fitted(label, 0.0, most, 0, given or 0.0)
-    return one._replace(least=-one.most)
+def _signed(label: str, upper: float, start_value: float | None) -> Slider:
+    slider = _fitted(label, 0.0, upper, 0, start_value or 0.0)
+    return slider._replace(least=-slider.most)
 
 
-def _with_room(one: Slider) -> Slider:
-    """A slider that holds where it begins."""
-    most = one.most if one.value <= one.most else round_up(one.value)
-    return one._replace(least=min(one.least, one.value), most=most)
+def _with_room(slider: Slider) -> Slider:
+    """Return a slider whose range includes its start value."""
+    upper = slider.most if slider.value <= slider.most else round_up(slider.value)
+    return slider._replace(least=min(slider.least, slider.value), most=upper)
 
 
 def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
-    """|B|, and |B|/beta [s], of which canonical gains are made; 1 where there is no moment."""
+    """Return ``|B|`` and ``|B|/beta`` [s], the scales of canonical gains; 1 without a moment."""
     c = coefficients_of(vehicle, plane)
     B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
     return B, B / beta

@@ -21,7 +21,7 @@ _WATCHED = {
     "MappingKernelManager.cull_interval": "20",
     "ServerApp.shutdown_no_activity_timeout": "60",  # then the server
 }
-"""Of a server that has opened its page itself: it ends some minutes after that is closed [s]."""
+"""Settings of a server that opened its page itself: it ends minutes after that closes [s]."""
 
 
 def notebook_text(source: str, time: float | None = None) -> str:
@@ -74,7 +74,7 @@ def open_notebook(path: Path, options: Sequence[str]) -> None:
 
 
 def is_open() -> bool:
-    """Whether this is the kernel of a notebook that `open_notebook` has opened."""
+    """Return whether this is the kernel of a notebook that `open_notebook` has opened."""
     return _SERVER in os.environ
 
 

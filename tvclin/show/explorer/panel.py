@@ -1,4 +1,4 @@
-"""The widgets, and what happens when one is moved."""
+"""The panel of widgets, and its response to a moved control."""
 
 import asyncio
 from contextlib import suppress
@@ -39,9 +39,9 @@ _GROUPS = {
     ),
 }
 _WAIT = 0.15
-"""A slider waits so long [s] for its answer; the rest is drawn as it is found."""
-_REST = 0.05
-"""Between two steps the kernel takes so long [s] what was moved meanwhile."""
+"""Longest wait [s] of a slider for its first picture; later steps are drawn as they end."""
+_EVENT_TIME = 0.05
+"""Pause [s] between two steps, in which the kernel handles events of the controls."""
 
 
 class Panel:
@@ -86,7 +86,7 @@ class Panel:
 
     @property
     def choices(self) -> Choices:
-        """What the widgets ask for; `InputError` for what does not go together."""
+        """Choices that the widgets specify; raises `InputError` for contradictory values."""
         return asked.choices_of(self._base, self.vehicle, self._values)
 
     @property
@@ -111,45 +111,45 @@ class Panel:
         self._complete(choices, 0)
 
     def _show_gains(self, choices: Choices) -> None:
-        """Set the sliders of gains to what a rule finds."""
+        """Set the sliders of gains to the gains of a rule."""
         design = choices.plan.design
         if design is None or design.attitude_gain is not None:
             return
         with suppress(InputError):
-            found, self._ruled = choices.plan.autopilot, True
+            autopilot, self._ruled = choices.plan.autopilot, True
             for field in GIVEN_GAINS:
-                self.controls[field].value = float(getattr(found, field))
+                self.controls[field].value = float(getattr(autopilot, field))
         self._ruled = False
 
-    def _complete(self, choices: Choices, known: int) -> None:
-        """Show what is known some time later, and go on where steps are left.
+    def _complete(self, choices: Choices, steps: int) -> None:
+        """Show the answer after some steps, and continue where steps remain.
 
-        Between two pictures the kernel takes what was moved meanwhile; before a slow step it shows
-        what it has.
+        Between two pictures the kernel handles moved controls; before a slow step the answer so far
+        is shown.
         """
-        begun, found = perf_counter(), answer(choices, known)
-        while found.rest and perf_counter() - begun < _WAIT and not found.rest[0]:
-            known += 1
-            found = answer(choices, known)
-        self._draw(found)
-        if not found.rest:
+        begun, result = perf_counter(), answer(choices, steps)
+        while result.rest and perf_counter() - begun < _WAIT and not result.rest[0]:
+            steps += 1
+            result = answer(choices, steps)
+        self._draw(result)
+        if not result.rest:
             return
         try:
             loop = asyncio.get_running_loop()
         except RuntimeError:  # not in a notebook
             self._draw(answer(choices))
         else:
-            self._rest = loop.call_later(_REST, self._next, choices, known + 1)
+            self._rest = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
-    def _next(self, choices: Choices, known: int) -> None:
-        answer(choices, known)
-        self._complete(choices, known)
+    def _next(self, choices: Choices, steps: int) -> None:
+        answer(choices, steps)
+        self._complete(choices, steps)
 
-    def _draw(self, found: Answer) -> None:
-        self.verdict.value = _paragraphs(found.verdict, weight="bold")
-        self.margins.value = _paragraphs(_margins(found))
-        self.notes.value = _paragraphs(*found.notes)
-        self.image.value = self._picture.png(found)
+    def _draw(self, result: Answer) -> None:
+        self.verdict.value = _paragraphs(result.verdict, weight="bold")
+        self.margins.value = _paragraphs(_margins(result))
+        self.notes.value = _paragraphs(*result.notes)
+        self.image.value = self._picture.png(result)
 
     def _write_study(self, _button: Any) -> None:
         name = self.controls["vehicle"].value
@@ -168,18 +168,18 @@ class Panel:
     def _arranged(self, widgets: Any) -> Any:
         groups = [[self.controls[field] for field in group] for group in _GROUPS.values()]
         tabs = widgets.Tab([widgets.VBox(group) for group in groups], selected_index=1)
-        for place, name in enumerate(_GROUPS):
-            tabs.set_title(place, name)
+        for index, name in enumerate(_GROUPS):
+            tabs.set_title(index, name)
         buttons = [self.study, *[self.end] * is_open()]
-        left = widgets.VBox(
+        inputs = widgets.VBox(
             [tabs, widgets.HBox(buttons, layout={"flex_flow": "row wrap"})],
             layout={"flex": "0 0 340px", "margin": "0 8px 0 0"},
         )
-        right = widgets.VBox(
+        outputs = widgets.VBox(
             [self.verdict, self.image, self.margins, self.notes, self.said],
             layout={"flex": "1 1 350px", "min_width": "0"},
         )
-        return widgets.HBox([left, right], layout={"flex_flow": "row wrap"})
+        return widgets.HBox([inputs, outputs], layout={"flex_flow": "row wrap"})
 
 
 def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
@@ -206,7 +206,7 @@ def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
 
 
 def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
-    """What the list calls a vehicle, the plan it stands in, and the file that has it."""
+    """Return the list's name of a vehicle, its plan, and the file that defines it."""
     if not isinstance(source, Vehicle):
         plan = load_study(source)  # which refuses what has no name
         pulse_of(plan)
@@ -218,22 +218,22 @@ def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
 
 
 def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) -> dict[str, Any]:
-    """The lists, switches and sliders, by field."""
+    """Return the lists, switches and sliders, by field."""
     controls: dict[str, Any] = {
         field: widgets.Dropdown(description=label, options=options, value=value, style=_WIDE)
         for field, (label, options, value) in asked.lists(plan, list(vehicles)).items()
     }
     for field, (label, value) in asked.switches(plan).items():
         controls[field] = widgets.Checkbox(description=label, value=value, style=_WIDE)
-    for field, one in asked.sliders(plan, list(vehicles.values())).items():
+    for field, slider in asked.sliders(plan, list(vehicles.values())).items():
         controls[field] = widgets.FloatSlider(
-            description=one.label,
-            value=one.value,
-            min=one.least,
-            max=one.most,
-            step=one.step,
+            description=slider.label,
+            value=slider.value,
+            min=slider.least,
+            max=slider.most,
+            step=slider.step,
             style=_WIDE,
-            readout_format=f".{max(0, -round(np.floor(np.log10(one.step))))}f",
+            readout_format=f".{max(0, -round(np.floor(np.log10(slider.step))))}f",
         )
     return controls
 
@@ -251,8 +251,8 @@ def _paragraphs(*texts: str, weight: str = "normal") -> str:
     return "".join(f'<p style="{style}">{escape(text)}</p>' for text in texts)
 
 
-def _margins(found: Answer) -> str:
-    m, plan = found.margins, found.choices.plan
+def _margins(result: Answer) -> str:
+    m, plan = result.margins, result.choices.plan
     if m is None:
         return "Margins: none."
     a = plan.autopilot

@@ -1,7 +1,7 @@
-"""The parts of an answer, each kept by what it depends on and by nothing else.
+"""The parts of an answer, each cached by the values on which it depends and by nothing else.
 
-Margins do not depend on the wind, nor a flight on the sign that counts: what did not change is not
-computed again.
+Margins do not depend on the wind, nor a flight on the sign that counts: only parts whose values
+changed are computed again.
 """
 
 from collections.abc import Callable
@@ -32,15 +32,15 @@ from tvclin.winds.wind_angles import beyond_linear
 LONGEST = 30.0
 """Longest wind [s] of the curve."""
 DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
-_AFTER, _LONGEST_AFTER = 6.0, 20.0
-"""A response is followed so long after the wind, times beta, and at most so many seconds."""
-_POINTS = 401
-_KEPT = 1024
+_FOLLOWED_TIME_CONSTANTS, _MAX_FOLLOWED_S = 6.0, 20.0
+"""Time of a response shown after the wind, in time constants 1/beta, and its maximum [s]."""
+_TIME_POINTS = 401
+_MAX_CACHED = 1024
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What was found, None where there is no answer, and what is to be said of it."""
+    """The value of a part, None where there is no answer, and its notes."""
 
     value: Any
     notes: tuple[str, ...]
@@ -57,17 +57,17 @@ class Motion:
 
 
 class Kept:
-    """A function whose answers are kept, with warnings and refusals as sentences beside them."""
+    """A function with a cache of its answers, whose warnings and input errors become notes."""
 
     def __init__(self, compute: Callable[..., Any]) -> None:
         self._compute = compute
         self.kept: dict[tuple[Any, ...], Part] = {}
 
     def __call__(self, *plain: Any) -> Part:
-        """Return what is kept of these arguments, or is found now."""
+        """Return the part for these arguments, from the cache or computed now."""
         if plain not in self.kept:
             self.kept[plain] = self._found(plain)
-            while len(self.kept) > _KEPT:
+            while len(self.kept) > _MAX_CACHED:
                 del self.kept[next(iter(self.kept))]
         return self.kept[plain]
 
@@ -83,13 +83,13 @@ class Kept:
 
 @Kept
 def need(plan: StudyPlan) -> CaseRequirement:
-    """Return what is required, as `tvclin study` says it."""
+    """Return the requirement of the case, the one that `tvclin study` prints."""
     return case_requirement(plan, plan.dead_band)
 
 
 @Kept
 def loop_margins(plan: StudyPlan) -> Margins:
-    """Return the margins of the autopilot, as `tvclin margins` says them."""
+    """Return the margins of the autopilot, those that `tvclin margins` prints."""
     return plan.autopilot.margins(plan.plant)
 
 
@@ -101,10 +101,10 @@ def placed(plan: StudyPlan) -> ShapedWind:
 
 @Kept
 def motion(plan: StudyPlan, law: str) -> Motion:
-    """Return what the vehicle does in a wind whose gust has its time.
+    """Return the motion of the vehicle in a wind whose gust has its time.
 
-    The report's control is a history and its response exact, as of `tvclin respond`; a law is flown
-    as `tvclin fly --engine linear` flies it.
+    The response to the report's control is exact, that of `tvclin respond`; a law is flown by the
+    engine of `tvclin fly --engine linear`.
     """
     wind = plan.history
     times = _times(plan, wind)
@@ -117,16 +117,16 @@ def motion(plan: StudyPlan, law: str) -> Motion:
                 " vehicle feels none: mu_alpha is 0"
             )
         assert plan.nozzle.limit is not None
-        held = trim_then_hold(plant, wind, against * plan.nozzle.limit, plan.dead_band)
-        found = attitude_responses(plant, held, wind, times)
-        return Motion(times, wind(times), found["attitude"], held(times))
+        deflection = trim_then_hold(plant, wind, against * plan.nozzle.limit, plan.dead_band)
+        response = attitude_responses(plant, deflection, wind, times)
+        return Motion(times, wind(times), response["attitude"], deflection(times))
     flown = fly(plan.plant, _law(plan, law), wind, times, **_nozzle(plan))
     return Motion(times, wind(times), flown.outputs["attitude"], flown.outputs["deflection"])
 
 
 @Kept
 def fate(plan: StudyPlan, law: str) -> str | None:
-    """Return what becomes of the flight of a law, as of `FlownCases`; None of what is no law."""
+    """Return the outcome of the flight of a law, a status of `FlownCases`; None for `REPORT`."""
     if law == REPORT:
         return None
     if beyond_linear(float(plan.history.peak)):
@@ -135,8 +135,8 @@ def fate(plan: StudyPlan, law: str) -> str | None:
 
 
 def _law(plan: StudyPlan, name: str) -> Any:
-    own = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
-    return law_asked(plan, name, plan.hardware["rate_limit"], **own)
+    parameters = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
+    return law_asked(plan, name, plan.hardware["rate_limit"], **parameters)
 
 
 def _nozzle(plan: StudyPlan) -> dict[str, Any]:
@@ -144,7 +144,7 @@ def _nozzle(plan: StudyPlan) -> dict[str, Any]:
 
 
 def _times(plan: StudyPlan, wind: History) -> FloatArray:
-    """Times [s] from the onset of a wind until some time after it."""
+    """Return times [s] from the onset of a wind until some time after it, ``(401,)``."""
     beta = float(np.sqrt(np.abs(np.asarray(plan.plant.rigid.coefficients.mu_alpha))))
-    after = min(_AFTER / beta, _LONGEST_AFTER) if beta else _LONGEST_AFTER
-    return np.linspace(float(wind.onset), float(wind.end) + after, _POINTS)
+    after = min(_FOLLOWED_TIME_CONSTANTS / beta, _MAX_FOLLOWED_S) if beta else _MAX_FOLLOWED_S
+    return np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)

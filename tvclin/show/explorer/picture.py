@@ -1,4 +1,4 @@
-"""The picture: axes and ticks are drawn once, and then only what moved."""
+"""The picture: axes and ticks are drawn once, and then only the lines that moved."""
 
 import io
 from dataclasses import dataclass, field
@@ -13,22 +13,22 @@ from tvclin.show.explorer.parts import LONGEST
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_ROUND = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
-_SPARE = 1.1
-_BEYOND = 20.0
-"""Curves are cut so many frames above their frame, which the renderer would choke on."""
-_LARGEST = 90.0
-"""No frame shows more [deg]."""
+_ROUND_MANTISSAS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
+_FRAME_OVER_ATTITUDE = 1.1
+_MAX_OVER_FRAME = 20.0
+"""Largest ordinate drawn over that of the frame; a longer curve would stall the renderer."""
+_MAX_ATTITUDE_DEG = 90.0
+"""Largest attitude [deg] of a frame."""
 
 _TITLE, _LABEL = 0.012, 0.06
-"""From a panel to its title and to its label, in heights of the figure."""
+"""Distance of a panel from its title and from its label, in heights of the figure."""
 
 _SLOTS = {
     "boundary": (0.0, 0.0, 0.5, 1.0),
     "attitude": (0.5, 0.546, 0.5, 0.454),
     "deflection": (0.5, 0.0, 0.5, 0.546),
 }
-"""What belongs to each panel, labels and all: left, bottom, width and height in the figure's."""
+"""Slot of each panel with its labels: left, bottom, width and height, as parts of the figure."""
 
 Ends = tuple[float, float]
 
@@ -37,7 +37,7 @@ Ends = tuple[float, float]
 class Picture:
     """The boundary, the attitude and the deflection; make it with `new_picture`.
 
-    `lines` are what moves; `frames` the ends of abscissa and ordinate of each panel, as drawn.
+    `lines`: the curves, which move; `frames`: limits of abscissa and ordinate of each panel.
     """
 
     canvas: Any
@@ -57,7 +57,7 @@ class Picture:
         self.canvas.restore_region(self._empty)
         for name, line in self.lines.items():
             panel = name.partition(".")[0]
-            beyond = _BEYOND * frames[panel][1][1]
+            beyond = _MAX_OVER_FRAME * frames[panel][1][1]
             x, y = data[name]
             line.set_data(x, np.clip(y, -beyond, beyond))
             self.axes[panel].draw_artist(line)
@@ -74,17 +74,17 @@ class Picture:
             self.canvas.draw()
             self._empty = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
         self.canvas.restore_region(self._empty)
-        renderer, whole = self.canvas.get_renderer(), self.canvas.figure.transFigure
+        renderer, transform = self.canvas.get_renderer(), self.canvas.figure.transFigure
         for name, (across, up) in frames.items():
             if (across, up) != self.frames.get(name):
-                left, bottom, width, height = _SLOTS[name]
+                x, y, width, height = _SLOTS[name]
                 blank = Rectangle(
-                    (left, bottom),
+                    (x, y),
                     width,
                     height,
                     color=self.canvas.figure.get_facecolor(),
                     lw=0,
-                    transform=whole,
+                    transform=transform,
                 )
                 blank.draw(renderer)
                 self.axes[name].set(xlim=across, ylim=up)
@@ -112,13 +112,13 @@ def new_picture() -> Picture:
         "attitude": "attitude, wind (dotted) [deg]",
         "deflection": "deflection, limits (dashed) [deg]",
     }
-    for name, one in axes.items():
-        tall = one.get_position().height
-        one.set_title(headings[name], fontsize="medium", loc="left", y=1.0 + _TITLE / tall)
-        one.grid(color="0.85", lw=0.8)
-        one.set_axisbelow(True)
-        one.locator_params(nbins=5)
-        for axis in (one.xaxis, one.yaxis):  # placed by hand, titles too: searching takes long
+    for name, panel in axes.items():
+        tall = panel.get_position().height
+        panel.set_title(headings[name], fontsize="medium", loc="left", y=1.0 + _TITLE / tall)
+        panel.grid(color="0.85", lw=0.8)
+        panel.set_axisbelow(True)
+        panel.locator_params(nbins=5)
+        for axis in (panel.xaxis, panel.yaxis):  # placed by hand, titles too: searching takes long
             axis.set_label_coords(0.5, -_LABEL / tall)
     axes["attitude"].tick_params(labelbottom=False)  # as below
     axes["boundary"].set_xlabel("wind duration [s]")
@@ -151,46 +151,48 @@ def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
     long = c.wind.duration
     nothing: tuple[Any, Any] = (np.zeros(0), np.zeros(0))
     limit = float(deg(c.limit))
-    found = dict.fromkeys(("boundary.curve", "boundary.point"), nothing)
+    lines = dict.fromkeys(("boundary.curve", "boundary.point"), nothing)
     if answer.boundary is not None and answer.required is not None:
-        found["boundary.curve"] = answer.durations, deg(answer.boundary)
-        found["boundary.point"] = [long], deg([answer.required])
-    found["boundary.limit"] = [0.0, LONGEST], [limit, limit]
-    found["boundary.have"] = [long], [limit]
+        lines["boundary.curve"] = answer.durations, deg(answer.boundary)
+        lines["boundary.point"] = [long], deg([answer.required])
+    lines["boundary.limit"] = [0.0, LONGEST], [limit, limit]
+    lines["boundary.have"] = [long], [limit]
     ends = [0.0 if m is None else float(m.time[0]), long if m is None else float(m.time[-1])]
-    found["deflection.upper"] = ends, [limit, limit]
-    found["deflection.lower"] = ends, [-limit, -limit]
+    lines["deflection.upper"] = ends, [limit, limit]
+    lines["deflection.lower"] = ends, [-limit, -limit]
     rows = {
         "attitude.wind": None if m is None else m.wind,
         "attitude.attitude": None if m is None else m.attitude,
         "deflection.deflection": None if m is None else m.deflection,
     }
     for name, row in rows.items():
-        found[name] = nothing if m is None or row is None else (m.time, deg(row))
-    return found
+        lines[name] = nothing if m is None or row is None else (m.time, deg(row))
+    return lines
 
 
 def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple[Ends, Ends]]:
-    """Round frames, which seldom change while a slider moves.
+    """Return the frames, rounded so that they seldom change while a slider moves.
 
-    What leaves the frame after the wind, as a lost vehicle does, is not followed.
+    A curve that leaves its frame after the wind, as of a diverging vehicle, is cut.
     """
     c = answer.choices
     limit, calm = float(np.degrees(c.limit)), c.wind.duration
-    time, attitude = (np.asarray(one) for one in data["attitude.attitude"])
+    time, attitude = (np.asarray(array) for array in data["attitude.attitude"])
     shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
-    tall = round_up(min(_SPARE * max(shown, default=1.0), _LARGEST))
+    tall = round_up(min(_FRAME_OVER_ATTITUDE * max(shown, default=1.0), _MAX_ATTITUDE_DEG))
     needed = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
     long = (0.0, round_up(max(float(time[-1]) if time.size else calm, 1.0)))
-    turned = round_up(1.05 * limit)
+    deflection = round_up(1.05 * limit)
     return {
         "boundary": ((0.0, LONGEST), (0.0, round_up(1.05 * needed))),
         "attitude": (long, (-tall, tall)),
-        "deflection": (long, (-turned, turned)),
+        "deflection": (long, (-deflection, deflection)),
     }
 
 
 def round_up(size: float) -> float:
-    """Return the next round number."""
+    """Return the smallest round number that is not below `size`."""
     ten = 10.0 ** np.floor(np.log10(size))
-    return float(ten * _ROUND[np.searchsorted(_ROUND, size / ten * (1.0 - 1e-12))])
+    return float(
+        ten * _ROUND_MANTISSAS[np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))]
+    )

@@ -21,10 +21,10 @@ Table = dict[str, Any]
 
 
 def study_text(choices: Choices, source: str | None = None) -> str:
-    """Return the text of a study file with all that is chosen but the law.
+    """Return the text of a study file with all choices but the law.
 
-    A rigid vehicle stands in it with all its numbers, wherever the file is read; one that bends, or
-    that is known by its coefficients, is named by its source: `InputError` where it has none.
+    A rigid vehicle is written with all its numbers; a flexible one, or one defined by its
+    coefficients, is named by its source: `InputError` where it has none.
     """
     plan = choices.plan
     vehicle = plan.vehicle
@@ -35,8 +35,8 @@ def study_text(choices: Choices, source: str | None = None) -> str:
             "a vehicle that was made in Python stands in a study file without its structure:"
             " switch bending and slosh off, or explore a vehicle file"
         )
-    asked = {"model": plan.model, "plane": plan.plane, "dead_band": plan.dead_band}
-    head = ({"vehicle": source} if named else {}) | asked
+    question = {"model": plan.model, "plane": plan.plane, "dead_band": plan.dead_band}
+    head = ({"vehicle": source} if named else {}) | question
     tables: list[tuple[str, Table]] = [
         ("[study]", head | ({"sign": plan.sign} if plan.sign else {})),
         *([] if rigid is None else [("[study.vehicle]", vehicle_table(rigid))]),
@@ -51,7 +51,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
 
 
 def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
-    """Write ``study-NAME.toml``, or with the next number that is free, and return its path."""
+    """Write ``study-NAME.toml``, numbered where that exists, and return its path."""
     text = study_text(choices, source)
     stem = re.sub(r"[^\w.-]+", "-", f"study-{Path(name).stem.removeprefix('study-')}")
     numbered = (f"{stem}{f'-{k}' if k > 1 else ''}.toml" for k in count(1))
@@ -69,13 +69,13 @@ def _wind(wind: Any) -> list[tuple[str, Table]]:
     gust = wind.gust
     if gust is None:
         return [("[wind]", table)]
-    own = {
+    gust_table = {
         **_peak(float(gust.peak), wind.gust_speed),
         "duration_s": _short(float(gust.end - gust.onset)),
         "plateau_s": _short(plateau_of(gust)),
         "peak_time_s": wind.gust_at,
     }
-    return [("[wind]", table), ("[gust]", _given(own))]
+    return [("[wind]", table), ("[gust]", _without_none(gust_table))]
 
 
 def _peak(angle: float, speed: float | None) -> Table:
@@ -86,7 +86,7 @@ def _peak(angle: float, speed: float | None) -> Table:
 def _nozzle(choices: Choices) -> Table:
     nozzle = choices.plan.nozzle
     servo = nozzle.actuator
-    return _given(
+    return _without_none(
         {
             "limit_deg": _deg(nozzle.limit),
             "stop": nozzle.stop,
@@ -98,33 +98,33 @@ def _nozzle(choices: Choices) -> Table:
 
 
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
-    asked = choices.plan.asked
+    design = choices.plan.asked
     table = {
-        "design": asked.design,
-        "natural_frequency_rad_per_s": asked.natural_frequency,
-        "damping": asked.damping,
-        "attitude_gain": asked.attitude_gain,
-        "rate_gain_s": asked.rate_gain,
-        "alpha_gain": asked.alpha_gain,
-        "integral_gain_per_s": asked.integral_gain or None,
-        "delay_ms": _short(1e3 * asked.delay),
-        "sample_rate_Hz": asked.sample_rate,
+        "design": design.design,
+        "natural_frequency_rad_per_s": design.natural_frequency,
+        "damping": design.damping,
+        "attitude_gain": design.attitude_gain,
+        "rate_gain_s": design.rate_gain,
+        "alpha_gain": design.alpha_gain,
+        "integral_gain_per_s": design.integral_gain or None,
+        "delay_ms": _short(1e3 * design.delay),
+        "sample_rate_Hz": design.sample_rate,
     }
     filters = [
         {
             "kind": "rational",
-            "numerator": one.numerator.tolist(),
-            "denominator": one.denominator.tolist(),
+            "numerator": filter_table.numerator.tolist(),
+            "denominator": filter_table.denominator.tolist(),
             "on": position,
         }
         for position, chain in CHAIN_OF_POSITION.items()
-        for one in asked.chains[chain]
+        for filter_table in design.chains[chain]
     ]
-    named = [("[[autopilot.filter]]", one) for one in filters]
-    return [("[autopilot]", _given(table)), *named]
+    named = [("[[autopilot.filter]]", filter_table) for filter_table in filters]
+    return [("[autopilot]", _without_none(table)), *named]
 
 
-def _given(table: Table) -> Table:
+def _without_none(table: Table) -> Table:
     return {key: value for key, value in table.items() if value is not None}
 
 
@@ -133,5 +133,5 @@ def _deg(angle: float | None) -> float | None:
 
 
 def _short(value: float) -> float:
-    """A number as the panel shows it, without the rounding of its unit."""
+    """Return a number to twelve digits, as the panel shows it, without the rounding of its unit."""
     return float(f"{value:.12g}")
