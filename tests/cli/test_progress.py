@@ -69,7 +69,7 @@ def test_a_page_tells_of_each_part() -> None:
 
 
 def test_a_study_tells_of_its_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(progress, "_LINES", 0.0)
+    monkeypatch.setattr(progress, "_LINE_INTERVAL_S", 0.0)
     monkeypatch.setattr(progress, "monotonic", iter(range(100_000)).__next__)
     (tmp_path / "all.toml").write_text(
         '[study]\nvehicle = "configuration-i"\n'

@@ -29,11 +29,11 @@ _PANELS = {
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
 """Names of all commands, and the panel of the help in which each stands."""
-_ELSEWHERE = {"init": "vehicles"}
+_FILE_OF_COMMAND = {"init": "vehicles"}
 """Commands that stand in the file of another."""
-_FAILING = ("strict", "surrogateescape")
+_STRICT_HANDLERS = ("strict", "surrogateescape")
 """How a stream handles errors if a letter that its encoding lacks ends in an exception."""
-_LIGHT = ("init", "explore", "doctor")
+_WITHOUT_ARITHMETIC = ("init", "explore", "doctor")
 """Commands that compute nothing."""
 
 
@@ -51,7 +51,7 @@ class _Late(Mapping[str, Any]):
 
         command = function_of(name)
         if not isinstance(command, typer.Typer):
-            command = grouped(command) if name in _LIGHT else _strict(grouped(command))
+            command = grouped(command) if name in _WITHOUT_ARITHMETIC else _strict(grouped(command))
         return _named(_made(name, command))
 
 
@@ -89,7 +89,7 @@ def _listed(name: str) -> Any:
 
     def command() -> None: ...
 
-    text = get_data("tvclin.cli", f"{_ELSEWHERE.get(name, name)}.py") or b""
+    text = get_data("tvclin.cli", f"{_FILE_OF_COMMAND.get(name, name)}.py") or b""
     said = re.search(rf'(?s)^(?:def {name}\(.*?"""|{name} = .*?help=")(.+?)"', text.decode(), re.M)
     command.__doc__ = said[1] if said else None
     return _made(name, command)
@@ -101,7 +101,7 @@ def _unwrapped(command: Any) -> Any:
     typer keeps the line ends of a docstring in every paragraph but the first.
     """
     paragraphs = (command.help or "").split("\n\n")
-    command.help = "\n\n".join(" ".join(one.split()) for one in paragraphs)
+    command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
     for below in getattr(command, "commands", {}).values():
         _unwrapped(below)
     return command
@@ -109,7 +109,7 @@ def _unwrapped(command: Any) -> Any:
 
 def function_of(name: str) -> Any:
     """Return the function of a command, or the commands below it."""
-    return getattr(import_module(f"tvclin.cli.{_ELSEWHERE.get(name, name)}"), name)
+    return getattr(import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}"), name)
 
 
 class Commands(TyperGroup):
@@ -134,7 +134,7 @@ class Commands(TyperGroup):
 
     def make_context(self, *given: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""
-        with _in_one_sentence():
+        with _input_errors_as_messages():
             return super().make_context(*given, **options)
 
     def invoke(self, ctx: Any) -> Any:
@@ -144,7 +144,7 @@ class Commands(TyperGroup):
         def tell(sentence: str) -> None:
             _say(f"Warning: {sentence}")
 
-        with _in_one_sentence(), warned(tell, machine=tell):
+        with _input_errors_as_messages(), warned(tell, machine=tell):
             return super().invoke(ctx)
 
 
@@ -173,15 +173,15 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @contextmanager
-def _in_one_sentence() -> Iterator[None]:
+def _input_errors_as_messages() -> Iterator[None]:
     """Say what is wrong with an input, and leave with exit code 2."""
     try:
         yield
     except Exception as error:
-        sentence = _sentence(error)
-        if sentence is None:
+        message = _sentence(error)
+        if message is None:
             raise
-        _say(f"Error: {sentence}")
+        _say(f"Error: {message}")
         raise typer.Exit(2) from None
 
 
@@ -242,7 +242,7 @@ def main() -> None:
     of the terminal that is no positive number (``COLUMNS=0``) counts as none. Told to end
     (SIGTERM), it cleans up as after Ctrl-C.
     """
-    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors in _FAILING:
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors in _STRICT_HANDLERS:
         sys.stdout.reconfigure(errors="replace")
     if not re.fullmatch(r"0*[1-9]\d{0,3}", os.environ.get("COLUMNS", "1")):
         del os.environ["COLUMNS"]

@@ -48,8 +48,8 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
 
-_SHORTEST, _LONGEST = 0.2, 8.0
-"""Of the durations among which the worst is sought, in units of the one that was given."""
+_MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
+"""Range of the search for the worst duration, over the duration of the given wind."""
 
 
 def autopilot(
@@ -82,7 +82,9 @@ def autopilot(
     Exit code 0: the criteria are MET, and the limit is SUFFICIENT or not given; 1: they are NOT
     MET, as of an unstable loop, the limit is NOT SUFFICIENT, or that is NOT KNOWN; 2: bad input.
     """
-    changes = [one.over for one in (limits, samples, motion, sign, criteria, least, gains, loop)]
+    changes = [
+        options.over for options in (limits, samples, motion, sign, criteria, least, gains, loop)
+    ]
     case = case_of(vehicle, *changes, blows=blows.over, told=("autopilot",), rigid=rigid, time=time)
     with waiting("seeking gains and the worst duration"):
         sought = least.found(case, case.held_to)
@@ -90,24 +92,26 @@ def autopilot(
         loop_of = autopilot_asked(case, wind, case.held_to) if sought is None else sought.autopilot
         compared = compare_with_trim(case.plant, loop_of, wind)
         worst, need = _worst(compared, case.wind_in_plane), study_requirement(case)
-        alone = replace(case, nozzle=replace(case.nozzle, stop=None))  # in this plane
+        single_plane_case = replace(case, nozzle=replace(case.nozzle, stop=None))  # in this plane
         flown, reason = None, "the loop is not stable"
         if compared.margins.stable:
             try:
-                flown = autopilot_requirement(alone, case.plant, loop_of, study_requirement(alone))
+                flown = autopilot_requirement(
+                    single_plane_case, case.plant, loop_of, study_requirement(single_plane_case)
+                )
             except InputError as error:
                 reason = str(error)
-        found = _Found(case, compared, worst, sought, need, flown, reason)
+        result = _Answer(case, compared, worst, sought, need, flown, reason)
     if shown.plot is not None:
         with waiting("drawing"):
-            found.draw(shown.plot)
+            result.draw(shown.plot)
     note_nominal_pressure(case)
-    answer(shown.as_json, found.document, lambda: found.print(blows.title(case, "")), found.met)
+    answer(shown.as_json, result.document, lambda: result.print(blows.title(case, "")), result.met)
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    """What an autopilot needs in the wind of a case, and in the one that asks for most."""
+class _Answer:
+    """Required deflection of an autopilot in the wind of a case, and in the worst duration."""
 
     case: StudyPlan
     compared: TrimComparison
@@ -124,7 +128,7 @@ class _Found:
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
 
@@ -139,25 +143,25 @@ class _Found:
     def sufficient(self) -> bool | None:
         """Whether the limit is sufficient in this wind; None without one, and if not known.
 
-        What is not flown with its limit is known to survive where it never reaches that.
+        A loop that was not flown with its limits survives where it never reaches them.
         """
-        limit, most = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
+        limit, max_rate = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
         if limit is None or self.beyond:
             return None
         if self.flown is not None:
             return self.flown.sufficient(limit)
         within = self.compared.peak_deflection <= limit
-        return True if within and self.compared.peak_deflection_rate <= most else None
+        return True if within and self.compared.peak_deflection_rate <= max_rate else None
 
     @cached_property
     def criteria_met(self) -> bool:
-        """Whether the margins are those that are asked for."""
-        found = self.compared
-        return MarginsFound.of(found.autopilot, found.plant, self.case.held_to).met
+        """Whether the margins satisfy the criteria."""
+        compared = self.compared
+        return MarginsFound.of(compared.autopilot, compared.plant, self.case.held_to).met
 
     @cached_property
     def loop_notes(self) -> tuple[str, ...]:
-        """What was not specified, and what satisfies the criteria."""
+        """Notes on gains that were not specified, and on gains that satisfy the criteria."""
         return tuple(gain_notes(self.case, self.case.held_to, self.criteria_met))
 
     @property
@@ -169,31 +173,31 @@ class _Found:
     @property
     def loads(self) -> tuple[float, float]:
         """Normal force [N] and speed across [m/s]; NaN for a vehicle known by its coefficients."""
-        vehicle, found = self.case.vehicle, self.compared
+        vehicle, compared = self.case.vehicle, self.compared
         if not isinstance(vehicle, Vehicle):
             return float("nan"), float("nan")
-        force = abs(float(vehicle.normal_force_slope)) * found.peak_angle_of_attack
-        return force, found.peak_flight_path_angle * float(vehicle.velocity)
+        force = abs(float(vehicle.normal_force_slope)) * compared.peak_angle_of_attack
+        return force, compared.peak_flight_path_angle * float(vehicle.velocity)
 
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
-        found, (force, across) = self.compared, self.loads
-        bounds = {f"{K:g}": degrees(one) for K, one in found.boundaries.items()}
+        compared, (force, across) = self.compared, self.loads
+        bounds = {f"{K:g}": degrees(boundary) for K, boundary in compared.boundaries.items()}
         return {
             **picked(self.case, "vehicle=vehicle.name model=plant.model plane"),
-            "autopilot": found.autopilot,
-            **poles_document(found.autopilot, found.plant),
+            "autopilot": compared.autopilot,
+            **poles_document(compared.autopilot, compared.plant),
             **picked(
-                found,
+                compared,
                 "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
                 " part_of_trim=ratio_to_trim peak_deflection_rate_deg_s peak_angle_of_attack_deg",
             ),
             "peak_normal_force_N": force,
-            **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
+            **picked(compared, "peak_attitude_deg peak_flight_path_angle_deg"),
             "peak_lateral_speed_m_s": across,
-            **picked(found, "trim_deg=trim_deflection"),
+            **picked(compared, "trim_deg=trim_deflection"),
             "boundaries_deg": bounds,
-            **picked(found, "minimum_deg wind_gain"),
+            **picked(compared, "minimum_deg wind_gain"),
             "worst_duration": self.worst,
             "criteria": picked(self.case.held_to, "name requirements") | {"met": self.criteria_met},
             "limit_deg": self.limit,
@@ -208,18 +212,18 @@ class _Found:
         }
 
     def print(self, title: str) -> None:
-        """Print the autopilot, what it needs, and the verdict; and how it was sought."""
-        found = self.compared
-        print_autopilot(title, found.autopilot, found.plant)
-        if found.margins.stable:
+        """Print the autopilot, its requirement and the verdict, and the search for its gains."""
+        compared = self.compared
+        print_autopilot(title, compared.autopilot, compared.plant)
+        if compared.margins.stable:
             stop = None if self.flown is None else self.flown.nominal_deflection
-            print_tables(found.deflections(f"Deflection in this wind, {NOMINAL}", stop))
-            print_tables(quantities("In this wind", [*found.motions(), *self._more()]))
-            print_bounds(found.autopilot, found.plant)
+            print_tables(compared.deflections(f"Deflection in this wind, {NOMINAL}", stop))
+            print_tables(quantities("In this wind", [*compared.motions(), *self._more()]))
+            print_bounds(compared.autopilot, compared.plant)
             say_notes(self.notes)
             self._judge()
         else:
-            say(f"NO NUMBERS: {found.margins.reason}")
+            say(f"NO NUMBERS: {compared.margins.reason}")
         say_notes(self.loop_notes)
         if self.sought is not None:
             print_least(self.sought)
@@ -242,7 +246,7 @@ class _Found:
 
     @property
     def _requirement(self) -> str:
-        """The autopilot requirement, and what the autopilot uses without a limit, in words."""
+        """Sentence on the autopilot requirement, and on the peak deflection without a limit."""
         uses = f"without a limit it uses {degrees(self.compared.peak_deflection):.3f} deg"
         if self.flown is None or self.beyond:
             return f"{sufficiency(None)}: {self.beyond or self.reason}; {uses}"
@@ -257,7 +261,7 @@ class _Found:
         return f"{head}, {nominal}; {uses}"
 
     def _more(self) -> Iterator[Row]:
-        """Yield what takes the whole vehicle, and the wind that asks most."""
+        """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""
         (force, across), worst = self.loads, self.worst
         if isfinite(force):
             yield (
@@ -272,7 +276,7 @@ class _Found:
             yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
 
     def draw(self, plot: Path) -> None:
-        """Draw what a disk margin costs, where gains were sought, or else a stable response."""
+        """Draw the front of the disk margin, where gains were sought, or else a stable response."""
         from tvclin import plots
 
         if self.sought is not None:
@@ -286,15 +290,15 @@ class _Found:
             say(f"No figure is written to {plot}: {said}.", err=True)
 
 
-def _worst(found: TrimComparison, wind: Any) -> WorstDuration | None:
-    """The worst duration of a pulse; a sounding has the one that it has."""
-    if not isinstance(wind, ShapedWind) or not found.margins.stable or not wind.peak:
+def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:
+    """Return the worst duration of a pulse; None for a sounding, or an unstable loop."""
+    if not isinstance(wind, ShapedWind) or not compared.margins.stable or not wind.peak:
         return None
     return worst_duration(
-        found.plant,
-        replace(found.autopilot, sample_rate=None),
+        compared.plant,
+        replace(compared.autopilot, sample_rate=None),
         peak=wind.peak,
-        shortest=_SHORTEST * wind.duration,
-        longest=_LONGEST * wind.duration,
+        shortest=_MIN_DURATION_RATIO * wind.duration,
+        longest=_MAX_DURATION_RATIO * wind.duration,
         shape=lambda peak, duration: wind.history({"wind_peak": peak, "wind_duration": duration}),
     )

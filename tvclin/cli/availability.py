@@ -34,12 +34,12 @@ from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.sounding_files import read_soundings
 
-_OF_ARCHIVES = ("years", "station", "in_order", "dates", "utc_offset")
+_ARCHIVE_FIELDS = ("years", "station", "in_order", "dates", "utc_offset")
 
 
 @dataclass(frozen=True)
 class ArchiveOptions(FormatOptions):
-    """Which soundings of an archive count; `grouped` gives the options."""
+    """Options that select soundings of an archive; `grouped` gives them to a command."""
 
     months: list[int] | None = asked(
         "Only this month, from 1 to 12; may be given several times.", flag="--month"
@@ -66,7 +66,7 @@ class ArchiveOptions(FormatOptions):
             return read_soundings(
                 archive,
                 months=self.months or None,
-                **{name: getattr(self, name) for name in _OF_ARCHIVES},
+                **{name: getattr(self, name) for name in _ARCHIVE_FIELDS},
                 **self.reading,
                 progress=progress,
             )
@@ -74,7 +74,7 @@ class ArchiveOptions(FormatOptions):
 
 @dataclass(frozen=True)
 class JudgedOptions:
-    """How soundings are judged, and the balloon of today; `grouped` gives the options."""
+    """Options of the judgement of soundings, and of today's balloon; `grouped` gives them."""
 
     stop: str = asked("Stop of the nozzle: round (root of the sum of squares) or square.", "round")
     persistence_deg: float | None = asked(
@@ -92,7 +92,7 @@ class JudgedOptions:
 
     @property
     def growth(self) -> float | PairGrowth | None:
-        """An angle [rad], or how needs grew in the archive; None without an option."""
+        """Persistence angle [rad], or growth of need in the archive; None without an option."""
         if self.persistence_deg is not None and self.persistence_hours is not None:
             raise InputError("give --persistence-deg or --persistence-hours, not both")
         if self.persistence_hours is not None:
@@ -171,7 +171,7 @@ def availability(
     flight, balloon = load_schedule(source).between(begin, end), judged.balloon(**only.reading)
     soundings, (gust, speed) = only.read(archive), blows.on_top
     with bar("soundings") as progress:
-        found = availability_of(
+        result = availability_of(
             flight,
             soundings,
             limit=limit,
@@ -185,51 +185,61 @@ def availability(
             **sign.values,
             **question.values,
         )
-    today = () if balloon is None else found.today(balloon)
+    today = () if balloon is None else result.today(balloon)
     if csv is not None:
-        found.to_csv(csv)
-    draw(plot, lambda: plots.availability_chart(found, source))
-    yes = all(one.go for one in today) if today else any(part.judged for part in found.part())
-    answer(as_json, lambda: _document(found, today), lambda: _print(found, today, source), yes)
+        result.to_csv(csv)
+    draw(plot, lambda: plots.availability_chart(result, source))
+    yes = (
+        all(answer_today.go for answer_today in today)
+        if today
+        else any(fraction.judged for fraction in result.part())
+    )
+    answer(as_json, lambda: _document(result, today), lambda: _print(result, today, source), yes)
 
 
-def _document(found: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
-    """What was found, with the balloon of today in each direction, as JSON."""
-    document = found.as_dict()
-    for towards, one in zip(document["towards"], today, strict=False):
-        towards["today"] = one
+def _document(result: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
+    """Return the availability, with the balloon of today in each direction, for JSON."""
+    document = result.as_dict()
+    for towards, answer_today in zip(document["towards"], today, strict=False):
+        towards["today"] = answer_today
     return document
 
 
-def _print(found: Availability, launch: tuple[Today, ...], source: str) -> None:
-    name = found.judge.flight.vehicle.name or source
-    say(f"{name}, {found.model}, {PLANE_TEXTS[found.plane]}: {found.soundings!r}\n")
-    azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
-    begin, end = found.judged_in_all
-    say(f"Limit {np.degrees(found.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")
-    for azimuth, part in zip(azimuths, found.part(), strict=True):
-        say(f"towards {azimuth} deg: {part}")
-    say(answer_tables.interval(found))
+def _print(result: Availability, launch: tuple[Today, ...], source: str) -> None:
+    name = result.judge.flight.vehicle.name or source
+    say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings!r}\n")
+    azimuths = [f"{angle:.4g}" for angle in np.degrees(np.atleast_1d(result.azimuth)).tolist()]
+    begin, end = result.judged_in_all
+    say(f"Limit {np.degrees(result.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")
+    for azimuth, fraction in zip(azimuths, result.part(), strict=True):
+        say(f"towards {azimuth} deg: {fraction}")
+    say(answer_tables.interval(result))
     typer.echo()
-    print_tables(answer_tables.by_month(found), answer_tables.placard(found))
+    print_tables(answer_tables.by_month(result), answer_tables.placard(result))
     say(
         "A sounding that meets its limit more than once is flown only if that decides about"
-        f" {np.degrees(found.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
+        f" {np.degrees(result.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
         " it asks for; need_deg is the lower of them, and empty where this limit is not judged. Ask"
         " again for another limit."
     )
-    for azimuth, one in zip(azimuths, launch, strict=False):
-        cut = one.judged != found.judge.flight.span and not one.why
-        part = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*one.judged) * cut
-        say(f"Today towards {azimuth} deg: {_said(one)}{part}")
-    say_notes(found.notes)
+    for azimuth, answer_today in zip(azimuths, launch, strict=False):
+        cut = answer_today.judged != result.judge.flight.span and not answer_today.why
+        fraction = (
+            "; from {:.4g} to {:.4g} s, the rest is not judged".format(*answer_today.judged) * cut
+        )
+        say(f"Today towards {azimuth} deg: {_said(answer_today)}{fraction}")
+    say_notes(result.notes)
 
 
-def _said(one: Today) -> str:
-    """What a balloon says, in words."""
-    if one.go is None:
-        between = f", between {np.degrees(one.least):.3f} and {np.degrees(one.most):.3f} deg"
-        return f"NOT KNOWN{f', {one.why}' if one.why else between}"
-    need = np.degrees(one.most if one.go else one.least)
-    beside = "" if np.isnan(one.part) else f", more than {100 * one.part:.0f} % of the archive"
-    return f"{'GO' if one.go else 'NO GO'}, it asks for {need:.3f} deg{beside}"
+def _said(balloon: Today) -> str:
+    """Return the verdict on a balloon, in words."""
+    if balloon.go is None:
+        between = (
+            f", between {np.degrees(balloon.least):.3f} and {np.degrees(balloon.most):.3f} deg"
+        )
+        return f"NOT KNOWN{f', {balloon.why}' if balloon.why else between}"
+    need = np.degrees(balloon.most if balloon.go else balloon.least)
+    archive_text = (
+        "" if np.isnan(balloon.part) else f", more than {100 * balloon.part:.0f} % of the archive"
+    )
+    return f"{'GO' if balloon.go else 'NO GO'}, it asks for {need:.3f} deg{archive_text}"

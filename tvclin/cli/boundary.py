@@ -47,20 +47,20 @@ def boundary(
 
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, plant, plane, own = _subject(vehicle, time, motion)
-    wind = chosen(wind, own)
+    name, plant, plane, file_shape = _subject(vehicle, time, motion)
+    wind = chosen(wind, file_shape)
     shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
     # of one unit of peak: the boundary limit does not depend on it
-    blows = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
-    limits = with_larger_requirements(plant, blows, K, boundary_limit(plant, blows, K))
+    pulses = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
+    limits = with_larger_requirements(plant, pulses, K, boundary_limit(plant, pulses, K))
     shown = None if vehicle is None else plant.coefficients
     axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
     curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
     draw(plot, lambda: plots.boundary_chart(curve, K.tolist(), shown))
     if as_json:
         head = {"vehicle": name or None, "wind": wind, "model": plant.model, "plane": plane}
-        found = {"dead_band": K, "limit": limits.limit, "status": limits.status.tolist()}
-        print_json(head | {axis.replace("*", "_"): x} | found)
+        results = {"dead_band": K, "limit": limits.limit, "status": limits.status.tolist()}
+        print_json(head | {axis.replace("*", "_"): x} | results)
         return
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     caption = f"{title}: boundary limit y_BR {NOMINAL}, {wind} wind"
@@ -69,7 +69,7 @@ def boundary(
 
 
 def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[str, Plant, str, str]:
-    """Name, plant, plane and shape of the wind of a file; without one those of any vehicle."""
+    """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1."""
     if vehicle is None:
         motion.only_with("a vehicle")
         only_with("a vehicle", at=time)
@@ -80,7 +80,7 @@ def _subject(vehicle: str | None, time: float | None, motion: Given) -> tuple[st
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
-    """What is odd about a part of the table: for each K from which duration to which."""
+    """Return notes on irregular entries of the table, with their K and range of duration."""
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
         for said in dict.fromkeys(column[column != OK].tolist()):

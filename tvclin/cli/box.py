@@ -1,4 +1,4 @@
-"""What `tvclin margins --box` adds: the worst margins when numbers lie anywhere in a box."""
+"""The answer of `tvclin margins --box`: the worst margins when numbers lie anywhere in a box."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
@@ -33,26 +33,26 @@ Box = Annotated[
 
 @dataclass(frozen=True, eq=False)
 class BoxFound:
-    """The worst case in a box, and what is asked of its margins."""
+    """The worst case in a box, and the criteria of its margins."""
 
     worst: WorstCase
     asked: Criteria
 
     @property
     def met(self) -> bool:
-        """Whether the worst margins are those that are asked for, as far as they are known."""
+        """Whether the worst margins satisfy the criteria, as far as they are known."""
         return self.worst.stable and all(
-            self.worst.margins[one.margin].value >= one.limit
-            for one in self.asked.requirements
-            if one.margin in self.worst.margins
+            self.worst.margins[requirement.margin].value >= requirement.limit
+            for requirement in self.asked.requirements
+            if requirement.margin in self.worst.margins
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the worst case and the verdict, for JSON."""
         return self.worst.as_dict() | {"met": self.met}
 
     def print(self) -> None:
-        """Print the worst margins and the worst deflection, where they are, and the verdict."""
+        """Print the worst margins and deflection, the numbers that give them, and the verdict."""
         print_tables(self.worst.table())
         if not self.worst.stable:
             say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
@@ -74,8 +74,8 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
             " through a sounding"
         )
     box: dict[str, tuple[float, float]] = {}
-    for one in given:
-        name, ends = _interval(one, vehicle, loop, wind)
+    for text in given:
+        name, ends = _interval(text, vehicle, loop, wind)
         if name in box:
             raise InputError(f"--box gives {name} twice")
         box[name] = ends
@@ -86,10 +86,10 @@ def worst_in_box(given: list[str], case: StudyPlan, autopilot: Autopilot) -> Box
 
 
 def _interval(
-    one: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind
+    text: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind
 ) -> tuple[str, tuple[float, float]]:
-    """The name of a number, and its two ends [SI]."""
-    key, (low, high), percent = _parted(one)
+    """Return the name of a number, and its two ends [SI]."""
+    key, (low, high), percent = _split(text)
     if not percent:
         ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
         return name, (factor * low, factor * high)
@@ -97,19 +97,19 @@ def _interval(
     centre = _nominal(key, vehicle, autopilot, wind)
     if not centre:
         raise InputError(
-            f"--box {one}: {key} has no nominal value for a percentage; give both ends in its unit"
+            f"--box {text}: {key} has no nominal value for a percentage; give both ends in its unit"
         )
     factor = 0.01 * abs(centre)
     return key, (centre + factor * low, centre + factor * high)
 
 
-def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
-    """The key, the two numbers, and whether they are in percent."""
-    key, found, ends = one.partition("=")
-    low, dots, high = (part.strip() for part in ends.partition(".."))
-    if not found or not dots:
+def _split(text: str) -> tuple[str, tuple[float, float], bool]:
+    """Return the key, the two numbers, and whether they are in percent."""
+    key, equals, ends = text.partition("=")
+    low, dots, high = (end.strip() for end in ends.partition(".."))
+    if not equals or not dots:
         raise InputError(
-            f"--box must be KEY=LO..HI, as in delay_ms=0..40 or thrust=-3%..3%; got {one!r}"
+            f"--box must be KEY=LO..HI, as in delay_ms=0..40 or thrust=-3%..3%; got {text!r}"
         )
     percent = low.endswith("%") and high.endswith("%")
     if percent:
@@ -118,16 +118,16 @@ def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
         return key.strip(), (float(low), float(high)), percent
     except ValueError:
         raise InputError(
-            f"--box must have two numbers beside the dots, both in percent or neither; got {one!r}"
+            f"--box must have two numbers beside the dots, both in percent or neither; got {text!r}"
         ) from None
 
 
 def _nominal(name: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind) -> float:
-    """The nominal value of a number; zero where there is none."""
+    """Return the nominal value of a number; zero where none is defined."""
     actuator = autopilot.actuator
-    known: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}
+    values: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}
     if actuator is not None:
-        known["actuator_frequency"] = actuator.natural_frequency
-        known["actuator_damping"] = actuator.damping
-    value = known.get(name)
+        values["actuator_frequency"] = actuator.natural_frequency
+        values["actuator_damping"] = actuator.damping
+    value = values.get(name)
     return float(value) if isinstance(value, int | float) else 0.0

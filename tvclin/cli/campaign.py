@@ -38,7 +38,7 @@ Output = Annotated[
 
 @dataclass(frozen=True)
 class WorkOptions:
-    """What computes, and which part; `grouped` gives the options to a command."""
+    """Options of the workers and of the shard computed; `grouped` gives them to a command."""
 
     workers: int | None = asked("Number of worker processes. Without it: none but this one.")
     scheduler: str | None = asked("A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
@@ -46,7 +46,7 @@ class WorkOptions:
 
     @contextmanager
     def told(self, folder: Path) -> Iterator[dict[str, Any]]:
-        """Lend what a run into a folder is told; say how to go on where the user interrupts."""
+        """Yield the arguments of a run into a folder; on an interrupt print how to resume."""
         try:
             with self._executor() as executor, bar("cases") as progress:
                 yield {"executor": executor, "shard": self.shard, "progress": progress}
@@ -96,9 +96,9 @@ def run(
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     plan = sign.over(plan)
-    with work.told(folder) as told:
-        found = run_campaign(plan, folder, **told)
-    _print_done(found)
+    with work.told(folder) as arguments:
+        results = run_campaign(plan, folder, **arguments)
+    _print_done(results)
 
 
 @campaign.command()
@@ -110,9 +110,9 @@ def resume(folder: Folder, work: WorkOptions = GROUP) -> None:
     """
     for said in damaged(folder, read_manifest(folder)).values():
         say(f"Warning: {said}", err=True)
-    with work.told(folder) as told:
-        found = resume_campaign(folder, **told)
-    _print_done(found)
+    with work.told(folder) as arguments:
+        results = resume_campaign(folder, **arguments)
+    _print_done(results)
 
 
 @campaign.command()
@@ -133,8 +133,8 @@ def show(
     limit = (
         None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
     )
-    found = open_campaign(folder)
-    summary = CampaignSummary.of(found, output, limit, probability, confidence)
+    results = open_campaign(folder)
+    summary = CampaignSummary.of(results, output, limit, probability, confidence)
     answer(as_json, lambda: summary, lambda: print_tables(*summary.tables()))
 
 
@@ -151,11 +151,11 @@ def replay(
 
     Exit code 0: answered; 2: bad input.
     """
-    one = open_campaign(folder).replay(case)
-    answer(as_json, lambda: one, lambda: print_tables(*one.tables()))
+    replayed = open_campaign(folder).replay(case)
+    answer(as_json, lambda: replayed, lambda: print_tables(*replayed.tables()))
 
 
-def _print_done(found: CampaignResults) -> None:
-    of = f"{found.cases} of {found.campaign.cases} cases are done"
-    enough = "; the answer has converged" if found.converged else ""
-    say(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
+def _print_done(results: CampaignResults) -> None:
+    of = f"{results.cases} of {results.campaign.cases} cases are done"
+    convergence = "; the answer has converged" if results.converged else ""
+    say(f"{of}{convergence}. Show them with: tvclin campaign show {called(results.folder)}")

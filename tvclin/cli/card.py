@@ -1,4 +1,4 @@
-"""`tvclin card`: what a whole flight asks of the nozzle, as the lines of its data sheet."""
+"""`tvclin card`: the duty of the nozzle in a whole flight, as the lines of its data sheet."""
 
 from math import radians
 from pathlib import Path
@@ -18,8 +18,8 @@ from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
-_FLIGHT = "start stop every window"
-"""What a card asks of a flight as a sizing does."""
+_SIZING_FIELDS = "start stop every window"
+"""Fields of `SizingRequest` that a card takes as options too."""
 
 
 def card(
@@ -37,7 +37,7 @@ def card(
     ),
     seed: int | None = asked("Seed of the noise.", shown="0"),
     steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
-    question: Given = Given("answers.sizing.request.SizingRequest", _FLIGHT, "sizing"),
+    question: Given = Given("answers.sizing.request.SizingRequest", _SIZING_FIELDS, "sizing"),
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
     sign: Given = Given(STUDY, "sign"),
@@ -64,7 +64,7 @@ def card(
     if not noise:
         only_with("--noise-deg", seed=seed)
     with bar("flight times and winds") as progress:
-        found = flight_card(
+        result = flight_card(
             case,
             case.sizing,
             flies,
@@ -73,18 +73,18 @@ def card(
             window=length,
             progress=progress,
         )
-    notes = [*case.sizing.warnings, *case.sizing.notes, *found.notes]
+    notes = [*case.sizing.warnings, *case.sizing.notes, *result.notes]
     if csv is not None:
-        found.to_csv(csv)
+        result.to_csv(csv)
     answer(
         as_json,
-        lambda: found.as_dict() | {"notes": notes},
-        lambda: _print(found, notes),
-        bool(found.verdict.met),
+        lambda: result.as_dict() | {"notes": notes},
+        lambda: _print(result, notes),
+        bool(result.verdict.met),
     )
 
 
-def _print(found: FlightCard, notes: list[str]) -> None:
-    print_tables(*found.tables())
+def _print(result: FlightCard, notes: list[str]) -> None:
+    print_tables(*result.tables())
     say_notes(notes)
-    say(f"Verdict: {found.verdict.words}.")
+    say(f"Verdict: {result.verdict.words}.")

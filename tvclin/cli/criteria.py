@@ -1,4 +1,4 @@
-"""The options of what margins are held to, and the criteria that they ask for."""
+"""Options of the criteria of margins, and the criteria that they specify."""
 
 from dataclasses import dataclass, replace
 
@@ -45,8 +45,10 @@ class CriteriaOptions:
             ("--mode-phase-deg", ("mode_phase_margin_deg",), self.mode_phase_deg, "deg"),
         ):
             if value is not None:
-                least = float(nonnegative(option, value, unit)) / (1000.0 if unit == "ms" else 1.0)
-                limits |= dict.fromkeys(names, least)
+                minimum = float(nonnegative(option, value, unit)) / (
+                    1000.0 if unit == "ms" else 1.0
+                )
+                limits |= dict.fromkeys(names, minimum)
         named = plan.held_to
         if self.criteria is not None:
             named = CRITERIA[one_of("--criteria", self.criteria, CRITERIA)]

@@ -26,18 +26,18 @@ def doctor(as_json: AsJson = False) -> None:
 
     packages, extras = _requirements()
     versions = {name: _version(name) for name in packages}
-    found = {extra: {name: _version(name) for name in names} for extra, names in extras.items()}
+    installed = {extra: {name: _version(name) for name in names} for extra, names in extras.items()}
     python = {"tvclin": _version("tvclin"), "python": sys.version.split()[0]}
     if as_json:
-        print_json({"versions": python | versions, "extras": found})
+        print_json({"versions": python | versions, "extras": installed})
         return
     rows = [[name, version or "missing"] for name, version in (python | versions).items()]
-    extra = map(_row, found, found.values())
+    extra = map(_row, installed, installed.values())
     print_tables(
         words("Versions", ["package", "version"], rows),
         words("Extras", ["extra: what it adds", "packages"], extra),
     )
-    wanting = [extra for extra, names in found.items() if None in names.values()]
+    wanting = [extra for extra, names in installed.items() if None in names.values()]
     if wanting:
         say(f"To add what is missing: {install(*wanting)}")
 

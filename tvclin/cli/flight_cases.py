@@ -1,4 +1,4 @@
-"""What `tvclin fly` flies, as its options name it."""
+"""Cases that `tvclin fly` flies, from its options."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -25,21 +25,25 @@ from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
-_TOLERANCE, _HIGHEST = 5e-4, 4.0
-"""Of a boundary that is flown, over the largest trim deflection."""
+_BOUNDARY_TOLERANCE_OVER_TRIM = 5e-4
+"""Tolerance of a flown boundary, over the largest trim deflection."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit tried for a flown boundary, over the largest trim deflection."""
 REPORT = "report"
 """The report's control, which is no feedback of a sampled law."""
-_WITH_BAND = (REPORT, "dead-band")
-_SPARE = 1.1
-_LONGEST = 1000.0
-"""Of a flight, over the time of its fastest mode; the solver takes about as many steps."""
-_SMALLEST = 2.5e-7
+_LAWS_WITH_DEAD_BAND = (REPORT, "dead-band")
+"""Names of the controls that take a dead band."""
+_LIMIT_OVER_BOUNDARY = 1.1
+"""Limit of a flight without --limit-deg, over its linear boundary."""
+_MAX_DURATION_OVER_MODE = 1000.0
+"""Longest flight over the time of its fastest mode; the solver takes about as many steps."""
+_MIN_PEAK_RAD = 2.5e-7
 """Peak [rad] at which the solver's tolerance, 1e-9 of it, is the rounding of the equations."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flying:
-    """A case whose wind is one history, what that is called, and the name of the law."""
+    """A case whose wind is one history, the name of that wind, and the name of the law."""
 
     case: StudyPlan
     shape: str
@@ -56,20 +60,20 @@ class Flying:
     def designed(self, plant: Plant) -> ReportControl | Law:
         """Return the report's control, or the law with its dead band or the gains of the case."""
         one_of("--law", self.law, [REPORT, *LAWS])
-        own: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
-        if own and self.law not in (REPORT, DEAD_BAND):
+        parameters: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
+        if parameters and self.law not in (REPORT, DEAD_BAND):
             raise InputError(f"--dead-band belongs to the laws {REPORT} and {DEAD_BAND}")
         if self.law == REPORT:
-            return ReportControl(**own)
+            return ReportControl(**parameters)
         if self.law == AUTOPILOT:
-            own = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
-        own["rate_limit"] = self.case.hardware["rate_limit"]
-        return design_law(self.law, plant, float(self.wind.peak), **own)
+            parameters = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
+        parameters["rate_limit"] = self.case.hardware["rate_limit"]
+        return design_law(self.law, plant, float(self.wind.peak), **parameters)
 
 
 @dataclass(frozen=True, eq=False)
 class FlightCase(Flying):
-    """What is flown, and its linear boundary and the minimum over all unstable poles [rad]."""
+    """A flight, its linear boundary, and the minimum over all unstable poles [rad]."""
 
     engine: str
     control: ReportControl | Law
@@ -91,7 +95,7 @@ class FlightCase(Flying):
 
     @property
     def heads(self) -> list[str]:
-        """What is flown, and what it takes for granted."""
+        """Lines on the engine of the flight and its assumptions."""
         assumed = f"parameters frozen {NOMINAL}, flat planet at rest, rigid, no actuator"
         if self.condition is not None:
             assumed = (
@@ -110,32 +114,32 @@ class FlightCase(Flying):
 
     @property
     def options(self) -> dict[str, Any]:
-        """What every flight of it is told."""
+        """Arguments of every flight of the case."""
         return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
 
 
 def flight_case(
-    asked: Flying, engine: str, condition: FlightCondition | None, length: float
+    flying: Flying, engine: str, condition: FlightCondition | None, length: float
 ) -> FlightCase:
-    """Return what is flown for a length [s], with a tenth of limit to spare if none is given."""
-    asked = replace(asked, case=replace(asked.case, model=""))
-    plant, wind = asked.case.plant.rigid, asked.wind
+    """Return the case of a flight of a length [s]; the default limit is 1.1 times the boundary."""
+    flying = replace(flying, case=replace(flying.case, model=""))
+    plant, wind = flying.case.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
-    control = asked.designed(plant)
-    least = linear_boundary(plant, control, wind)
-    limit = asked.case.nozzle.limit or _SPARE * least
+    control = flying.designed(plant)
+    boundary = linear_boundary(plant, control, wind)
+    limit = flying.case.nozzle.limit or _LIMIT_OVER_BOUNDARY * boundary
     if np.isinf(limit):
         raise InputError("no limit is sufficient with this dead band; give --limit-deg")
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
-    own = vars(asked)
-    if asked.law in _WITH_BAND:
-        own = vars(replace(asked, dead_band=getattr(control, "dead_band", None)))
+    fields = vars(flying)
+    if flying.law in _LAWS_WITH_DEAD_BAND:
+        fields = vars(replace(flying, dead_band=getattr(control, "dead_band", None)))
     return FlightCase(
-        **own,
+        **fields,
         engine=engine,
         control=control,
         condition=condition,
-        boundary=least,
+        boundary=boundary,
         minimum=minimum,
         limit=limit,
     )
@@ -152,28 +156,29 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
             " unstable vehicle alone has; --engine linear --law autopilot flies this one"
         )
     pole = float(plant.coefficients.pole)
-    if abs(float(wind.peak)) < _SMALLEST:
+    if abs(float(wind.peak)) < _MIN_PEAK_RAD:
         raise InputError(
-            f"the peak of the wind must be at least {np.degrees(_SMALLEST):.3g} deg: below, the"
+            f"the peak of the wind must be at least {np.degrees(_MIN_PEAK_RAD):.3g} deg: below, the"
             " flight is lost in the rounding of its equations; got"
             f" {abs(np.degrees(float(wind.peak))):.3g} deg (the boundary is proportional to it)"
         )
-    longest = _LONGEST / float(np.abs(all_modes(plant).poles).max())
+    longest = _MAX_DURATION_OVER_MODE / float(np.abs(all_modes(plant).poles).max())
     flown = max(length, verdict_time(wind, pole) - float(wind.onset))
     if flown > longest:
         raise InputError(
-            f"a flight must be at most {longest:.4g} s long, {_LONGEST:g} times that of its fastest"
-            f" mode; got {flown:.4g} s: give a shorter --duration, or a smaller --until"
+            f"a flight must be at most {longest:.4g} s long, {_MAX_DURATION_OVER_MODE:g} times that"
+            f" of its fastest mode; got {flown:.4g} s: give a shorter --duration, or a smaller"
+            " --until"
         )
 
 
 def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> Compared:
-    """Return a flight of a length [s] beside the linear theory, with its boundary if asked for."""
+    """Return a flight of a length [s] with its linear theory, and its boundary on request."""
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)
-    told = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
-    flight = compare_flight(case.vehicle, case.control, case.wind, times, **told)
-    over = f"{limit / case.boundary:.4g} times the linear boundary"
+    arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
+    flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
+    ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
     return Compared(
         case=case,
         flight=flight,
@@ -183,7 +188,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=case.heads,
         ends=list(_ends(case, flight)),
-        title=f"Limit {np.degrees(limit):.3f} deg, {over}",
+        title=f"Limit {np.degrees(limit):.3f} deg, {ratio_text}",
         facts={
             "along_trajectory": case.condition is not None,
             "linear_model": DEFAULT_MODEL,
@@ -195,7 +200,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
 
 def _ends(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
-    """Whether the flight survives, and what is odd about it."""
+    """Yield lines on whether the flight survives, and notes on it."""
     flown = f"Flown at {case.pressure} dynamic pressure: {survival(flight.survived)}."
     yield f"{flown} Linear theory: {survival(flight.predicted)}."
     if case.limit < case.minimum and (flight.survived or flight.predicted):
@@ -211,17 +216,17 @@ def _ends(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
 
 
 def _flown_boundary(case: FlightCase) -> float:
-    """The boundary of its control [rad], in size, by flights."""
+    """Return the boundary of the case's control [rad], a magnitude, from flights."""
     chosen: dict[str, Any] = {"law": case.control}
     if isinstance(case.control, ReportControl):
         chosen = {"dead_band": case.control.dead_band}
-    found = flown_boundary(
+    result = flown_boundary(
         case.vehicle,
         case.wind,
         frozen=case.condition is None,
-        tolerance=_TOLERANCE,
-        highest=_HIGHEST,
+        tolerance=_BOUNDARY_TOLERANCE_OVER_TRIM,
+        highest=_MAX_LIMIT_OVER_TRIM,
         **chosen,
         **case.options,
     )
-    return abs(float(found.deflection))
+    return abs(float(result.deflection))

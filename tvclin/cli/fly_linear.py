@@ -19,19 +19,21 @@ from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed
 from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS, SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
 
-_SPARE, _HIGHEST = 1.1, 4.0
-"""Of the limit over the boundary, and of the limits tried for that over the largest trim."""
+_LIMIT_OVER_BOUNDARY = 1.1
+"""Limit of a flight without --limit-deg, over its boundary."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit tried for a boundary, over the largest trim deflection."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearCase(Flying):
-    """What is flown in steps."""
+    """A flight by the linear engine, in steps."""
 
     engine = "linear"
 
     @property
     def plant(self) -> AnyPlant:
-        """What flies."""
+        """The plant that is flown."""
         return self.case.plant
 
     @property
@@ -41,7 +43,7 @@ class LinearCase(Flying):
 
     @cached_property
     def control(self) -> Law:
-        """The law, with the filters that were asked for."""
+        """The law, with the filters of the case."""
         if self.law == REPORT:
             raise InputError(
                 f"--law {REPORT} has no actuator and no samples: fly it by --engine planar or"
@@ -54,11 +56,13 @@ class LinearCase(Flying):
     def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
         """Return the boundary of the law on a plant."""
         hardware = self.case.hardware
-        return closed_loop_boundary(plant, self.control, self.wind, highest=_HIGHEST, **hardware)
+        return closed_loop_boundary(
+            plant, self.control, self.wind, highest=_MAX_LIMIT_OVER_TRIM, **hardware
+        )
 
     @property
     def title(self) -> str:
-        """The vehicle, the wind, and what flies, in lines."""
+        """Lines on the vehicle, the wind, the equations and the law."""
         structure = self.case.vehicle.structure
         servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.asked.delay
         rate = self.case.hardware["sample_rate"]
@@ -80,31 +84,31 @@ def law_with_a_stop(case: StudyPlan, name: str) -> Law:
 
 
 def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
-    """Return the flight of a case; without a limit that has a tenth to spare."""
-    least = None
+    """Return the flight of a case; the default limit is 1.1 times the boundary."""
+    boundaries = None
     limit = case.case.nozzle.limit
     if limit is None or boundary:
         plants = (case.plant, case.plant.rigid) if case.bends else (case.plant,)
-        least = tuple(case.boundary(plant) for plant in plants)
+        boundaries = tuple(case.boundary(plant) for plant in plants)
     if limit is None:
-        assert least is not None
-        limit = _SPARE * abs(least[0].deflection)
+        assert boundaries is not None
+        limit = _LIMIT_OVER_BOUNDARY * abs(boundaries[0].deflection)
         if not np.isfinite(limit):
-            raise InputError(f"{least[0].status}: give --limit-deg, or another law")
+            raise InputError(f"{boundaries[0].status}: give --limit-deg, or another law")
     flight = fly_sampled(
         case.plant, case.control, case.wind, times, deflection_limit=limit, **case.case.hardware
     )
-    return _compared(case, limit, flight, least)
+    return _compared(case, limit, flight, boundaries)
 
 
 def _compared(
     case: LinearCase,
     limit: float,
     flight: SampledFlight,
-    least: tuple[ClosedLoopBoundary, ...] | None,
+    boundaries: tuple[ClosedLoopBoundary, ...] | None,
 ) -> Compared:
-    """A flight and its boundaries, where they were asked for, beside those of the rigid vehicle."""
-    both, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
+    """Return a flight and its boundaries, if any, compared with those of the rigid vehicle."""
+    labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
@@ -113,9 +117,11 @@ def _compared(
         limit=limit,
         beside="rigid",
         columns=("flexible", "rigid") if case.bends else ("flown",),
-        boundary=(abs(least[0].deflection), abs(least[-1].deflection)) if least else None,
+        boundary=(abs(boundaries[0].deflection), abs(boundaries[-1].deflection))
+        if boundaries
+        else None,
         heads=[case.title],
-        ends=list(_ends(case, flight, least or ())),
+        ends=list(_ends(case, flight, boundaries or ())),
         title=f"Limit {np.degrees(limit):.3f} deg{turning}",
         facts={
             "flexible": case.bends,
@@ -123,23 +129,23 @@ def _compared(
             "sample_rate_Hz": case.case.hardware["sample_rate"],
             "rate_limit_deg_per_s": None if rate is None else float(np.degrees(rate)),
             "delay_s": case.case.asked.delay,
-            "status": dict(zip(both, flight.status, strict=True)),
-            "peak_deflection_rate_deg_s": dict(zip(both, rates, strict=True)),
+            "status": dict(zip(labels, flight.status, strict=True)),
+            "peak_deflection_rate_deg_s": dict(zip(labels, rates, strict=True)),
         },
     )
 
 
 def _ends(
-    case: LinearCase, flight: SampledFlight, least: Iterable[ClosedLoopBoundary]
+    case: LinearCase, flight: SampledFlight, boundaries: Iterable[ClosedLoopBoundary]
 ) -> Iterator[str]:
-    """Whether the flights survive, and what is odd about their boundaries."""
+    """Yield lines on whether the flights survive, and notes on their boundaries."""
     flown, rigid = map(_word, flight.status)
     yield f"Flown {NOMINAL}: {flown}." + (f" Rigid: {rigid}." if case.bends else "")
     if "rings" in flight.status:
         yield RINGS_MEANS
-    for name, one in zip(("flexible", "rigid")[not case.bends :], least, strict=False):
-        if one.status != "ok":
-            yield f"Note: boundary, {name}: {one.status}"
+    for name, boundary in zip(("flexible", "rigid")[not case.bends :], boundaries, strict=False):
+        if boundary.status != "ok":
+            yield f"Note: boundary, {name}: {boundary.status}"
 
 
 RINGS_MEANS = (

@@ -1,4 +1,4 @@
-"""What `tvclin fly` shows of a flight, whatever flew: a table, JSON, a CSV file and a figure."""
+"""The answer of `tvclin fly`, of any engine: a table, JSON, a CSV file and a figure."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,7 +18,7 @@ from tvclin.winds.wind_angles import linear_notes
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A flight, and beside it the linear theory or the rigid vehicle; deflections in rad.
+    """A flight, compared with the linear theory or the rigid vehicle; deflections in rad.
 
     Both boundaries are None where neither was sought, and the first where that was not. `heads` and
     `ends` stand above and below the table, `title` and `columns` in it; `facts` are for JSON alone.
@@ -36,7 +36,7 @@ class Compared:
     facts: dict[str, Any] = field(default_factory=dict)
 
     def both(self, values: Any) -> dict[str, Any]:
-        """Return two values by what they are of."""
+        """Return the values of the flight and of its comparison, by name."""
         return dict(zip(("flown", self.beside), values, strict=True))
 
     def show(self, shown: ShownCurves) -> bool:
@@ -71,14 +71,16 @@ class Compared:
         return linear_notes(float(self.case.wind.peak))
 
     def _peaks(self) -> dict[str, list[float]]:
-        """The largest of each over the wind, of both [deg]."""
+        """Return the peak of each quantity over the wind, of flight and comparison [deg]."""
         return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
 
     def _ends(self) -> list[float | None] | None:
-        """Both boundaries [deg]."""
+        """Return the boundaries of flight and comparison [deg]; None without boundaries."""
         if self.boundary is None:
             return None
-        return [None if one is None else float(np.degrees(one)) for one in self.boundary]
+        return [
+            None if boundary is None else float(np.degrees(boundary)) for boundary in self.boundary
+        ]
 
     def _document(self) -> dict[str, Any]:
         case, ends = self.case, self._ends()

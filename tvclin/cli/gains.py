@@ -1,4 +1,4 @@
-"""The options that describe an autopilot, and the autopilot that they ask for."""
+"""Options that describe an autopilot, and the autopilot that they specify."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from tvclin.vehicle.filters import Filter
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """What stands about any law: filters, actuator and delay; `grouped` gives them to a command."""
+    """Options of any law's loop: filters, actuator, delay; `grouped` gives them to a command."""
 
     actuator_frequency: float | None = asked(
         "Natural frequency of the actuator, in rad/s; 0: no actuator.", shown="25.1"
@@ -70,12 +70,12 @@ class LoopOptions:
 
 @dataclass(frozen=True)
 class GainOptions(Given):
-    """The gains, or a rule for them."""
+    """Options of the gains, or of a rule for them."""
 
     def over(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these gains, or with this rule for them."""
-        given = self.values
-        return replace(plan, design=with_gains(plan.asked, **given)) if given else plan
+        values = self.values
+        return replace(plan, design=with_gains(plan.asked, **values)) if values else plan
 
 
 GAINS = GainOptions(
@@ -86,53 +86,53 @@ GAINS = GainOptions(
 
 @dataclass(frozen=True)
 class FlownLaw:
-    """What stands about a law that flies: samples, the gains of the law autopilot, and its loop."""
+    """Options of a flown law: its samples, the gains of the law autopilot, and its loop."""
 
     samples: Given = SAMPLE_RATE
     gains: Given = GAINS
     loop: LoopOptions = GROUP
 
     def over(self, plan: StudyPlan) -> StudyPlan:
-        """Return a plan with all of it."""
+        """Return a plan with the values of all these options."""
         return self.loop.over(self.gains.over(self.samples.over(plan)))
 
     def only_with(self, needed: str) -> None:
-        """Raise `InputError` if any of it is given, and means nothing without something else."""
+        """Raise `InputError` if any of these options is given without what it requires."""
         self.gains.only_with(needed)
         self.samples.only_with(needed)
         only_with(needed, **vars(self.loop))
 
 
-def with_gains(asked: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:
-    """Return a design with gains or a rule that options give.
+def with_gains(base: AutopilotDesign, **given: float | str | None) -> AutopilotDesign:
+    """Return a design with the gains or the rule of options.
 
-    Each puts out the other, and a named rule also what another one took.
+    Gains remove a rule and a rule removes gains; a named rule also removes parameters of another.
     """
     out: tuple[str, ...] = ()
     if given.keys() & set(GIVEN_GAINS):
         out = RULE_KEYS
     elif given.keys() & set(RULE_KEYS):
-        other = "design" in given or asked.design not in (None, *POLE_PLACEMENT_RULES)
-        out = (*GIVEN_GAINS, *(RULE_KEYS if other else ()))
+        rule_changes = "design" in given or base.design not in (None, *POLE_PLACEMENT_RULES)
+        out = (*GIVEN_GAINS, *(RULE_KEYS if rule_changes else ()))
     changed: Any = dict.fromkeys(out) | given
-    return replace(asked, **changed)
+    return replace(base, **changed)
 
 
 def _filters(notches: Sequence[str], passes: Sequence[str]) -> tuple[Filter, ...]:
-    """Return the filters of notches and low passes as options give them."""
-    made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]
-    made += [Filter.low_pass(*_numbers("--low-pass-hz", given, 1, 2)) for given in passes]
+    """Return the filters of the options for notches and low passes."""
+    made = [Filter.notch(*_numbers("--notch-hz", text, 3, 3)) for text in notches]
+    made += [Filter.low_pass(*_numbers("--low-pass-hz", text, 1, 2)) for text in passes]
     return tuple(made)
 
 
-def _numbers(option: str, given: str, least: int, most: int) -> list[float]:
-    """Return numbers that commas part, the first of them a frequency, from Hz to rad/s."""
-    parts = given.replace(",", " ").split()
+def _numbers(option: str, text: str, min_count: int, max_count: int) -> list[float]:
+    """Return numbers separated by commas, the first a frequency, converted from Hz to rad/s."""
+    parts = text.replace(",", " ").split()
     try:
-        found = [float(part) for part in parts]
+        values = [float(number_text) for number_text in parts]
     except ValueError:
-        found = []
-    if not least <= len(found) <= most:
-        count = f"{least}" if least == most else f"{least} or {most}"
-        raise InputError(f"{option} must be {count} numbers with commas between; got {given!r}")
-    return [2.0 * pi * number(option, found[0], positive, "Hz"), *found[1:]]
+        values = []
+    if not min_count <= len(values) <= max_count:
+        count = f"{min_count}" if min_count == max_count else f"{min_count} or {max_count}"
+        raise InputError(f"{option} must be {count} numbers with commas between; got {text!r}")
+    return [2.0 * pi * number(option, values[0], positive, "Hz"), *values[1:]]

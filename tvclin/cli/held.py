@@ -19,8 +19,8 @@ from tvclin.linear.verdict import Verdict, judge
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
-_LARGEST = 700.0
-"""Floating-point numbers end a little above e^709."""
+_MAX_EXPONENT = 700.0
+"""Largest exponent of the fastest mode over a response: doubles overflow above e^709."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class Held:
 
     @cached_property
     def verdict(self) -> Verdict:
-        """What becomes of the attitude where this deflection is held for ever."""
+        """Verdict of condition (4b) where this deflection is constant for ever."""
         return judge(self.plant, self.deflection, self.wind)
 
     @property
@@ -58,7 +58,7 @@ class Held:
 
     @property
     def words(self) -> str:
-        """Wind, model, dead band, limit, and that the dynamic pressure is the nominal one."""
+        """Description of the wind, model, dead band, limit and nominal dynamic pressure."""
         limit = f"K = {self.dead_band:g}, limit {np.degrees(self.limit):.3f} deg, {NOMINAL}"
         return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
 
@@ -67,10 +67,10 @@ class Held:
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
         survives = bool(covers(self.limit, self.nominal))
         shown = response_end(*motion, length, lets_go=survives and lets_go)
-        found = extremes(*motion, shown.time)
+        largest = extremes(*motion, shown.time)
         if shown.back_at_zero is not None:
-            found = replace(found, back_at_zero=shown.back_at_zero)
-        return found, shown
+            largest = replace(largest, back_at_zero=shown.back_at_zero)
+        return largest, shown
 
     @property
     def survived(self) -> bool | None:
@@ -79,7 +79,7 @@ class Held:
 
     @property
     def beyond(self) -> str:
-        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
         return beyond_linear(float(self.wind.peak))
 
     @property
@@ -89,9 +89,9 @@ class Held:
 
 
 def held(case: Case, name: str, dead_band: float, capability: float | None, until: float) -> Held:
-    """Return what the options ask for, to be followed for so many durations of the wind.
+    """Return the case of the options; `until`: length of the response in durations of the wind.
 
-    The wind is one with a name, and sets in at t = 0.
+    `name`: that of the wind, which begins at t = 0.
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
@@ -118,11 +118,11 @@ def held(case: Case, name: str, dead_band: float, capability: float | None, unti
 
 
 def _check_length(plant: Plant, length: float) -> None:
-    """Raise `InputError` for a length [s] in which what is left over outgrows every number."""
+    """Raise `InputError` for a length [s] over which the fastest mode overflows."""
     fastest = float(np.real(unstable_modes(plant).poles).max(initial=0.0))
-    if fastest * length > _LARGEST:
+    if fastest * length > _MAX_EXPONENT:
         raise InputError(
-            f"--duration, and --duration times --until, must be at most {_LARGEST / fastest:.4g} s:"
-            f" the attitude grows as e^({fastest:.4g} t), and floating-point numbers end near"
-            f" e^{_LARGEST:g}; got {length:g} s"
+            "--duration, and --duration times --until, must be at most"
+            f" {_MAX_EXPONENT / fastest:.4g} s: the attitude grows as e^({fastest:.4g} t), and"
+            f" floating-point numbers end near e^{_MAX_EXPONENT:g}; got {length:g} s"
         )

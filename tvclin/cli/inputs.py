@@ -1,4 +1,4 @@
-"""What several commands make of their options."""
+"""Cases and notes that several commands make of their options."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,17 +23,17 @@ R = TypeVar("R", bound="DataclassInstance")
 
 
 def only_with(needed: str, **options: Any) -> None:
-    """Raise `InputError` for options that are given, and mean nothing without something else.
+    """Raise `InputError` for options that are given without what they require.
 
     Options are named as in a signature; one that is None or False is not given.
     """
-    given = [
+    flags = [
         f"--{name.replace('_', '-')}"
         for name, value in options.items()
         if value is not None and value is not False
     ]
-    if given:
-        raise InputError(f"{listed(given)} {'need' if len(given) > 1 else 'needs'} {needed}")
+    if flags:
+        raise InputError(f"{listed(flags)} {'need' if len(flags) > 1 else 'needs'} {needed}")
 
 
 def case_of(
@@ -44,11 +44,11 @@ def case_of(
     told: tuple[str, ...] = (),
     rigid: bool = False,
 ) -> StudyPlan:
-    """Return the case that a study file, a vehicle, or a flight at a time [s] asks for.
+    """Return the case of a study file, a vehicle, or a flight at a time [s].
 
     Options count more than the file. Groups of options are changes, as `GainOptions.over`;
-    `PulseOptions.over` has the wind. What questions leave out of the case is told on stderr, and so
-    is what is odd in the vehicle; a question that is wholly of the rigid vehicle is given that.
+    `PulseOptions.over` has the wind. Notes on stderr name the effects that the questions `told`
+    neglect, and doubtful numbers of the vehicle; a question of the rigid vehicle alone gets that.
     """
     plan = load_study(source, time)
     if "study" not in told:  # which has them among its own notes
@@ -65,25 +65,25 @@ def case_of(
 
 
 def without_structure(plan: StudyPlan) -> StudyPlan:
-    """Return a case of the rigid vehicle, of which nothing is asked of modes."""
-    asked = plan.criteria and plan.criteria.without_mode_limits
-    return replace(plan, vehicle=plan.vehicle.rigid, criteria=asked)
+    """Return a case of the rigid vehicle, without criteria of modes."""
+    criteria = plan.criteria and plan.criteria.without_mode_limits
+    return replace(plan, vehicle=plan.vehicle.rigid, criteria=criteria)
 
 
 def note_doubts(vehicle: AnyVehicle) -> None:
-    """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
+    """Print warnings on implausible numbers of a vehicle, on stderr."""
     for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
         say(f"Note: {doubt}.", err=True)
 
 
 def note_left_out(case: Case, *questions: str) -> None:
-    """Say on stderr what questions leave out of a case, see `parts.told`."""
+    """Print on stderr the effects of a case that questions neglect, see `parts.told`."""
     for sentence in told(case, *questions):
         say(f"Note: {sentence}.", err=True)
 
 
 def note_nominal_pressure(case: Case) -> None:
-    """Say on stderr that an answer is at nominal dynamic pressure, and what a head wind adds."""
+    """Print on stderr that an answer is at nominal dynamic pressure, and a head wind's rise."""
     from tvclin.answers.study_notes import nominal_pressure  # late: with all of a study
 
     for words in nominal_pressure(case) if case.sign is None else ():
@@ -91,16 +91,16 @@ def note_nominal_pressure(case: Case) -> None:
 
 
 def note_source(source: str, question: str) -> None:
-    """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
+    """Print the notes of `case_of` on a study or vehicle file; none on a flight without vehicle."""
     if {"vehicle", "study", "campaign"} & source_tables(source).keys():
         case_of(source, told=(question,))
 
 
 def chosen(option: T | None, otherwise: T) -> T:
-    """Return an option, or what holds where it is not given."""
+    """Return an option, or `otherwise` where it is not given."""
     return otherwise if option is None else option
 
 
 def changed(record: R, **options: Any) -> R:
     """Return a record with the options that are given in place of its own values."""
-    return replace(record, **{name: one for name, one in options.items() if one is not None})
+    return replace(record, **{name: value for name, value in options.items() if value is not None})

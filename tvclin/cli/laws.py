@@ -1,4 +1,4 @@
-"""`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
+"""`tvclin laws`: required deflection of each law in the standard winds, with its bounds."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -67,7 +67,7 @@ def laws(
     if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     within("--cuts", cuts, 0, 1000)
-    changes = rate_limit.over, motion.over, _beside_boundaries, partial(_with_gains, flies)
+    changes = rate_limit.over, motion.over, _without_actuator, partial(_with_gains, flies)
     case = case_of(vehicle, *changes, blows=blows.over, told=("laws",), rigid=rigid, time=time)
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and not flies.samples.values:
@@ -78,14 +78,14 @@ def laws(
     with bar("flights") as progress:
         trials = law_trials(plant, chosen, winds, cuts=cuts, progress=progress, **hardware)
     draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
-    beside = bounds(plant.rigid, winds)
-    found = _Found(case, plant, peak, duration, hardware["sample_rate"], trials, beside)
-    answer(shown.as_json, lambda: found.document(cuts), lambda: found.print(vehicle))
+    reference_bounds = bounds(plant.rigid, winds)
+    result = _Answer(case, plant, peak, duration, hardware["sample_rate"], trials, reference_bounds)
+    answer(shown.as_json, lambda: result.document(cuts), lambda: result.print(vehicle))
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    """What flew in winds of a peak [rad] and a duration [s], and what stands beside it."""
+class _Answer:
+    """Trials of laws in winds of a peak [rad] and a duration [s], with bounds of the theory."""
 
     case: StudyPlan
     plant: AnyPlant
@@ -97,7 +97,7 @@ class _Found:
 
     def document(self, cuts: int) -> dict[str, Any]:
         """Return it for JSON."""
-        trims = {name: one.trim_deg for name, one in self.beside.items()}
+        trims = {name: entry.trim_deg for name, entry in self.beside.items()}
         return {
             **picked(self, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
             **picked(self, "peak_deg duration_s"),
@@ -107,13 +107,14 @@ class _Found:
             "sample_rate_Hz": self.rate,
             "trim_deflection_deg": max(trims.values()),
             "trials": [
-                {**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in self.trials
+                {**vars(entry), "limit_deg": trims[entry.wind] * entry.limit}
+                for entry in self.trials
             ],
-            "no_forecast": {name: one.no_forecast for name, one in self.beside.items()},
+            "no_forecast": {name: entry.no_forecast for name, entry in self.beside.items()},
         }
 
     def print(self, source: str) -> None:
-        """Print what flew, what each law needs, and what is odd about it."""
+        """Print the setting of the trials, the required deflection of each law, and notes."""
         if self.plant.structure is not None:
             say(parts_line(self.plant.structure))
             say(f"law at {self.rate:g} Hz, delay {1000.0 * self.case.asked.delay:g} ms")
@@ -128,8 +129,8 @@ class _Found:
         say_notes((*linear_notes(self.peak), *doubts(self.trials)))
 
 
-def _beside_boundaries(plan: StudyPlan) -> StudyPlan:
-    """Return the case of a file as laws fly it beside boundaries, which have no actuator."""
+def _without_actuator(plan: StudyPlan) -> StudyPlan:
+    """Return the case of laws compared with boundaries: a rigid vehicle has no actuator."""
     if plan.vehicle.structure is not None:
         return plan
     note_left_out(plan, "laws of a rigid vehicle")
@@ -145,12 +146,12 @@ def _with_gains(flies: FlownLaw, plan: StudyPlan) -> StudyPlan:
 
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
-    """The laws that are asked for, designed for a peak [rad], with the filters of the case."""
-    own = autopilot_asked(case, case.history, case.held_to)
-    every = standard_laws(plant, peak, own, case.hardware["rate_limit"])
+    """Return the laws of the case, designed for a peak [rad], with its filters."""
+    autopilot = autopilot_asked(case, case.history, case.held_to)
+    laws_by_name = standard_laws(plant, peak, autopilot, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.asked)
-        for name, law in every.items()
+        for name, law in laws_by_name.items()
         if case.laws is None or name in case.laws.names
     }
 
@@ -158,15 +159,15 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
 def _winds(
     blows: BlowingOptions, names: list[str] | None, case: StudyPlan
 ) -> tuple[float, float, dict[str, History]]:
-    """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
+    """Return peak [rad] and duration [s] for which laws are designed, and the winds by name."""
     pulse = case.wind_in_plane
     if not isinstance(pulse, ShapedWind):
         only_with("the standard winds in place of --winds", wind=names)
-        met = case.history
-        return float(met.peak), float(met.end - met.onset), {blows.name(case): met}
-    every = standard_winds(pulse.peak, pulse.duration)
+        wind = case.history
+        return float(wind.peak), float(wind.end - wind.onset), {blows.name(case): wind}
+    standard = standard_winds(pulse.peak, pulse.duration)
     if (gust := pulse.placed_gust) is not None:
-        every = {name: one + gust for name, one in every.items()}
-    named = names or (every if case.laws is None else case.laws.winds)
-    winds = {name: every[one_of("--wind", name, every)] for name in named}
+        standard = {name: standard_wind + gust for name, standard_wind in standard.items()}
+    named = names or (standard if case.laws is None else case.laws.winds)
+    winds = {name: standard[one_of("--wind", name, standard)] for name in named}
     return pulse.peak, pulse.duration, winds

@@ -1,4 +1,4 @@
-"""What `tvclin autopilot --least` adds: gains for the least nozzle."""
+"""The answer of `tvclin autopilot --least`: gains for the least nozzle."""
 
 from dataclasses import dataclass, replace
 
@@ -15,13 +15,13 @@ from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.margins.criteria import Criteria
 from tvclin.winds.shaped import ShapedWind
 
-_DURATIONS = (1.0, 0.5, 2.0)
-"""Of the winds, over the one that is asked about: one wind alone is overfitted."""
+_DURATION_RATIOS = (1.0, 0.5, 2.0)
+"""Durations of the winds, over that of the case; a single wind would be overfitted."""
 
 
 @dataclass(frozen=True)
 class LeastOptions:
-    """The options in one place; `grouped` gives them to a command."""
+    """Options of the search for gains; `grouped` gives them to a command."""
 
     least: bool = switch(
         "--least",
@@ -40,7 +40,7 @@ class LeastOptions:
     panel = "Gains for the least nozzle"
 
     def over(self, plan: StudyPlan) -> StudyPlan:
-        """Return a plan of these gains, where they are asked for."""
+        """Return a plan whose design is this search, where --least is given."""
         if not self.least:
             only_with("--least", **vars(self))
             return plan
@@ -49,18 +49,20 @@ class LeastOptions:
         return replace(plan, design=design)
 
     def found(self, case: Case, criteria: Criteria) -> LeastGains | None:
-        """Return the gains for the least nozzle where they are asked for."""
-        asked, wind = case.asked, case.wind_in_plane
+        """Return the gains for the least nozzle; None without --least."""
+        design, wind = case.asked, case.wind_in_plane
         if not self.least:
             return None
-        if asked.design != LEAST_NOZZLE:
+        if design.design != LEAST_NOZZLE:
             raise InputError("give --least, or gains and a rule for them, not both")
         if not isinstance(wind, ShapedWind):
             raise InputError(
                 "gains for the least nozzle are sought in pulses of three durations: give no"
                 " --winds; with its gains tvclin autopilot and fly go through a sounding"
             )
-        winds = [wind.history({"wind_duration": part * wind.duration}) for part in _DURATIONS]
+        winds = [
+            wind.history({"wind_duration": ratio * wind.duration}) for ratio in _DURATION_RATIOS
+        ]
         return least_asked(
             case,
             winds,
@@ -71,8 +73,8 @@ class LeastOptions:
         )
 
 
-def print_least(found: LeastGains) -> None:
-    """Print what was sought, what holds it, and what is to be known about it."""
-    print_tables(found.table())
-    say(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")
-    say_notes(found.notes)
+def print_least(gains: LeastGains) -> None:
+    """Print the gains, the active constraints of the optimum, and notes."""
+    print_tables(gains.table())
+    say(f"Held by: {', '.join(gains.active) or 'no constraint, a flat minimum'}")
+    say_notes(gains.notes)

@@ -1,4 +1,4 @@
-"""`tvclin loads`: the nozzle that a load bound takes, and the load in the flights of laws."""
+"""`tvclin loads`: the deflection required with a bound on load, and the load in flights of laws."""
 
 import numpy as np
 
@@ -59,12 +59,12 @@ def loads(
     """
     from tvclin import plots
 
-    names = [one_of("--law", one, LAWS) for one in law or ()]
+    names = [one_of("--law", item, LAWS) for item in law or ()]
     if not names:
         flies.only_with("--law")
     elif AUTOPILOT not in names:
         flies.gains.only_with(f"--law {AUTOPILOT}")
-    changes = [one.over for one in (limits, bound, motion, flies)]
+    changes = [item.over for item in (limits, bound, motion, flies)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("loads",), rigid=rigid, time=time)
     flown = _flown(case, names)
     with waiting("angle over load"):
@@ -80,12 +80,12 @@ def loads(
         shown.as_json,
         lambda: blows.document(case, required) | {"front": front, "flown": flown},
         lambda: _print(title, front, flown, required),
-        (front.limit is None or not front.verdict) and all(one.survives_within for one in flown),
+        (front.limit is None or not front.verdict) and all(item.survives_within for item in flown),
     )
 
 
 def _front(case: StudyPlan) -> LoadFront:
-    """The front of the load of a file, or of the angle of attack."""
+    """Return the front of the load of a file, or of the angle of attack."""
     if case.load is not None:
         return case.load.front(case)
     limit, rate = case.nozzle.limit, case.nozzle.rate_limit
@@ -100,12 +100,12 @@ def _print(
     print_tables(*front.tables())
     say_notes(front.notes)
     say_bound(front, required)
-    for one in flown:
-        say(f"Flown {NOMINAL}: {one.words}.")
+    for load in flown:
+        say(f"Flown {NOMINAL}: {load.words}.")
 
 
 def _flown(case: StudyPlan, names: list[str]) -> list[FlownLoad]:
-    """The loads of laws."""
+    """Return the loads in the flights of laws."""
     if not names:
         note_left_out(case, "loads without --law")
         return []

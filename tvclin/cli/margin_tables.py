@@ -1,4 +1,4 @@
-"""What `tvclin margins` prints: an autopilot, the margins of its loop, and the criteria."""
+"""Tables of `tvclin margins`: an autopilot, the margins of its loop, and the criteria."""
 
 from dataclasses import dataclass
 from math import isnan
@@ -20,14 +20,14 @@ from tvclin.control.margins.margins import Margins
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.vehicle.structure import Structure
 
-_BESIDE = 0.05
-"""A pole of an approximate delay is that of the exact one if it is so near, over its size."""
+_MAX_POLE_DISTANCE_RATIO = 0.05
+"""Largest distance of a pole with approximate delay from an exact pole, over its magnitude."""
 _OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
 
 
 @dataclass(frozen=True, eq=False)
 class MarginsFound:
-    """The margins of a loop, by band too of a flexible plant, and what is asked of them."""
+    """The margins of a loop, by band too of a flexible plant, and their criteria."""
 
     autopilot: Autopilot
     plant: AnyPlant
@@ -45,7 +45,7 @@ class MarginsFound:
 
     @property
     def judged(self) -> tuple[Judgement, ...]:
-        """What is asked, of the whole loop and of each mode, and whether it is met."""
+        """Judgement of each criterion, of the whole loop and of each mode."""
         return self.asked.judge(self.bands or self.whole)
 
     @property
@@ -56,34 +56,36 @@ class MarginsFound:
 
     @property
     def met(self) -> bool:
-        """Whether all of it is met."""
+        """Whether all criteria are satisfied."""
         return bool(self.asked.are_satisfied(self.bands or self.whole))
 
 
-def print_margins(title: str, found: MarginsFound) -> None:
+def print_margins(title: str, result: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and the criteria."""
-    whole = found.whole
-    print_autopilot(title, found.autopilot, found.plant)
-    if whole.stable:
-        print_tables(margin_table(whole, found.judged))
-        print_bounds(found.autopilot, found.plant)
+    loop_margins = result.whole
+    print_autopilot(title, result.autopilot, result.plant)
+    if loop_margins.stable:
+        print_tables(margin_table(loop_margins, result.judged))
+        print_bounds(result.autopilot, result.plant)
     else:
-        say(f"NO MARGINS: {whole.reason}")
-    if found.bands is not None:
-        _print_bands(found.bands, found.asked)
-    if whole.stable:
-        say_notes(whole.notes)
-        say(f"Criteria {found.asked.name}: {satisfaction(found.met)}")
+        say(f"NO MARGINS: {loop_margins.reason}")
+    if result.bands is not None:
+        _print_bands(result.bands, result.asked)
+    if loop_margins.stable:
+        say_notes(loop_margins.notes)
+        say(f"Criteria {result.asked.name}: {satisfaction(result.met)}")
 
 
-def _print_bands(found: BandMargins, asked: Criteria) -> None:
-    """Print what the rigid body has and what each mode has, beside what is asked of modes."""
-    judged = asked.judge(found)
-    print_tables(band_table(found, judged))
-    judged_modes = {one.band for one in judged if one.band and not isnan(one.value)}
+def _print_bands(bands: BandMargins, criteria: Criteria) -> None:
+    """Print the margins of the rigid body and of each mode, with their criteria."""
+    judged = criteria.judge(bands)
+    print_tables(band_table(bands, judged))
+    judged_modes = {
+        judgement.band for judgement in judged if judgement.band and not isnan(judgement.value)
+    }
     for word, option in _OPTIONS.items():
-        free = [mode.name for mode in found.modes if mode.stabilised == word]
-        if asked.has_mode_limits and free and judged_modes.isdisjoint(free):
+        free = [mode.name for mode in bands.modes if mode.stabilised == word]
+        if criteria.has_mode_limits and free and judged_modes.isdisjoint(free):
             say(
                 f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
                 " the margins of the whole loop count"
@@ -91,7 +93,7 @@ def _print_bands(found: BandMargins, asked: Criteria) -> None:
 
 
 def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
-    """Print an autopilot, with the poles of its loop or what makes its vehicle flexible."""
+    """Print an autopilot, with the poles of its loop or the parts of its flexible vehicle."""
     rows = autopilot.rows()
     if plant.structure is not None:
         say(parts_line(plant.structure))
@@ -101,19 +103,19 @@ def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
 
 
 def parts_line(structure: Structure) -> str:
-    """Return in one line what makes a vehicle flexible."""
+    """Return the line that lists the parts of a flexible vehicle."""
     return f"Flexible vehicle (--rigid: without): {structure.parts}"
 
 
 def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:
-    """Print what no autopilot around a plant with this nozzle and delay can have."""
-    found = _bounds(autopilot, plant)
-    if found is not None and found.sentence:
-        say(f"Bounds: {found.sentence}.")
+    """Print the bounds on the margins of any autopilot with this plant, actuator and delay."""
+    bounds = _bounds(autopilot, plant)
+    if bounds is not None and bounds.sentence:
+        say(f"Bounds: {bounds.sentence}.")
 
 
 def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
-    """What bounds the margins; None where nothing grows."""
+    """Return the bounds on the margins; None for a plant without an unstable pole."""
     try:
         return margin_bounds(plant, actuator=autopilot.actuator, delay=float(autopilot.delay))
     except InputError:
@@ -121,31 +123,35 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
 
 
 def _poles(autopilot: Autopilot, plant: Any) -> str:
-    """The closed-loop poles [1/s], those that only approximate the delay left out."""
-    every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
+    """Return the closed-loop poles [1/s] as text, without those that only approximate the delay."""
+    loop_poles = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         exact = autopilot.exact_loop(plant).closed_loop_poles
-        apart = np.abs(every[:, np.newaxis] - exact).min(axis=1)
-        every = every[(every.real > 0.0) | (apart <= _BESIDE * np.abs(every))]
-    shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
+        distance = np.abs(loop_poles[:, np.newaxis] - exact).min(axis=1)
+        loop_poles = loop_poles[
+            (loop_poles.real > 0.0) | (distance <= _MAX_POLE_DISTANCE_RATIO * np.abs(loop_poles))
+        ]
+    shown = [
+        f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in loop_poles
+    ]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 
 
-def margins_document(found: MarginsFound) -> dict[str, Any]:
+def margins_document(result: MarginsFound) -> dict[str, Any]:
     """Return gains, poles, margins and criteria for JSON; what does not exist becomes null."""
-    whole, autopilot = found.whole, found.autopilot
+    loop_margins, autopilot = result.whole, result.autopilot
     return {
-        "flexible": found.bands is not None,
+        "flexible": result.bands is not None,
         "autopilot": autopilot,
-        **poles_document(autopilot, found.plant),
-        "stable": whole.stable,
-        "status": whole.status,
-        "reason": whole.reason or None,
-        "margins": whole,
-        "bounds": _bounds(autopilot, found.plant),
-        **({} if found.bands is None else {"bands": found.bands}),
-        "criteria": {"name": found.asked.name, "met": found.met, "requirements": found.judged},
-        "notes": whole.notes,
+        **poles_document(autopilot, result.plant),
+        "stable": loop_margins.stable,
+        "status": loop_margins.status,
+        "reason": loop_margins.reason or None,
+        "margins": loop_margins,
+        "bounds": _bounds(autopilot, result.plant),
+        **({} if result.bands is None else {"bands": result.bands}),
+        "criteria": {"name": result.asked.name, "met": result.met, "requirements": result.judged},
+        "notes": loop_margins.notes,
     }
 
 

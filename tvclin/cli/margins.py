@@ -86,7 +86,7 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     if not flown:
         limits.only_with("--flown")
-    changes = [one.over for one in (limits, samples, motion, criteria, gains, loop)]
+    changes = [options.over for options in (limits, samples, motion, criteria, gains, loop)]
     case = case_of(vehicle, *changes, blows=blows.over, rigid=rigid, time=time)
     only_with(MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
@@ -95,18 +95,18 @@ def margins(
         aside += ["margins without --flown and --box"]
     note_left_out(case, "margins", *aside)
     autopilot = autopilot_asked(case, case.history, case.held_to)
-    found = MarginsFound.of(autopilot, case.plant, case.held_to)
-    moved = found.detuned if detuned else None
-    in_wind = _flown(case, autopilot) if flown and found.whole.stable else None
+    loop_margins = MarginsFound.of(autopilot, case.plant, case.held_to)
+    moved = loop_margins.detuned if detuned else None
+    in_wind = _flown(case, autopilot) if flown and loop_margins.whole.stable else None
     in_box = worst_in_box(box or [], case, autopilot)
-    draw(shown.plot, lambda: _chart(chart, found))
-    every = _Answer(case, found, blows.name(case), moved, in_wind, in_box)
-    answer(shown.as_json, every.document, lambda: every.print(vehicle), every.met)
+    draw(shown.plot, lambda: _chart(chart, loop_margins))
+    result = _Answer(case, loop_margins, blows.name(case), moved, in_wind, in_box)
+    answer(shown.as_json, result.document, lambda: result.print(vehicle), result.met)
 
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Margins, and what was asked for besides: of detuned modes, flown in a wind, and in a box."""
+    """Margins, with those of detuned modes, flown in a wind, and in a box, on request."""
 
     case: StudyPlan
     found: MarginsFound
@@ -117,7 +117,7 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What was not specified, and what satisfies the criteria."""
+        """Notes on gains that were not specified, and on gains that satisfy the criteria."""
         return tuple(gain_notes(self.case, self.case.held_to, self.found.met))
 
     @property
@@ -129,17 +129,17 @@ class _Answer:
     def document(self) -> dict[str, Any]:
         """Return it for JSON."""
         wind = {"name": self.wind, **picked(self.case, "peak_deg=history.peak")}
-        beside = {
+        further = {
             "wind": self.in_wind and wind,
             **picked(self, "detuned=moved flown=in_wind box=in_box"),
         }
         head = picked(self.case, "vehicle=vehicle.name model=plant.model plane")
-        more = {name: one for name, one in beside.items() if one is not None}
+        more = {name: value for name, value in further.items() if value is not None}
         margins = margins_document(self.found)
         return head | margins | more | {"notes": (*margins["notes"], *self.notes)}
 
     def print(self, source: str) -> None:
-        """Print all of it."""
+        """Print all margins, notes and verdicts."""
         case = self.case
         head = f"{case.vehicle.name or source}, {case.plant.model}, {case.plane}"
         print_margins(head, self.found)
@@ -155,36 +155,36 @@ class _Answer:
 
 
 def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
-    """The flown margins of a case and its autopilot, its delay that of a computer."""
+    """Return the flown margins of a case and its autopilot, sampled with a computer's delay."""
     limit, law = case.nozzle.limit, SaturatedLaw.of(autopilot)
     if limit is None:
         raise InputError("--flown needs --limit-deg, the deflection limit in deg")
     return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)
 
 
-def _print_flown(found: FlownMargins, case: StudyPlan, name: str) -> None:
-    """Print flown margins in a wind with a name, and what is odd about them."""
+def _print_flown(flown: FlownMargins, case: StudyPlan, name: str) -> None:
+    """Print flown margins in a wind with a name, and notes on them."""
     title = (
         f"In this {wind_words(name, case)}, {NOMINAL}, with a limit of"
         f" {degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
-    print_tables(flown_table(found, title))
+    print_tables(flown_table(flown, title))
     say(
-        f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
+        f"The limit is {flown.limit:.4g} of full trim, {flown.spare:.4g} times the boundary of the"
         " autopilot."
     )
-    say_notes(found.notes)
+    say_notes(flown.notes)
 
 
-def _chart(name: str, found: MarginsFound) -> "ControlPlot":
-    """The figure with a name, one of `_CHARTS`."""
+def _chart(name: str, loop_margins: MarginsFound) -> "ControlPlot":
+    """Return the figure with a name, one of `_CHARTS`."""
     from tvclin import plots
 
     if name == "nichols":
-        return plots.nichols_chart(found.autopilot, found.plant, found.asked)
+        return plots.nichols_chart(loop_margins.autopilot, loop_margins.plant, loop_margins.asked)
     charts = {
         "bode": plots.bode_chart,
         "nyquist": plots.nyquist_chart,
         "root-locus": plots.root_locus_chart,
     }
-    return charts[name](found.autopilot, found.plant)
+    return charts[name](loop_margins.autopilot, loop_margins.plant)

@@ -1,4 +1,4 @@
-"""`tvclin nozzle`: angle and rate that a wind asks for, and what a law's flight asks of both."""
+"""`tvclin nozzle`: angle and rate that a wind requires, and the duty in a law's flight."""
 
 from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.answers.flown_front import FlownFront, flown_fronts
@@ -29,8 +29,8 @@ from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 
-_OF_FLIGHTS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
-"""What a flight is held to, and no theory."""
+_FLIGHT_LIMITS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
+"""Limits that only a flight can exceed: the theory has no bound for them."""
 
 
 def nozzle(
@@ -68,12 +68,12 @@ def nozzle(
     from tvclin import plots
 
     if law is None:
-        limits.only_with("--law", *_OF_FLIGHTS)
+        limits.only_with("--law", *_FLIGHT_LIMITS)
     if law is None and not laws:
         flies.only_with("--law")
     elif law is not None and one_of("--law", law, LAWS) != AUTOPILOT and not laws:
         flies.gains.only_with(f"--law {AUTOPILOT}")
-    changes = [one.over for one in (limits, motion, flies)]
+    changes = [options.over for options in (limits, motion, flies)]
     case = case_of(vehicle, *changes, blows=blows.over, told=("nozzle",), rigid=rigid, time=time)
     if law is None and not laws:
         note_left_out(case, "nozzle without --law")
@@ -103,7 +103,7 @@ def _front(case: StudyPlan) -> RateFront:
 
 
 def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
-    """What the flight of a law asks of the nozzle; None without a law."""
+    """Return the duty of the nozzle in the flight of a law; None without a law."""
     if law is None:
         return None
     with waiting("flying"):
@@ -111,7 +111,7 @@ def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
 
 
 def _needed(case: StudyPlan) -> FlownFront:
-    """What each law needs at each rate limit."""
+    """Return the required deflection of each law at each rate limit."""
     names = tuple(LAWS) if case.laws is None else case.laws.names
     with bar("boundaries") as progress:
         return flown_fronts({"": case}, laws=names, progress=progress)[""]
@@ -124,10 +124,10 @@ def _print(
     flown: FlownCard | None,
     required: CaseRequirement | None,
 ) -> None:
-    said = [one for one in (front, needed, flown) if one is not None]
+    said = [result for result in (front, needed, flown) if result is not None]
     say(title)
-    print_tables(*(table for one in said for table in one.tables()))
-    say_notes([note for one in said for note in one.notes])
+    print_tables(*(table for result in said for table in result.tables()))
+    say_notes([note for result in said for note in result.notes])
     say_bound(front, required)
     if flown is not None:
         say(f"Flown {NOMINAL}: {flown.words}. {flown.verdict.words}.")

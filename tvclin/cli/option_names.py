@@ -25,19 +25,19 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
 _PAIR = re.compile(r"\b(with|between) (\w+) and (\w+)\b")
 """Two arguments in a sentence: leave these rows out with start and stop."""
 _IN_A_FILE = re.compile(r"(\S+\.toml|\[)")
-"""How a line begins that is about a key of a file."""
+"""Beginning of a line about a key of a file."""
 
 
 def named(error: ValueError, options: Iterable[Any], values: Mapping[str, Any]) -> ValueError:
     """Return the error of a command with its options in place of arguments, if it is of an input.
 
-    `options`: the parameters of the command. `values`: what they are, by name.
+    `options`: the parameters of the command. `values`: their values, by name.
     """
     if not isinstance(error, InputError):
         return error
-    flags = [one for one in options if one.opts[0].startswith("--")]
-    given = [one.opts[0] for one in flags if _is_given(one, values)]
-    return InputError(in_options(str(error), _candidates(flags), given))
+    flags = [option for option in options if option.opts[0].startswith("--")]
+    flags_given = [option.opts[0] for option in flags if _is_set(option, values)]
+    return InputError(in_options(str(error), _candidates(flags), flags_given))
 
 
 def in_options(
@@ -55,36 +55,36 @@ def in_options(
 def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
     if _IN_A_FILE.match(line):
         return line
-    for name, each in candidates.items():
-        likely = [one for one in each if one in given]
+    for name, options in candidates.items():
+        likely = [option for option in options if option in given]
         if "_" in name:
-            option = (likely or each[:1])[0] if len(likely) < 2 else name
+            option = (likely or options[:1])[0] if len(likely) < 2 else name
             line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
             continue
         if len(likely) == 1:
             line = re.sub(rf"^{name}(?=( of the wind)? (must|is|needs)\b)", likely[0], line)
-        line = re.sub(rf"(?<=\bgive ){name}(?=,)", each[0], line)
-    for word, *both in _PAIR.findall(line):
-        if all(name in candidates for name in both):
-            first, second = (candidates[name][0] for name in both)
-            line = line.replace(f"{word} {both[0]} and {both[1]}", f"{word} {first} and {second}")
+        line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)
+    for word, *pair in _PAIR.findall(line):
+        if all(name in candidates for name in pair):
+            first, second = (candidates[name][0] for name in pair)
+            line = line.replace(f"{word} {pair[0]} and {pair[1]}", f"{word} {first} and {second}")
     return line
 
 
 def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
-    """The options that may give each argument, the one of its own name first."""
-    found: dict[str, list[str]] = {}
+    """Return the options that may give each argument, the option of the same name first."""
+    by_name: dict[str, list[str]] = {}
     others: dict[str, list[str]] = {}
-    for one in options:
-        found.setdefault(_UNIT.sub("", one.name.strip("_")), []).append(one.opts[0])
-        for name in _ARGUMENTS.get(one.opts[0], ()):
-            others.setdefault(name, []).append(one.opts[0])
+    for option in options:
+        by_name.setdefault(_UNIT.sub("", option.name.strip("_")), []).append(option.opts[0])
+        for name in _ARGUMENTS.get(option.opts[0], ()):
+            others.setdefault(name, []).append(option.opts[0])
     return {
-        name: tuple(dict.fromkeys([*found.get(name, []), *others.get(name, [])]))
-        for name in [*found, *(one for one in others if one not in found)]
+        name: tuple(dict.fromkeys([*by_name.get(name, []), *others.get(name, [])]))
+        for name in [*by_name, *(option for option in others if option not in by_name)]
     }
 
 
-def _is_given(option: Any, values: Mapping[str, Any]) -> bool:
+def _is_set(option: Any, values: Mapping[str, Any]) -> bool:
     value = values.get(option.name)
     return value is not None and value is not False and value not in ([], option.default)

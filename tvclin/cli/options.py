@@ -1,4 +1,4 @@
-"""The options that several commands share, and those that are made of declared fields."""
+"""Options that several commands share, and options made of declared fields."""
 
 from collections.abc import Callable, Mapping
 from copy import copy
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def to_write(file: Path | None) -> Path | None:
-    """Return the file of an option; where none can be written that is told before the work."""
+    """Return the file of an option; raises before the work where it cannot be written."""
     if file is not None:
         place_of(file)
     return file
@@ -81,7 +81,7 @@ def asked(
     metavar: str | None = None,
     callback: Callable[[Any], Any] | None = None,
 ) -> Any:
-    """Return the option of a parameter: its help, and what stands for its default there."""
+    """Return the option of a parameter, with its help and the default shown there."""
     named = [flag] if flag else []
     return typer.Option(
         default,
@@ -117,9 +117,13 @@ class Given:
     @cached_property
     def fields(self) -> dict[str, Declared]:
         """The fields by the names of parameters."""
-        every = declared(self._kind)
-        chosen = [every[one] for one in self.names.split()]
-        return {_parameter(one): one for one in chosen or every.values() if one.option is not None}
+        all_fields = declared(self._kind)
+        chosen = [all_fields[name] for name in self.names.split()]
+        return {
+            _parameter(item): item
+            for item in chosen or all_fields.values()
+            if item.option is not None
+        }
 
     @property
     def _kind(self) -> Any:
@@ -129,26 +133,29 @@ class Given:
     def parameters(self) -> list[Parameter]:
         """Return the parameters of a command."""
         panel = _PANELS.get(self.kind)
-        return [_option(name, one, self.shown, panel) for name, one in self.fields.items()]
+        return [
+            _option(name, declared_field, self.shown, panel)
+            for name, declared_field in self.fields.items()
+        ]
 
     def taken(self, options: dict[str, Any]) -> Self:
-        """Return the same with what was given, taken out of the options of a command."""
+        """Return these options with values, which are removed from `options` of a command."""
         given = {name: options.pop(name) for name in self.fields}
         values = {
-            one.name: one.from_option(_flag(name), given[name])
-            for name, one in self.fields.items()
+            declared_field.name: declared_field.from_option(_flag(name), given[name])
+            for name, declared_field in self.fields.items()
             if given[name] is not None and given[name] != []
         }
         return replace(self, values=values)
 
     def over(self, plan: Any) -> Any:
-        """Return a plan with what was given in place of its own values."""
+        """Return a plan with the values of these options in place of its own."""
         if not self.values:
             return plan
         if not self.at:
             return replace(plan, **self.values)
-        part = getattr(plan, self.at)
-        made = self._kind(**self.values) if part is None else replace(part, **self.values)
+        record = getattr(plan, self.at)
+        made = self._kind(**self.values) if record is None else replace(record, **self.values)
         return replace(plan, **{self.at: made})
 
     def only_with(self, needed: str, *names: str) -> None:
@@ -156,37 +163,41 @@ class Given:
         only_with(
             needed,
             **{
-                name: self.values.get(one.name)
-                for name, one in self.fields.items()
-                if not names or one.name in names
+                name: self.values.get(declared_field.name)
+                for name, declared_field in self.fields.items()
+                if not names or declared_field.name in names
             },
         )
 
 
-def _parameter(one: Declared) -> str:
-    """The parameter of a field: its name with the unit of the option, or that of the option."""
-    if one.option and "/" not in one.option:
-        name = one.option.strip("-").replace("-", "_")
+def _parameter(declared_field: Declared) -> str:
+    """Return the parameter's name of a field, from its option or from its name and unit."""
+    if declared_field.option and "/" not in declared_field.option:
+        name = declared_field.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
-    return one.name + (optional_unit(one.kind)[0] if one.numeric else "")
+    return declared_field.name + (
+        optional_unit(declared_field.kind)[0] if declared_field.numeric else ""
+    )
 
 
 def _flag(parameter: str) -> str:
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
-def _option(name: str, one: Declared, shown: Mapping[str, str], panel: str | None) -> Parameter:
-    """The option of a field, with its help, its default and its panel of the help."""
+def _option(
+    name: str, declared_field: Declared, shown: Mapping[str, str], panel: str | None
+) -> Parameter:
+    """Return the option of a field, with its help, its default and its panel of the help."""
     kinds = {"text": str, "flag": bool, "count": int}
-    kind: Any = kinds.get(one.kind, float)
-    default = shown.get(one.name, one.shown)
-    if not default and one.default is not None:
-        factor = optional_unit(one.kind)[2] if one.numeric else None
-        given = one.default if one.many else (one.default,)
-        default = " and ".join(f"{each / factor:g}" if factor else str(each) for each in given)
+    kind: Any = kinds.get(declared_field.kind, float)
+    default = shown.get(declared_field.name, declared_field.shown)
+    if not default and declared_field.default is not None:
+        factor = optional_unit(declared_field.kind)[2] if declared_field.numeric else None
+        given = declared_field.default if declared_field.many else (declared_field.default,)
+        default = " and ".join(f"{value / factor:g}" if factor else str(value) for value in given)
     said = typer.Option(
-        *([one.option] if one.option else []),
-        help=help_line(one),
+        *([declared_field.option] if declared_field.option else []),
+        help=help_line(declared_field),
         show_default=default or False,
         rich_help_panel=panel,
     )
@@ -194,7 +205,7 @@ def _option(name: str, one: Declared, shown: Mapping[str, str], panel: str | Non
         name,
         Parameter.POSITIONAL_OR_KEYWORD,
         default=None,
-        annotation=Annotated[(list[kind] if one.many else kind) | None, said],
+        annotation=Annotated[(list[kind] if declared_field.many else kind) | None, said],
     )
 
 
@@ -229,12 +240,12 @@ class _Csv:
 
 @dataclass(frozen=True)
 class ShownCurves(Shown, _Csv):
-    """The same of an answer with curves, first their CSV file."""
+    """Options for showing an answer with curves: their CSV file, then those of `Shown`."""
 
     def write(
         self, curves: "Callable[[], Curves]", chart: "Callable[[Curves], ControlPlot]"
     ) -> None:
-        """Write the CSV file and the figure that are asked for."""
+        """Write the CSV file and the figure that the options name."""
         if self.csv is None and self.plot is None:
             return
         numbers = curves()
@@ -263,7 +274,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 def _expanded(
     made: Callable[..., Any],
 ) -> tuple[list[Parameter], Callable[[dict[str, Any]], Any]]:
-    """The options of a command or a group, and what calls it with them, taken out of all given."""
+    """Return the options of a command or a group, and the function that calls it with them."""
     shown: list[Parameter] = []
     takers: dict[str, Callable[[dict[str, Any]], Any]] = {}
     for name, parameter in signature(made).parameters.items():
@@ -273,7 +284,7 @@ def _expanded(
             takers[name] = group.taken
         elif group is GROUP:
             options, takers[name] = _expanded(kind)
-            shown += [_in_panel(one, getattr(kind, "panel", None)) for one in options]
+            shown += [_in_panel(option, getattr(kind, "panel", None)) for option in options]
         else:
             shown.append(parameter)
             takers[name] = partial(_taken, name)
@@ -289,7 +300,7 @@ def _taken(name: str, given: dict[str, Any]) -> Any:
 
 
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:
-    """An option in a panel of the help."""
+    """Return an option in a panel of the help."""
     if panel is None or not hasattr(option.default, "rich_help_panel"):
         return option
     default = copy(option.default)

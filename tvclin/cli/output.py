@@ -1,4 +1,4 @@
-"""Tables, JSON, and what is written into files."""
+"""Output of answers: tables, JSON and figures."""
 
 import json
 import os
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from tvclin.boundary.fronts.rate_record import RateFront
 
 
-_BESIDE = 3
-"""Blanks beside a column of a table, at the most."""
-_PROSE = 6
-"""Cells of so many words are sentences."""
-_FEW, _ACROSS = 6, 4
-"""So many names with their values stand below each other; of more, so many side by side."""
+_MAX_COLUMN_PADDING = 3
+"""Largest number of blanks around a column of a table."""
+_MIN_WORDS_OF_PROSE = 6
+"""Smallest number of words of a cell that is set as a sentence."""
+_MAX_SINGLE_COLUMN_ROWS, _MAX_PAIRS_ACROSS = 6, 4
+"""Largest number of values in a single column, and of values side by side beyond that."""
 
 
 def say(words: str, err: bool = False) -> None:
@@ -51,7 +51,7 @@ def say_lines(lines: "Iterable[Line]") -> None:
 
 
 def say_required(required: "CaseRequirement | None") -> None:
-    """Print the required deflection of the study beside another answer."""
+    """Print the required deflection of the study, for comparison with another answer."""
     if required is not None:
         say(f"{required.see_study[0].upper()}{required.see_study[1:]}.")
 
@@ -66,7 +66,7 @@ def say_bound(front: "RateFront | LoadFront", required: "CaseRequirement | None"
 
 
 def say_notes(notes: Iterable[str]) -> None:
-    """Print what the reader of an answer should know."""
+    """Print the notes of an answer, each once."""
     for note in dict.fromkeys(notes):
         say(f"Note: {note.rstrip('.')}.")
 
@@ -83,13 +83,13 @@ def print_tables(*tables: "Table") -> None:
     from tvclin.base.files import printable
     from tvclin.base.lines import QUANTITIES, text
 
-    for one in tables:
-        rows = [tuple(printable(text(cell)) for cell in row) for row in one.rows]
-        caption = printable(one.caption)
-        if one.head == QUANTITIES:
+    for table in tables:
+        rows = [tuple(printable(text(cell)) for cell in row) for row in table.rows]
+        caption = printable(table.caption)
+        if table.head == QUANTITIES:
             _print_quantities(caption, rows)
         else:
-            _print_columns(caption, tuple(map(printable, one.head)), rows)
+            _print_columns(caption, tuple(map(printable, table.head)), rows)
 
 
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -104,18 +104,20 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
 
     grid, console = Grid(box=SIMPLE_HEAD), Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))
-    prose = [max(len(cell.split()) for cell in column) >= _PROSE for column in columns]
+    prose = [max(len(cell.split()) for cell in column) >= _MIN_WORDS_OF_PROSE for column in columns]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
-    least = [max(map(len, each), default=0) for each in pieces]
-    wanted = [max(map(len, column)) - width for column, width in zip(columns, least, strict=True)]
-    spare = console.width - sum(least) - _BESIDE * len(columns) - 1
+    min_widths = [max(map(len, words), default=0) for words in pieces]
+    wanted = [
+        max(map(len, column)) - width for column, width in zip(columns, min_widths, strict=True)
+    ]
+    spare = console.width - sum(min_widths) - _MAX_COLUMN_PADDING * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
     labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
     for n, k in enumerate(labels_first):
         shared = 1 if not k and not prose[k] else len(columns) - n
         wider[k] = min(wanted[k], max(spare, 0) // shared)
         spare -= wider[k]
-    for k, (column, width) in enumerate(zip(columns, least, strict=True)):
+    for k, (column, width) in enumerate(zip(columns, min_widths, strict=True)):
         wide = width + wider[k]
         grid.add_column(
             Text(textwrap.fill(column[0], max(wide, 1), break_long_words=False)),
@@ -138,7 +140,11 @@ def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
     console = Console(highlight=False)
     grid = Grid(box=None, show_header=False, padding=(0, 2, 0, 0))
     widest = sum(max(map(len, column), default=0) + 2 for column in zip(*rows, strict=True))
-    across = max(1, min(_ACROSS, console.width // (widest + 2))) if len(rows) > _FEW else 1
+    across = (
+        max(1, min(_MAX_PAIRS_ACROSS, console.width // (widest + 2)))
+        if len(rows) > _MAX_SINGLE_COLUMN_ROWS
+        else 1
+    )
     cells = [Text(text) for row in rows for text in row]
     for start in range(0, len(cells), 2 * across):
         grid.add_row("", *cells[start : start + 2 * across])

@@ -1,4 +1,4 @@
-"""`tvclin poles`: where the poles are, and how strongly the inputs excite the unstable ones."""
+"""`tvclin poles`: the poles, and the residues of the inputs at the unstable ones."""
 
 from typing import Any
 
@@ -26,19 +26,19 @@ def poles(
     loaded, plane = case.vehicle, case.plane
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}
-    found = {name: all_modes(plant) for name, plant in plants.items()}
+    modes = {name: all_modes(plant) for name, plant in plants.items()}
     draw(plot, lambda: plots.pole_map(plants[names[0]].coefficients, names))
-    models = {name: _document(one) for name, one in found.items()}
+    models = {name: _document(mode_set) for name, mode_set in modes.items()}
     title = f"{loaded.name or vehicle}, {plane}: poles of the attitude"
     answer(
         as_json,
         lambda: {"vehicle": loaded.name, "plane": plane, "models": models},
-        lambda: print_tables(mode_table(title, found)),
+        lambda: print_tables(mode_table(title, modes)),
     )
 
 
-def _document(found: Modes) -> list[dict[str, Any]]:
-    columns = (found.poles, found.deflection_residues, found.wind_residues)
+def _document(modes: Modes) -> list[dict[str, Any]]:
+    columns = (modes.poles, modes.deflection_residues, modes.wind_residues)
     return [
         {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}
         for p, d, w in zip(*(column.tolist() for column in columns), strict=True)

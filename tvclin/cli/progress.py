@@ -1,22 +1,22 @@
-"""What a long command tells while it works: a bar with the time left, or lines in a pipe."""
+"""Progress of a long command: a bar with the remaining time, or lines in a pipe."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
 
 Progress = Callable[[float, float], None]
-"""Is told how much is done, and how much there is."""
-_SPAN = 3600.0
-"""Seconds over which a rate is taken: slow work may tell of nothing for minutes."""
-_SURE = 0.1
-"""Of what is left at first, so much is done before a time left is shown: wild guesses are none."""
-_LINES = 20.0
-"""Seconds between two lines where there is no terminal, and before the first."""
+"""Function called with the amount of work done, and with its total."""
+_RATE_PERIOD_S = 3600.0
+"""Period of the estimate of a rate [s]: slow work may report nothing for minutes."""
+_MIN_DONE_FRACTION = 0.1
+"""Fraction of the work done, since the first report, before a remaining time is shown."""
+_LINE_INTERVAL_S = 20.0
+"""Time [s] between two lines without a terminal, and before the first."""
 
 
 @contextmanager
 def bar(what: str) -> Iterator[Progress]:
-    """Lend what shows a bar with rate and time left; a line now and then without a terminal."""
+    """Yield the function that shows a bar with rate and remaining time, or lines in a pipe."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -27,7 +27,7 @@ def bar(what: str) -> Iterator[Progress]:
 
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
     columns = (rich.BarColumn(), counted, rich.TextColumn("{task.fields[rate]}"))
-    with rich.Progress(*columns, console=console, speed_estimate_period=_SPAN) as progress:
+    with rich.Progress(*columns, console=console, speed_estimate_period=_RATE_PERIOD_S) as progress:
         task = progress.add_task(what, total=None, rate="", visible=False)
         first: tuple[float, float] | None = None
 
@@ -35,19 +35,19 @@ def bar(what: str) -> Iterator[Progress]:
             nonlocal first
             now, speed = monotonic(), progress.tasks[0].speed
             first = first or (now, done)
-            left = _left(now - first[0], done - first[1], total - done)
+            remaining = _remaining_text(now - first[0], done - first[1], total - done)
             text = f"{speed:.3g}/s" if speed else ""
-            rate = f"{text}  {left and f'{left} left'}"
+            rate = f"{text}  {remaining and f'{remaining} left'}"
             progress.update(task, completed=done, total=total, rate=rate, visible=True)
 
         yield tell
 
 
 def lines(what: str) -> Progress:
-    """Return what writes on stderr how far the work is, a line in twenty seconds at most.
+    """Return the function that writes progress on stderr, a line in twenty seconds at most.
 
-    The time left is counted from the first word on: what was done before, and how long kernels were
-    compiled until then, says nothing of the rate.
+    The rate counts from the first report on: earlier work, and the compilation of kernels until
+    then, do not enter it.
     """
     import typer
 
@@ -58,23 +58,25 @@ def lines(what: str) -> Progress:
         nonlocal first, last
         now = monotonic()
         first = first or (now, done)
-        if now - last < _LINES or not 0.0 < done < total:
+        if now - last < _LINE_INTERVAL_S or not 0.0 < done < total:
             return
         last = now
-        left = _left(now - first[0], done - first[1], total - done)
-        typer.echo(f"{done:.0f} of {total:.0f} {what}{left and f', about {left} left'}", err=True)
+        remaining = _remaining_text(now - first[0], done - first[1], total - done)
+        typer.echo(
+            f"{done:.0f} of {total:.0f} {what}{remaining and f', about {remaining} left'}", err=True
+        )
 
     return tell
 
 
-def _left(passed: float, done: float, rest: float) -> str:
-    """The seconds that the rest takes; nothing until a part of all is done since the first word."""
-    return f"{passed * rest / done:.0f} s" if done >= _SURE * (done + rest) else ""
+def _remaining_text(passed: float, done: float, rest: float) -> str:
+    """Return the remaining time in words; empty before `_MIN_DONE_FRACTION` of the work is done."""
+    return f"{passed * rest / done:.0f} s" if done >= _MIN_DONE_FRACTION * (done + rest) else ""
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Show what is done and for how long, where nothing can be counted; only on a terminal."""
+    """Show the current work and its elapsed time, where nothing can be counted; on a terminal."""
     from rich.console import Console
 
     console = Console(stderr=True)

@@ -1,4 +1,4 @@
-"""`tvclin respond`: how the attitude of one vehicle answers a wind, exactly."""
+"""`tvclin respond`: the exact response of one vehicle's attitude to a wind."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -39,8 +39,8 @@ from tvclin.linear.response import attitude_responses
 if TYPE_CHECKING:
     from tvclin.plots.curves import Curves
 
-_LONGEST = 1000.0
-"""Of --until: nothing in a flight lasts that long."""
+_MAX_UNTIL = 1000.0
+"""Largest --until, in durations of the wind."""
 
 
 def respond(
@@ -67,26 +67,26 @@ def respond(
     """
     from tvclin import plots
 
-    within("--until", until, 1e-3, _LONGEST)
+    within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    asked = case_of(
-        vehicle, limit.over, motion.over, blows=blows.over, told=("respond",), time=time
-    )
+    plan = case_of(vehicle, limit.over, motion.over, blows=blows.over, told=("respond",), time=time)
     if capability is not None and not limit.values:
-        asked = replace(asked, nozzle=replace(asked.nozzle, limit=None))
-    K = chosen(dead_band, asked.dead_band)
-    case = held(asked, blows.name(asked), K, capability, until)
-    found, shown = case.followed(until * float(case.wind.end))
+        plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
+    K = chosen(dead_band, plan.dead_band)
+    case = held(plan, blows.name(plan), K, capability, until)
+    largest, shown = case.followed(until * float(case.wind.end))
     files.write(
         lambda: _curves(case, np.linspace(0.0, shown.time, points)),
         lambda curves: plots.response_chart(curves, _title(case)),
     )
-    note_nominal_pressure(asked)
-    answer(files.as_json, lambda: _document(case, found, shown), lambda: _print(case, found, shown))
+    note_nominal_pressure(plan)
+    answer(
+        files.as_json, lambda: _document(case, largest, shown), lambda: _print(case, largest, shown)
+    )
 
 
 def _curves(case: Held, times: FloatArray) -> "Curves":
-    """The response over times [s]."""
+    """Return the curves of the response over times [s]."""
     from tvclin.plots import response_curves
 
     deflection, wind = case.deflection, case.wind
@@ -101,14 +101,14 @@ def _title(case: Held) -> str:
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
-def _print(case: Held, found: Extremes, shown: ResponseEnd) -> None:
+def _print(case: Held, largest: Extremes, shown: ResponseEnd) -> None:
     say(case.words)
     caption = f"{case.case.vehicle.name}: exact response"
-    whole = _covers_the_wind(case, shown)
-    print_tables(response_table(caption, found, case.loads if whole else None))
-    part = f", {case.limit / case.nominal:.4g} times that" if case.nominal else ""
+    wind_covered = _covers_the_wind(case, shown)
+    print_tables(response_table(caption, largest, case.loads if wind_covered else None))
+    ratio_text = f", {case.limit / case.nominal:.4g} times that" if case.nominal else ""
     needed = f"Required {NOMINAL}: {np.degrees(case.nominal):.3f} deg by {case.governs}"
-    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {survival(case.survived)}")
+    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{ratio_text}: {survival(case.survived)}")
     say_required(case.required)
     say_notes(case.notes)
     verdict = case.verdict
@@ -133,8 +133,8 @@ def _covers_the_wind(case: Held, shown: ResponseEnd) -> bool:
     return shown.why == COMPLETE or shown.time >= float(case.wind.end)
 
 
-def _document(case: Held, found: Extremes, shown: ResponseEnd) -> dict[str, Any]:
-    verdict, whole = case.verdict, _covers_the_wind(case, shown)
+def _document(case: Held, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
+    verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.required_deflection)
     keys = "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative"
     return {
@@ -144,8 +144,8 @@ def _document(case: Held, found: Extremes, shown: ResponseEnd) -> dict[str, Any]
         **picked(case, "dead_band nominal_deflection_deg=nominal governed_by=governs limit_deg"),
         **picked(case, "survived notes"),
         "shown_until": picked(shown, "time_s why"),
-        "attitude": found,
-        "peak_angle_of_attack": picked(case.loads, keys) if whole else None,
+        "attitude": largest,
+        "peak_angle_of_attack": picked(case.loads, keys) if wind_covered else None,
         "verdict": {
             **picked(verdict, "stable residues_rad"),
             "final_motion": str(verdict.final_motion),

@@ -169,54 +169,54 @@ def log(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    found = read_log(file, None if columns is None else _columns(columns), **vars(rows))
+    result = read_log(file, None if columns is None else _columns(columns), **vars(rows))
     if wind_output is None:
-        _write(found.schedule, file, output)
+        _write(result.schedule, file, output)
         return
-    found.profile  # noqa: B018  # nothing is written where it has none
-    _write(found.schedule, file, output)
-    found.write_wind(wind_output)
+    result.profile  # noqa: B018  # nothing is written where it has none
+    _write(result.schedule, file, output)
+    result.write_wind(wind_output)
     say(f"Wrote {called(wind_output)}: add --winds {wind_output} --azimuth-deg 0")
 
 
 def _columns(file: Path) -> dict[str, Any]:
     document = tables_of(read_text(file, "a TOML file of columns"), str(file))
-    found = document.get("columns")
-    if not isinstance(found, dict) or len(document) > 1:
+    columns = document.get("columns")
+    if not isinstance(columns, dict) or len(document) > 1:
         raise InputError(f"{called(file)} must hold one table [columns] and nothing beside it")
-    return found
+    return columns
 
 
-def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
+def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
     try:
-        pairs = [tuple(map(float, one.split(":"))) for one in given]
+        pairs = [tuple(map(float, text.split(":"))) for text in texts]
         times, inertias = zip(*pairs, strict=True)
     except ValueError:
         raise InputError(
             "--inertia must be a time and a moment of inertia, such as 0:24; got"
-            f" {shown(' '.join(given))}"
+            f" {shown(' '.join(texts))}"
         ) from None
     return list(times), list(inertias)
 
 
-def _write(found: FlightSchedule, file: Path, output: Path) -> None:
+def _write(schedule: FlightSchedule, file: Path, output: Path) -> None:
     """Write a schedule, and print what it is and where it came from."""
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
-    found.to_csv(output)
-    _print(found)
-    say(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
+    schedule.to_csv(output)
+    _print(schedule)
+    say(f"Wrote {called(output)}: {schedule.times.size} times. Then: tvclin size {output}")
 
 
-def _print(found: FlightSchedule) -> None:
-    first, last = found.span
+def _print(schedule: FlightSchedule) -> None:
+    first, last = schedule.span
     times = np.array([first, 0.5 * (first + last), last])
-    c = Coefficients.from_vehicle(found.at(times))
+    c = Coefficients.from_vehicle(schedule.at(times))
     rows = [
         [f"{t:.4g}", f"{mu_alpha:.4f}", f"{mu_delta:.4f}", f"{B:.5f}"]
         for t, mu_alpha, mu_delta, B in np.column_stack([times, c.mu_alpha, c.mu_delta, c.B])
     ]
     head = ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"]
-    print_tables(words(found.vehicle.name, head, rows))
-    for note in found.notes:
+    print_tables(words(schedule.vehicle.name, head, rows))
+    for note in schedule.notes:
         say(note)

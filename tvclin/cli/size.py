@@ -49,7 +49,7 @@ from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.sounding_files import read_sounding
 
-_COLUMNS = 6
+_MAX_WIND_COLUMNS = 6
 """Winds that have a column each, as many as a terminal has room for."""
 SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -87,39 +87,39 @@ class FlightOptions(BiasOptions, ShapedOptions):
                 f" {len(times)} for {len(files)}"
             )
         names = [called(file.name) for file in files]
-        found: dict[str, SoundingRequest] = {}
+        requests: dict[str, SoundingRequest] = {}
         for file, label, time in zip_longest(files, names, times):
             name = " at ".join(filter(None, (label, time)))
             if time is None and names.count(label) > 1:
                 name = called(file)
-            if name in found:
+            if name in requests:
                 raise InputError(f"--winds gives {name} twice")
-            found[name] = SoundingRequest(
+            requests[name] = SoundingRequest(
                 read_sounding(file, time=time, **self.reading), azimuth, mean
             )
-        return found
+        return requests
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
-        own = replace(self, peak_speed=None, azimuth_deg=straight)
+        angular = replace(self, peak_speed=None, azimuth_deg=straight)
         if self.gust_speed is not None:  # each flight time meets it at its own angle
-            own = replace(own, gust=(1.0, self.gust_speed[1]), gust_speed=None)
-        plan = ShapedOptions.over(own, plan)
-        asked, speed = plan.sizing, self.peak_speed
-        assert asked is not None
+            angular = replace(angular, gust=(1.0, self.gust_speed[1]), gust_speed=None)
+        plan = ShapedOptions.over(angular, plan)
+        request, speed = plan.sizing, self.peak_speed
+        assert request is not None
         named = (self.wind, self.duration, self.peak_deg, speed, self.wind_direction_deg)
-        asked = replace(
-            asked,
-            pulse=asked.pulse or any(one is not None for one in named),
-            peak_speed=None if self.peak_deg is not None else chosen(speed, asked.peak_speed),
-            gust_speed=asked.gust_speed if self.gust is None else None,
+        request = replace(
+            request,
+            pulse=request.pulse or any(value is not None for value in named),
+            peak_speed=None if self.peak_deg is not None else chosen(speed, request.peak_speed),
+            gust_speed=request.gust_speed if self.gust is None else None,
         )
         if self.gust_speed is not None:
-            asked = replace(asked, gust_speed=self.gust_speed[0])
-        if not asked.pulse:
+            request = replace(request, gust_speed=self.gust_speed[0])
+        if not request.pulse:
             only_with("a pulse: in a sounding a gust meets each flight time", gust_at=self.gust_at)
-        return replace(plan, sizing=asked)
+        return replace(plan, sizing=request)
 
 
 @dataclass(frozen=True)
@@ -181,30 +181,35 @@ def size(
     from tvclin import plots
 
     case = flight_asked("size", source, blows, question, sign, limits, model, planes)
-    asked = case.sizing
-    assert asked is not None
+    request = case.sizing
+    assert request is not None
     if plot is not None:
-        _check_drawn(asked.times(case))
+        _check_drawn(request.times(case))
     with bar("flight times and winds") as progress:
-        found = asked.sizing(case, progress)
+        sizing = request.sizing(case, progress)
     if disperse:
-        asked = replace(asked, dispersion=_dispersed(case, asked, found))
-    whole, ratio = asked.total(case, found), asked.ratio(case, found)
-    said = [*asked.warnings, *asked.notes, *_hints(asked, found), *(ratio.notes if ratio else ())]
+        request = replace(request, dispersion=_dispersed(case, request, sizing))
+    total, ratio = request.total(case, sizing), request.ratio(case, sizing)
+    said = [
+        *request.warnings,
+        *request.notes,
+        *_hints(request, sizing),
+        *(ratio.notes if ratio else ()),
+    ]
     if csv is not None:
-        found.to_csv(csv)
-    draw(plot, lambda: plots.sizing_chart(found, whole.limit, source))
-    beside = {
-        "total": whole,
+        sizing.to_csv(csv)
+    draw(plot, lambda: plots.sizing_chart(sizing, total.limit, source))
+    further = {
+        "total": total,
         "controllability": ratio,
-        "notes": [*found.notes, *said],
-        "verdict": picked(whole, "limit_deg sufficient left_deg not_sized"),
+        "notes": [*sizing.notes, *said],
+        "verdict": picked(total, "limit_deg sufficient left_deg not_sized"),
     }
     answer(
         as_json,
-        lambda: found.as_dict() | beside,
-        lambda: _print(found, whole, ratio, source, asked.counted(found, case.sign), said),
-        not whole.too_slow and (whole.limit is None or bool(whole.sufficient)),
+        lambda: sizing.as_dict() | further,
+        lambda: _print(sizing, total, ratio, source, request.counted(sizing, case.sign), said),
+        not total.too_slow and (total.limit is None or bool(total.sufficient)),
     )
 
 
@@ -218,7 +223,7 @@ def _check_drawn(times: FloatArray) -> None:
 
 
 def _print(
-    found: Sizing,
+    sizing: Sizing,
     total: DeflectionTotal,
     ratio: ControllabilityRatio | None,
     source: str,
@@ -226,46 +231,46 @@ def _print(
     said: list[str],
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
-    name = found.schedule.vehicle.name or source
-    planes = "both planes, one stop" if found.alone else found.plane
-    say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
-    print_tables(*tables.over_time(found, counted))
-    if marks := tables.marks_line(found):
+    name = sizing.schedule.vehicle.name or source
+    planes = "both planes, one stop" if sizing.alone else sizing.plane
+    say(f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}\n")
+    print_tables(*tables.over_time(sizing, counted))
+    if marks := tables.marks_line(sizing):
         say(marks)
-    if len(found.winds) > 1:
-        print_tables(tables.by_wind(found, counted))
-    if 1 < len(found.winds) <= _COLUMNS:
-        print_tables(*tables.each_wind(found, counted))
-    say(f"{tables.legend(found)}\n")
+    if len(sizing.winds) > 1:
+        print_tables(tables.by_wind(sizing, counted))
+    if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
+        print_tables(*tables.each_wind(sizing, counted))
+    say(f"{tables.legend(sizing)}\n")
     print_tables(total_table(total, counted.label))
     say_lines(total.verdict)
     if ratio is not None:
         print_tables(ratio.table)
         say_lines([ratio.verdict])
-    say_notes((*found.notes, *said))
+    say_notes((*sizing.notes, *said))
 
 
-def _hints(asked: SizingRequest, found: Sizing) -> Iterator[str]:
+def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     """Which options would tell more than what was found."""
-    first, last = found.schedule.span
-    begin, end = (float(time) for time in (found.times.min(), found.times.max()))
-    if (asked.start is None and begin > first) or (asked.stop is None and end < last):
+    first, last = sizing.schedule.span
+    begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
+    if (request.start is None and begin > first) or (request.stop is None and end < last):
         yield (
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
-    known_from, known_to = found.known_times[:, 0].max(), found.known_times[:, 1].min()
-    required = next(iter(found.required.values()))
-    known = found.times[np.isfinite(required).all(axis=1)]
-    if known.size:  # a gust may make more times unknown than the end of a sounding
-        known_from = max(known_from, known[0] if known[0] > begin else -np.inf)
-        known_to = min(known_to, known[-1] if known[-1] < end else np.inf)
-    options = [f"--from {hundredths(known_from, up=True)}"] if begin < known_from else []
-    options += [f"--to {hundredths(known_to, up=False)}"] if end > known_to else []
+    first_known, last_known = sizing.known_times[:, 0].max(), sizing.known_times[:, 1].min()
+    required = next(iter(sizing.required.values()))
+    determined = sizing.times[np.isfinite(required).all(axis=1)]
+    if determined.size:  # a gust may make more times unknown than the end of a sounding
+        first_known = max(first_known, determined[0] if determined[0] > begin else -np.inf)
+        last_known = min(last_known, determined[-1] if determined[-1] < end else np.inf)
+    options = [f"--from {hundredths(first_known, up=True)}"] if begin < first_known else []
+    options += [f"--to {hundredths(last_known, up=False)}"] if end > last_known else []
     if options:
         yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
-    doubtful = not found.freezing_error and (found.change > STEADY).any()
-    if asked.soundings and asked.window is None and doubtful:
+    doubtful = not sizing.freezing_error and (sizing.change > STEADY).any()
+    if request.soundings and request.window is None and doubtful:
         yield (
             "--window 20 counts of a sounding only what blows within 10 s of each flight time,"
             " while parameters change less"
@@ -284,30 +289,30 @@ def flight_asked(
     soundings = blows.soundings()
     note_source(source, command)
     case = load_sizing(source, soundings)
-    for one in (question, sign, *changes):
-        case = one.over(case)
+    for options in (question, sign, *changes):
+        case = options.over(case)
     case = blows.over(case)
-    asked = case.sizing
-    assert asked is not None
-    if not asked.soundings:
+    request = case.sizing
+    assert request is not None
+    if not request.soundings:
         question.only_with("a sounding, --winds or [[wind]] with one", "window")
         if case.planes == "yaw" and case.heading is None and case.sign != FROZEN:
             sign.only_with("--plane pitch: it is that of a wind along the path")
-    elif not (asked.pulse or asked.others or case.sign == FROZEN):
+    elif not (request.pulse or request.others or case.sign == FROZEN):
         sign.only_with("a pulse: a sounding has its own sign, or is frozen")
     return case
 
 
-def _dispersed(case: StudyPlan, asked: SizingRequest, found: Sizing) -> float:
+def _dispersed(case: StudyPlan, request: SizingRequest, sizing: Sizing) -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    counted = asked.counted(found, case.sign)
-    if counted.quantity != DEAD_BAND or counted not in found.worst:
+    counted = request.counted(sizing, case.sign)
+    if counted.quantity != DEAD_BAND or counted not in sizing.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
-    worst, pulses = found.worst[counted], asked.pulses(case)
-    at = found.winds.index(worst.wind)
+    worst, pulses = sizing.worst[counted], request.pulses(case)
+    at = sizing.winds.index(worst.wind)
     if at >= len(pulses):
-        met, vehicle = asked.winds(case)[worst.wind], asked.schedule.at(worst.time)
-        assert isinstance(met, MeasuredWind | MeasuredPlanes)
-        return part_in_a_wind(vehicle, met(vehicle), case, counted.dead_band)
-    nominal = Study.of(asked.at(case, worst.time, pulses[at]), counted.dead_band)
+        wind, vehicle = request.winds(case)[worst.wind], request.schedule.at(worst.time)
+        assert isinstance(wind, MeasuredWind | MeasuredPlanes)
+        return part_in_a_wind(vehicle, wind(vehicle), case, counted.dead_band)
+    nominal = Study.of(request.at(case, worst.time, pulses[at]), counted.dead_band)
     return disperse_study(nominal).part

@@ -22,8 +22,8 @@ def vehicles(as_json: AsJson = False) -> None:
     for key in list_vehicles():
         vehicle = load_vehicle(key)
         c = Coefficients.from_vehicle(vehicle)
-        own = ("bending", "slosh")
-        counts = {kind: len(getattr(vehicle.structure, kind, ())) for kind in own}
+        kinds = ("bending", "slosh")
+        counts = {kind: len(getattr(vehicle.structure, kind, ())) for kind in kinds}
         document[key] = {
             "name": vehicle.name,
             "beta_per_s": np.sqrt(c.mu_alpha),
@@ -57,9 +57,9 @@ def init(
     from tvclin.cli.inputs import only_with
     from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
-    given = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
-    if sum(given.values()) > 1:
-        raise InputError(f"give {' or '.join(name for name in given if given[name])}, not both")
+    sources = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}
+    if sum(sources.values()) > 1:
+        raise InputError(f"give {' or '.join(name for name in sources if sources[name])}, not both")
     text = example() if study else template()
     if schedule is None:
         only_with("--from", at=time)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     Met = MeasuredWind | MeasuredPlanes
 
-_WINDOW = 20.0
+_WINDOW_S = 20.0
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,14 @@ class GustOptions:
     @property
     def on_top(self) -> tuple[History | None, float | None]:
         """The gust, and its speed [m/s] where that is given in place of its angle."""
-        given, option, speed = self.gust, "--gust", None
+        gust, option, speed = self.gust, "--gust", None
         if self.gust_speed is not None:
             option = "--gust-speed"
             speed = number(option, self.gust_speed[0], nonzero)
-            given = (1.0, self.gust_speed[1])
-        if given is None:
+            gust = (1.0, self.gust_speed[1])
+        if gust is None:
             return None, None
-        peak, duration = number(option, given[0], nonzero), number(option, given[1], positive)
+        peak, duration = number(option, gust[0], nonzero), number(option, gust[1], positive)
         level = number("--gust-plateau", chosen(self.gust_plateau, 0.0), nonnegative, "s")
         return wind_file.gust_of(float(np.radians(peak)), duration, level), speed
 
@@ -120,9 +120,9 @@ class PulseOptions(GustOptions, _Pulse):
         )
         wind = self._gusty(wind, plan)
         if self.peak_speed is not None:
-            whole = complete_vehicle(plan.vehicle, "--peak-speed")
+            vehicle = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
-            wind = wind.with_speed(speed, whole, plan.plane)
+            wind = wind.with_speed(speed, vehicle, plan.plane)
         return replace(plan, wind=wind)
 
     def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
@@ -141,10 +141,13 @@ class PulseOptions(GustOptions, _Pulse):
     @property
     def _heading(self) -> float | None:
         """The heading of the wind [rad]; None without --wind-direction-deg."""
-        given = {"--wind-direction-deg": self.wind_direction_deg, "--azimuth-deg": self.azimuth_deg}
+        angles_deg = {
+            "--wind-direction-deg": self.wind_direction_deg,
+            "--azimuth-deg": self.azimuth_deg,
+        }
         angles = [
-            None if one is None else float(np.radians(number(name, one)))
-            for name, one in given.items()
+            None if angle is None else float(np.radians(number(name, angle)))
+            for name, angle in angles_deg.items()
         ]
         return heading_of(angles[0], angles[1], ("--wind-direction-deg", "--azimuth-deg"))
 
@@ -214,8 +217,8 @@ class BiasOptions(FormatOptions, PulseOptions):
 
     def only_with_sounding(self, *names: str) -> None:
         """Raise `InputError` for options of soundings, and of these names, where there is none."""
-        own = ("winds_format", "units", "above_ground", "bias", "bias_month", *names)
-        only_with("a sounding, --winds", **{name: getattr(self, name) for name in own})
+        fields = ("winds_format", "units", "above_ground", "bias", "bias_month", *names)
+        only_with("a sounding, --winds", **{name: getattr(self, name) for name in fields})
 
 
 @dataclass(frozen=True)
@@ -241,17 +244,19 @@ class BlowingOptions(BiasOptions):
         if self.winds is None:
             self.only_with_sounding("window", "winds_time")
             return super().over(plan, source)
-        met = self.sounding(plan, source)
-        return replace(plan, wind=met.shift(-float(met.onset)))
+        wind = self.sounding(plan, source)
+        return replace(plan, wind=wind.shift(-float(wind.onset)))
 
     def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return the same in flight time, a pulse with its middle at the vehicle's own."""
         if self.winds is not None:
             return replace(plan, wind=self.sounding(plan, source))
-        found = self.over(plan, source)
+        shifted = self.over(plan, source)
         time = complete_vehicle(plan.vehicle, "a flight in its own time").time
         middle = 0.0 if time is None else float(time)
-        return replace(found, wind=found.history.shift(middle - 0.5 * pulse_of(found).duration))
+        return replace(
+            shifted, wind=shifted.history.shift(middle - 0.5 * pulse_of(shifted).duration)
+        )
 
     def name(self, case: Case) -> str:
         """Return what the wind of a case is called: its shape, or the file of the sounding."""
@@ -279,25 +284,25 @@ class BlowingOptions(BiasOptions):
         from tvclin.answers.sizing.placing import place
 
         assert self.winds is not None
-        own = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
-        pulse = {name: getattr(self, name, None) for name in ("wind", *own)}
+        fields = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")
+        pulse = {name: getattr(self, name, None) for name in ("wind", *fields)}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
-        whole, faults = complete_vehicle(plan.vehicle, "--winds"), Faults()
+        vehicle, faults = complete_vehicle(plan.vehicle, "--winds"), Faults()
         with faults.kept():
             azimuth = azimuth_of(self.azimuth_deg)
         with faults.kept():
-            if whole.time is None:
+            if vehicle.time is None:
                 raise InputError("--winds needs a vehicle with its time of flight, time_s")
         faults.tell()
-        length = number("--window", chosen(self.window, _WINDOW), positive, "s")
-        met, time = self._met(plan, source, azimuth, length), float(whole.time)
-        placed = place(met, whole, time, "peak", length)
+        length = number("--window", chosen(self.window, _WINDOW_S), positive, "s")
+        wind, time = self._encountered(plan, source, azimuth, length), float(vehicle.time)
+        placed = place(wind, vehicle, time, "peak", length)
         if not placed.known or placed.calm:
             word = "calm" if placed.known else "not known"
             raise InputError(
                 f"the wind of {self.winds.name} is {word} at {time:g} s, the vehicle's time"
             )
-        first, last = met.known
+        first, last = wind.known
         if time - length / 2 < first or last < time + length / 2:
             say(
                 f"Note: {self.winds.name} is known from {first:.6g} to {last:.6g} s of flight only;"
@@ -306,16 +311,16 @@ class BlowingOptions(BiasOptions):
             )
         return placed.in_flight
 
-    def _met(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
+    def _encountered(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
         """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
         assert self.winds is not None
         from tvclin.ascent.measured_wind import fly_through
         from tvclin.ascent.schedule_file import load_schedule
 
-        asked, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
+        request, gust = plan.sizing, self._gusty(pulse_of(plan), plan).gust
         return fly_through(
             noted_sounding(self.winds, self.winds_time, **self.reading),
-            load_schedule(vehicle_source(source)) if asked is None else asked.schedule,
+            load_schedule(vehicle_source(source)) if request is None else request.schedule,
             azimuth=azimuth,
             plane=plan.plane,
             window=length,
