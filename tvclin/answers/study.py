@@ -241,12 +241,12 @@ class Study(CaseRequirement, Shown):
 
     @property
     def gust(self) -> History | None:
-        """What blows on top of the wind, in its time; its part in the plane."""
+        """Gust on top of the wind, in its time; its component in the plane."""
         return self.wind_in_plane.placed_gust
 
     @property
     def peak_of(self) -> str:
-        """Of what the peak is that the limit survives, where the wind has a direction or a gust."""
+        """Wind whose peak is the survivable one, in words; empty without direction and gust."""
         gust = "" if self.wind_in_plane.gust is None else " with its gust"
         if self.slanting is None:
             return gust and f"of the wind{gust}"
@@ -263,8 +263,8 @@ class Study(CaseRequirement, Shown):
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:
-        """Sizes [rad] by model: what no law without a forecast undercuts, and what no control."""
-        free = {name: abs(float(one.deflection)) for name, one in self.forecast_free.items()}
+        """Lower bounds [rad] by model, of laws without a forecast and of every control."""
+        free = {name: abs(float(limit.deflection)) for name, limit in self.forecast_free.items()}
         return {"forecast_free": free, "minimum": self.minima}
 
     def as_dict(self) -> dict[str, Any]:
@@ -291,8 +291,8 @@ class Study(CaseRequirement, Shown):
             "unstable_poles_per_s": {name: modes.poles for name, modes in self.modes.items()},
             **picked(self, "trim_deflection_deg"),
             "boundaries": {
-                name: {"dead_band": self.dead_bands, **found.as_dict()}
-                for name, found in self.boundaries.items()
+                name: {"dead_band": self.dead_bands, **boundary.as_dict()}
+                for name, boundary in self.boundaries.items()
             },
             **picked(self, "forecast_free minimum_deg=minima notes"),
             "verdict": picked(
@@ -309,8 +309,8 @@ class Study(CaseRequirement, Shown):
 def _needed(
     plants: dict[str, Plant], wind: History, dead_bands: FloatArray, switch: str
 ) -> dict[str, Any]:
-    """What each model needs: with dead bands, without a forecast, and with a complete one."""
-    best = _where_defined(_optimum, plants, wind)
+    """Return boundaries with dead bands and lower bounds without and with a forecast, by model."""
+    optima = _where_defined(_optimum, plants, wind)
     return {
         "boundaries": {
             name: with_larger_requirements(
@@ -319,33 +319,33 @@ def _needed(
             for name, plant in plants.items()
         },
         "forecast_free": _where_defined(forecast_free_limit, plants, wind),
-        "minima": {name: optimum.peak for name, optimum in best.items()},
+        "minima": {name: optimum.peak for name, optimum in optima.items()},
     }
 
 
 def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
-    """What each model needs in a wind beyond linear aerodynamics: no angle, limits over trim."""
-    without = {
-        key: {k: replace(one, deflection=one.deflection * np.nan) for k, one in needed[key].items()}
+    """Return boundaries and bounds with NaN [rad], for winds beyond linear aerodynamics."""
+    unknown = {
+        key: {k: replace(x, deflection=x.deflection * np.nan) for k, x in needed[key].items()}
         for key in ("boundaries", "forecast_free")
     }
-    return without | {"minima": dict.fromkeys(needed["minima"], np.nan)}
+    return unknown | {"minima": dict.fromkeys(needed["minima"], np.nan)}
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:
-    """The least peak of a control from t = 0 on, or from the onset of a gust before that."""
+    """Return the minimum peak of a control from t = 0 on, or from the earlier onset of a gust."""
     return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
 
 
 def _where_defined(
     function: Callable[..., Any], plants: dict[str, Plant], wind: History
 ) -> dict[str, Any]:
-    """What a function of plant and wind says of each model for which it is defined."""
-    found = {}
+    """Return the values of a function of plant and wind, by the models that it is defined for."""
+    values = {}
     for name, plant in plants.items():
         with suppress(InputError):
-            found[name] = function(plant, wind)
-    return found
+            values[name] = function(plant, wind)
+    return values
 
 
 def outlasts_one_pole(study: Study) -> bool:

@@ -49,11 +49,13 @@ STEP = 0.1
 """Length of a step times the fastest rate of vehicle and wind."""
 FLIGHT_PARTS = 4
 """Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
-_GAIN = 10.0
-"""Attitude feedback of the ideal trim law over its trim; as of `TrimLaw`."""
-_AFTER, _STEP_AFTER = 15.0, 0.05
-"""Length of a flight after its wind times the unstable pole, and of its steps there times the
-fastest rate. On a quick path the law may fail to bring back what the limit, held, would have."""
+_FEEDBACK_OVER_TRIM = 10.0
+"""Attitude feedback of the ideal trim law over its trim, that of `TrimLaw`."""
+_CALM_OVER_TIME_CONSTANT = 15.0
+"""Length of a flight after its wind times the unstable pole. On a quick path the law may diverge
+with a limit that survives if it is constant."""
+_CALM_STEP_OVER_TIME_CONSTANT = 0.05
+"""Length of a step after the wind times the fastest rate."""
 _FLIGHT_MARGIN = 1.005
 """A flight with so many times the limit of both curves shows whether they are sufficient."""
 _LOWEST_OF_BOTH_SIDES, _LOWEST_AGAIN = 0.5, 0.9
@@ -65,22 +67,22 @@ _MIN_LIMIT = 1e-12
 _EVEN_STEP = 0.125
 """Length of an even step times the fastest rate, through winds whose breakpoints are not ends.
 With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
-_SLOWEST = 0.25
-"""The slowest rate [1/s] that sets even steps."""
-_STEPS_TOGETHER = 5_000
-"""Steps of all winds that are marched together: some ten megabytes."""
-_ALIKE = 4
+_MIN_RATE_PER_S = 0.25
+"""Smallest rate [1/s] that sets even steps."""
+_MAX_BATCH_STEPS = 5_000
+"""Largest number of steps of the winds of a batch: some ten megabytes."""
+_LIMITS_MULTIPLE = 4
 """Multiple to which the number of limits is rounded, so that many winds have the same."""
 _MAX_STEPS = 20_000
-"""Steps over one wind."""
+"""Largest number of steps over one wind."""
 _WIND_RATE_FACTOR = 2.0
 """Factor on the rates of a wind, whose curvature sets the error of the parabola of trim."""
 _MIN_STEPS = 4
-"""Steps between two breakpoints of a wind."""
+"""Smallest number of steps between two breakpoints of a wind."""
 
 
 class Motion(Protocol):
-    """What is known of vehicles over time: `Equations`, or `FlightMode`."""
+    """Equations of vehicles over time: `Equations`, or `FlightMode`."""
 
     @property
     def fastest(self) -> FloatArray:
@@ -121,7 +123,7 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
 
 
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
-    """The breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
+    """Return the breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
     knots = wind.knots.reshape(-1, wind.knots.shape[-1])
     if motion.breakpoints.size:
         more = np.broadcast_to(motion.breakpoints, (len(knots), motion.breakpoints.size))
@@ -160,7 +162,9 @@ def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> Flo
 
     `parts`: into how many each step is divided.
     """
-    count = max(np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _SLOWEST) / _EVEN_STEP), 32)
+    count = max(
+        np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _MIN_RATE_PER_S) / _EVEN_STEP), 32
+    )
     ends = np.linspace(*span, min(int(count), _MAX_STEPS) * parts + 1)
     return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
 
@@ -186,13 +190,13 @@ def over_steps(
 def and_after(
     equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the same with the calm after the wind, in which the law must bring the vehicle back.
+    """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
     `times`, `wind`, `ratio`: as of `over_steps`.
     """
     count = int(steps_after(equations).max())
     rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
-    step = (_STEP_AFTER / rate)[:, np.newaxis, np.newaxis]
+    step = (_CALM_STEP_OVER_TIME_CONSTANT / rate)[:, np.newaxis, np.newaxis]
     calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
     times = np.concatenate([times, calm], axis=1)
     wind = np.concatenate([wind, np.zeros(calm.shape)], axis=1)
@@ -206,7 +210,9 @@ def steps_after(equations: Equations) -> IndexArray:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
-    counts = np.ceil(_AFTER / _STEP_AFTER) * np.where(np.isnan(slower), 1.0, np.ceil(slower))
+    counts = np.ceil(_CALM_OVER_TIME_CONSTANT / _CALM_STEP_OVER_TIME_CONSTANT) * np.where(
+        np.isnan(slower), 1.0, np.ceil(slower)
+    )
     quick = np.broadcast_to(equations.quick_path, counts.shape)
     return np.where(quick, np.minimum(counts, _MAX_STEPS), 0.0).astype(int)
 
@@ -237,7 +243,7 @@ class VaryingRequirement:
 def varying_requirement(
     motion: Motion, encountered: Encounter, dead_band: float = 1.0
 ) -> VaryingRequirement:
-    """Return the deflections that winds require with a dead band K, and the lower bound.
+    """Return trim, required deflection at a dead band K and lower bound [rad] of winds, ``(n,)``.
 
     Parameters
     ----------
@@ -314,7 +320,7 @@ def batch_requirements(
     groups, group = np.unique(counts[known], axis=0, return_inverse=True)
     for k in range(len(groups)):
         alike = known[np.ravel(group) == k]
-        together = int(_STEPS_TOGETHER // groups[k].sum()) + 1
+        together = int(_MAX_BATCH_STEPS // groups[k].sum()) + 1
         for first in range(0, alike.size, together):
             cases = alike[first : first + together]
             each = equations.of(cases), encountered.of(cases, count)
@@ -391,7 +397,7 @@ class LimitedFlights:
         work = some.wind.shape[1] * limits.size * order
         run(
             limited_trim.limited_trim,
-            (*columns, _GAIN, np.require(limits, float, ["C", "W"]), diverged),
+            (*columns, _FEEDBACK_OVER_TRIM, np.require(limits, float, ["C", "W"]), diverged),
             len(limits),
             limited_trim.PLAIN * work,
             limited_trim.COMPILED * work,
@@ -432,7 +438,7 @@ class LimitedFlights:
         middle = np.clip((1.0 + AHEAD) * np.minimum(bound, low), low, top)
         spans = np.log(middle / low)[:, np.newaxis], np.log(top / middle)[:, np.newaxis]
         fine, coarse = (np.ceil(x / step) for x, step in zip(spans, (FINE, STRIDE), strict=True))
-        counts = _ALIKE * np.ceil((fine + coarse)[:, 0] / _ALIKE).astype(int)
+        counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
         for count in np.unique(counts[survives & (counts > 0)]).tolist():
             cases = np.flatnonzero(survives & (counts == count))

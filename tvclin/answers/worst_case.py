@@ -41,16 +41,17 @@ factor on all of them."""
 _VEHICLE = tuple(name for name in KINDS if name not in {*WIND, *GAINS, *MODES})
 BOX_TABLE = FileTable("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
 """The numbers of a box around a `Vehicle`, as the command line names them."""
-_COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
-_MOST = 10
-"""Numbers in a box: it has 1024 corners."""
+_COEFFICIENTS = tuple(field.name for field in fields(Coefficients))
+_MAX_BOX_NUMBERS = 10
+"""Largest number of numbers in a box, which then has 1024 corners."""
 _INSIDE = 256
+"""Number of even points in the box."""
 _STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
-"""Even points in the box, and the search from the worst of them."""
-_WORSE = 1e-6
-"""A point inside is worse than all corners where it is by more than this part."""
-_ALL = tuple(name for name in MARGINS if not name.startswith("peak"))
-"""The margins that are told; peaks of S and T say the same as the disk margin."""
+"""Search from the worst of these points."""
+_RELATIVE_TOLERANCE = 1e-6
+"""Relative difference above which a point inside is worse than all corners."""
+_SHOWN_MARGINS = tuple(name for name in MARGINS if not name.startswith("peak"))
+"""Margins that are computed; peaks of S and T are equivalent to the disk margin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ class Worst:
 
     @property
     def place(self) -> tuple[lines.Line, lines.Line]:
-        """Where it is and how it was found, in words."""
+        """Position in the box, and method by which it was determined, in words."""
         return ("a corner" if self.corner else "inside",), (self.how,)
 
 
@@ -114,7 +115,7 @@ class WorstCase(Shown):
     as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
 
     def table(self) -> lines.Table:
-        """Return the worst of each number beside the nominal one, and where it is."""
+        """Return the nominal and the worst value of each number, and its position."""
         rows: list[tuple[lines.Line, ...]] = []
         for name, one in self.margins.items():
             label, unit, _ = MARGINS[name]
@@ -192,7 +193,7 @@ def worst_case(
     case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
     K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
     corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))
-    found = {name: case.worst(corners, case.margin(name)) for name in _ALL}
+    margins = {name: case.worst(corners, case.margin(name)) for name in _SHOWN_MARGINS}
     deflection = None
     if wind is not None:
         proved = model == "fixed-path" and K == 1.0 and wind.gust is None
@@ -202,15 +203,15 @@ def worst_case(
         )
     return WorstCase(
         box=ends,
-        margins=found,
-        stable=all(one.value > 0.0 for one in found.values()),
+        margins=margins,
+        stable=all(worst.value > 0.0 for worst in margins.values()),
         deflection=deflection,
-        tried=sum(np.size(one.status) for one in case.seen.values()),
+        tried=sum(np.size(loops.status) for loops in case.seen.values()),
     )
 
 
 def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tuple[float, float]]:
-    """The box with plain numbers, all of which the case has."""
+    """Return the box with plain numbers; `InputError` for a number that the case has not."""
     if not isinstance(subject, Vehicle | Coefficients):
         raise InputError(f"subject must be a Vehicle or Coefficients; got {type(subject).__name__}")
     single("subject", subject.batch)
@@ -221,10 +222,10 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
     if wind is not None:
         instance("wind", wind, ShapedWind, "of a shape, a peak and a duration")
     instance("box", box, Mapping, "of names to a least and a largest value")
-    if not 0 < len(box) <= _MOST:
-        raise InputError(f"box must have 1 to {_MOST} numbers; got {len(box)}")
-    own = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
-    known = (*own, *GAINS, *LOOP, *(WIND if wind is not None else ()))
+    if not 0 < len(box) <= _MAX_BOX_NUMBERS:
+        raise InputError(f"box must have 1 to {_MAX_BOX_NUMBERS} numbers; got {len(box)}")
+    names = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
+    known = (*names, *GAINS, *LOOP, *(WIND if wind is not None else ()))
     ends = {}
     for name, pair in box.items():
         one_of("a number in box", name, known)
@@ -255,20 +256,20 @@ class _Case:
     seen: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
 
     def values(self, points: FloatArray) -> dict[str, FloatArray]:
-        """The numbers [SI] at points of the unit box, ``(n,)`` each."""
+        """Return the numbers [SI] at points of the unit box, ``(n,)`` each."""
         spread = self.ends[:, 0] * (1.0 - points) + self.ends[:, 1] * points
         return dict(zip(self.names, spread.T, strict=True))
 
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
-        """The plants with these numbers."""
-        own = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
-        changed = self.subject.replace(**{k: v for k, v in values.items() if k in own})
+        """Return the plants with these numbers."""
+        names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
+        changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
         if isinstance(changed, Vehicle):
             return Plant.from_vehicle(changed, self.model, self.plane)
         return Plant.from_coefficients(changed, self.model)
 
     def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
-        """The autopilots with these numbers."""
+        """Return the autopilots with these numbers."""
         a = self.autopilot
         factor = values.get("gain", 1.0)
         changes: dict[str, Any] = {
@@ -284,26 +285,26 @@ class _Case:
         return replace(a, **changes)
 
     def margin(self, name: str) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """The function from numbers to a margin, which is zero where the loop is unstable."""
+        """Return the function from numbers to a margin, zero where the loop is unstable."""
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             key = tuple(np.asarray(v).tobytes() for v in values.values())
             if key not in self.seen:
                 self.seen[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
-            found: Margins = self.seen[key]
-            return np.nan_to_num(np.asarray(getattr(found, name), float), nan=0.0, posinf=np.inf)
+            margins: Margins = self.seen[key]
+            return np.nan_to_num(np.asarray(getattr(margins, name), float), nan=0.0, posinf=np.inf)
 
         return value
 
     def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
-        """The function from numbers to minus the required deflection [rad]."""
+        """Return the function from numbers to minus the required deflection [rad]."""
 
         def value(values: Mapping[str, FloatArray]) -> FloatArray:
             assert self.wind is not None
             wind = self.wind.history(dict(values))
-            found = required_deflection(self.plant(values), wind, dead_band)
-            known = within_linear(wind.peak)
-            return np.where(known, -np.abs(found.deflection), -np.inf)
+            required = required_deflection(self.plant(values), wind, dead_band)
+            linear = within_linear(wind.peak)
+            return np.where(linear, -np.abs(required.deflection), -np.inf)
 
         return value
 
@@ -313,21 +314,21 @@ class _Case:
         value: Callable[[Mapping[str, FloatArray]], FloatArray],
         proved: bool = False,
     ) -> Worst:
-        """The least of a value in the box: at a corner, or where a search finds a lesser one."""
+        """Return the minimum of a value in the box, over corners and, unless proved, a search."""
         nominal = float(value({}))
         edges = np.broadcast_to(value(self.values(corners)), len(corners))
         best = int(np.argmin(edges))
         point, worst, corner = corners[best], float(edges[best]), True
         if not proved and np.isfinite(worst):
-            points, found = least_points(
+            points, minima = least_points(
                 lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
                 len(self.names),
                 first=_INSIDE,
                 known=corners,
                 **_STEPS,
             )
-            if found[0] < worst - _WORSE * abs(worst):
-                point, worst = points[0], float(found[0])
+            if minima[0] < worst - _RELATIVE_TOLERANCE * abs(worst):
+                point, worst = points[0], float(minima[0])
                 corner = bool(np.all((point == 0.0) | (point == 1.0)))
         at = {name: float(v[0]) for name, v in self.values(point[np.newaxis]).items()}
         return Worst(worst, nominal, at, corner, PROVED if proved else SEARCHED)

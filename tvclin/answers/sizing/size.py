@@ -41,8 +41,8 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.wind_angles import NominalWind
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
-_LOOKS = 33
-"""Parameters are looked at so many times while a wind blows."""
+_TIMES_IN_WIND = 33
+"""Number of times during a wind at which beta and B are evaluated for their change."""
 
 
 def size(
@@ -147,28 +147,32 @@ def size(
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
     rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
-    told = _counted(progress, len(placed) * len(named) * rounds)
+    count_need = _counted(progress, len(placed) * len(named) * rounds)
     always = -np.inf, np.inf
     known = np.array([getattr(wind, "known", always) for wind in named.values()])
-    parts = {}
-    for one in planes:
-        in_plane = [[wind[one] for wind in row] for row in placed]
-        asked = _Asked(schedule, chosen, tuple(named), known, bands, model, one, law)
-        parts[one] = _sized(asked, vehicles, in_plane, varying, told)
-    found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
+    sizings = {}
+    for name in planes:
+        in_plane = [[wind[name] for wind in row] for row in placed]
+        inputs = _Inputs(schedule, chosen, tuple(named), known, bands, model, name, law)
+        sizings[name] = _sized(inputs, vehicles, in_plane, varying, count_need)
+    sizing = (
+        sizings[plane]
+        if plane in sizings
+        else in_both_planes(sizings, vehicles, placed, shape, count_need)
+    )
     steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
     whys = [[wind[planes[0]].why for wind in row] for row in placed]
     rows = zip(chosen.tolist(), placed, strict=True)
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
     doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
-    notes = (*steep, *unknown_rows(found, whys), *doubtful, *notes_of(found))
-    own = concurrent_trim(schedule, chosen, named, where, planes, shape, found.known)
-    return replace(found, concurrent=own, notes=notes)
+    notes = (*steep, *unknown_rows(sizing, whys), *doubtful, *notes_of(sizing))
+    concurrent = concurrent_trim(schedule, chosen, named, where, planes, shape, sizing.known)
+    return replace(sizing, concurrent=concurrent, notes=notes)
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
-    """What does not depend on the winds."""
+class _Inputs:
+    """Inputs of a sizing in one plane that do not depend on the winds."""
 
     schedule: FlightSchedule
     times: FloatArray
@@ -181,54 +185,54 @@ class _Asked:
 
 
 def _sized(
-    asked: _Asked,
+    inputs: _Inputs,
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
     varying: bool | None,
-    told: Callable[[Any], Any],
+    count_need: Callable[[Any], Any],
 ) -> Sizing:
-    """The sizing in one plane, without its notes."""
-    schedule, bands, model, plane = asked.schedule, asked.dead_bands, asked.model, asked.plane
+    """Return the sizing in one plane, without its notes."""
+    schedule, bands, model, plane = inputs.schedule, inputs.dead_bands, inputs.model, inputs.plane
     needs = [
-        [told(_frozen(schedule.plants(t, model, plane), w, bands, asked.law)) for w in row]
-        for t, row in zip(asked.times, placed, strict=True)
+        [count_need(_frozen(schedule.plants(t, model, plane), w, bands, inputs.law)) for w in row]
+        for t, row in zip(inputs.times, placed, strict=True)
     ]
     required = _columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
-    said, arises = _said(asked.times, needs), {}
+    messages, arises = _messages(inputs.times, needs), {}
     if varying is not False:
         try:
             mode = _flight_mode(schedule, model, plane, placed)
-            along = _along(mode, placed, bands, told)
+            along = _along(mode, placed, bands, count_need)
             required |= _varying(_columns(along, bands))
             arises = _arises(placed, along, bands)
-            said += _missing(required, bands)
+            messages += _missing(required, bands)
         except InputError as error:
             if varying:
                 raise
-            said.append(f"parameters are frozen at each flight time: {error}")
+            messages.append(f"parameters are frozen at each flight time: {error}")
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     return Sizing(
-        **vars(asked),
+        **vars(inputs),
         required=required,
         slow_mode=slow,
         edge=np.array(edges),
-        said=tuple(dict.fromkeys(said)),
+        said=tuple(dict.fromkeys(messages)),
         notes=(),
         arises=arises,
         **_circumstances(schedule, plane, vehicles, placed),
     )
 
 
-def _said(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
-    """What is said of the needs, each once, with the flight times where it is not said of all."""
+def _messages(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
+    """Return the messages of requirements, with the flight times of those that are not of all."""
     at: dict[str, list[float]] = {}
     for time, row in zip(times.tolist(), needs, strict=True):
-        for one in dict.fromkeys(one for need in row for one in need.said):
-            at.setdefault(one, []).append(time)
+        for message in dict.fromkeys(message for need in row for message in need.said):
+            at.setdefault(message, []).append(time)
     return [
-        one if len(when) == times.size else f"at {flight_times(when)}: {one}"
-        for one, when in at.items()
+        message if len(when) == times.size else f"at {flight_times(when)}: {message}"
+        for message, when in at.items()
     ]
 
 
@@ -238,7 +242,7 @@ def _circumstances(
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
 ) -> dict[str, Any]:
-    """When each wind blows, how much changes meanwhile, and whether the schedule covers it."""
+    """Return fields of `Sizing`: begin, end, change and coverage of winds, ``(n, m)``."""
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [
         [_change(schedule, plane, v, w) for w in row]
@@ -254,20 +258,20 @@ def _circumstances(
 
 
 def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenRequirement:
+    """Return the requirement of a wind at frozen parameters: zero in a calm, NaN if not known."""
     if wind.calm:
-        needs = 0.0 if wind.known else np.nan
-        every = np.full(bands.shape, needs)
-        return FrozenRequirement(needs, every, needs, needs, np.nan, ())
+        none = 0.0 if wind.known else np.nan
+        return FrozenRequirement(none, np.full(bands.shape, none), none, none, np.nan, ())
     return frozen_requirement(plant, wind.history, bands, law, wind.whole)
 
 
 def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
     """Return values by requirement as those with varying parameters."""
-    return {replace(one, varying=True): each for one, each in values.items()}
+    return {replace(key, varying=True): value for key, value in values.items()}
 
 
 def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
-    """Why dead bands are defined for frozen parameters and not for varying ones."""
+    """Return a message where dead bands are defined for frozen parameters alone."""
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
@@ -288,81 +292,83 @@ def _along(
     mode: FlightMode,
     placed: list[list[PlacedWind]],
     bands: FloatArray,
-    told: Callable[[FlightRequirement], FlightRequirement],
+    count_need: Callable[[FlightRequirement], FlightRequirement],
 ) -> list[list[FlightRequirement]]:
-    """The requirements with varying parameters, by flight times and winds."""
+    """Return the requirements with varying parameters, by flight times and winds."""
     along: dict[bytes, FlightRequirement] = {}  # without a window one wind meets every flight time
 
     def of_wind(wind: PlacedWind) -> FlightRequirement:
         if wind.calm:
             none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
             return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
-        both = (wind.in_flight, *([wind.whole] if wind.whole else []))
-        key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
+        histories = (wind.in_flight, *([wind.whole] if wind.whole else []))
+        key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
         if key not in along:
-            part, *whole = (
-                FlightWind(one, mode.plane, wind.speeds) if wind.speeds else NominalWind(one)
-                for one in both
+            windowed, *complete = (
+                FlightWind(h, mode.plane, wind.speeds) if wind.speeds else NominalWind(h)
+                for h in histories
             )
-            along[key] = flight_requirement(mode, part, bands, *whole)
+            along[key] = flight_requirement(mode, windowed, bands, *complete)
         return along[key]
 
-    return [[told(of_wind(wind)) for wind in row] for row in placed]
+    return [[count_need(of_wind(wind)) for wind in row] for row in placed]
 
 
 def _arises(
     placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
 ) -> dict[Requirement, FloatArray]:
-    """Flight times [s] at which the numbers of fixed winds arise, ``(m,)`` each."""
+    """Return the flight times [s] at which requirements of fixed winds arise, ``(m,)`` each."""
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():
         return {}
     first = fixed.argmax(axis=0)
-    one = [along[i][j] for j, i in enumerate(first.tolist())]
-    times = {TRIM: [x.trim_time for x in one], MINIMUM: [x.trim_time for x in one]}
-    times |= {Requirement(dead_band=K): [x.times[k] for x in one] for k, K in enumerate(bands)}
-    known = fixed.any(axis=0)
-    return _varying({key: np.where(known, each, np.nan) for key, each in times.items()})
+    needs = [along[i][j] for j, i in enumerate(first.tolist())]
+    times = {TRIM: [x.trim_time for x in needs], MINIMUM: [x.trim_time for x in needs]}
+    times |= {Requirement(dead_band=K): [x.times[k] for x in needs] for k, K in enumerate(bands)}
+    is_fixed = fixed.any(axis=0)
+    return _varying({key: np.where(is_fixed, value, np.nan) for key, value in times.items()})
 
 
 def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
-    """What passes each need on, and tells how many there have been."""
+    """Return a function that passes a requirement on and reports the number so far."""
     done = count(1)
 
-    def told(need: Any) -> Any:
+    def count_need(need: Any) -> Any:
         if progress is not None:
             progress(next(done), total)
         return need
 
-    return told
+    return count_need
 
 
 def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
     """Return requirements with frozen parameters of needs by flight times and winds."""
-    found = {TRIM: _table(needs, lambda need: need.trim)}
+    columns = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
-        found[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
+        columns[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
     if isinstance(needs[0][0], FrozenRequirement):
-        found[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
-    return found | {MINIMUM: _table(needs, lambda need: need.minimum)}
+        columns[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
+    return columns | {MINIMUM: _table(needs, lambda need: need.minimum)}
 
 
 def _table(needs: Any, value: Any) -> FloatArray:
+    """Return a value of requirements by flight times and winds, ``(n, m)``."""
     return np.array([[value(need) for need in row] for row in needs], dtype=float)
 
 
 def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
+    """Return whether the schedule covers a wind, to a relative tolerance of 1e-9."""
     first, last = schedule.span
-    slack = 1e-9 * (last - first)
-    return wind.calm or (wind.span[0] >= first - slack and wind.span[1] <= last + slack)
+    tolerance = 1e-9 * (last - first)
+    return wind.calm or (wind.span[0] >= first - tolerance and wind.span[1] <= last + tolerance)
 
 
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
-    """The largest change of beta or B while a wind blows, over the value at its flight time."""
+    """Return the largest relative change of beta or B during a wind, from its flight time."""
     if wind.calm:
         return 0.0
     now = Coefficients.from_vehicle(vehicle, plane)
-    then = Coefficients.from_vehicle(schedule.held(np.linspace(*wind.span, _LOOKS)), plane)
+    then = Coefficients.from_vehicle(schedule.held(np.linspace(*wind.span, _TIMES_IN_WIND)), plane)
     pairs = [(np.sqrt(np.abs(c.mu_alpha)), np.asarray(c.B)) for c in (now, then)]
     with np.errstate(divide="ignore", invalid="ignore"):
         changes = [np.abs(x / x0 - 1.0).max() for x0, x in zip(*pairs, strict=True) if x0 != 0.0]
