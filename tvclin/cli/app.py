@@ -1,7 +1,7 @@
-"""The commands together, and what becomes of a bad input: one sentence and exit code 2.
+"""The group of all commands, and the handling of bad input: one sentence and exit code 2.
 
-Only typer is imported at the top of this file; a command is loaded when it is asked for, with what
-it needs but for figures.
+Only typer is imported at the top of this file; a command is loaded when it is called, with its
+imports but those of figures.
 """
 
 import gc
@@ -28,17 +28,17 @@ _PANELS = {
     "This installation": ("doctor",),
 }
 NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
-"""Names of all commands, and the panel of the help in which each stands."""
+"""Panel of the help of each command, by name."""
 _FILE_OF_COMMAND = {"init": "vehicles"}
-"""Commands that stand in the file of another."""
+"""File of a command that shares the file of another."""
 _STRICT_HANDLERS = ("strict", "surrogateescape")
-"""How a stream handles errors if a letter that its encoding lacks ends in an exception."""
+"""Error handlers of a stream that raise for a letter which its encoding lacks."""
 _WITHOUT_ARITHMETIC = ("init", "explore", "doctor")
 """Commands that compute nothing."""
 
 
 class _Late(Mapping[str, Any]):
-    """The commands by name, each loaded when it is asked for."""
+    """The commands by name, each loaded when it is looked up."""
 
     def __iter__(self) -> Iterator[str]:
         return iter(NAMES)
@@ -85,7 +85,7 @@ def _named(command: Any) -> Any:
 
 
 def _listed(name: str) -> Any:
-    """Return a command as a list has it: its help is read in its file, which is not loaded."""
+    """Return a command for a list: its help is read from its file, which is not loaded."""
 
     def command() -> None: ...
 
@@ -128,7 +128,7 @@ class Commands(TyperGroup):
         return _listed(cmd_name) if cmd_name in NAMES else None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that is asked for, with its options, and its arguments."""
+        """Return the name, the command and the arguments of a command line."""
         name, _, rest = super().resolve_command(ctx, args)
         return name, name and self.commands[name], rest
 
@@ -158,7 +158,7 @@ app = typer.Typer(
 
 
 def _strict(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command in which arithmetic that overflows is an error, and no number is none."""
+    """Return a command in which overflow, division by zero and invalid arithmetic raise."""
 
     @wraps(command)
     def run(*given: Any, **options: Any) -> None:
@@ -174,7 +174,7 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
 @contextmanager
 def _input_errors_as_messages() -> Iterator[None]:
-    """Say what is wrong with an input, and leave with exit code 2."""
+    """Print the message of an input error, and exit with code 2."""
     try:
         yield
     except Exception as error:
@@ -186,7 +186,7 @@ def _input_errors_as_messages() -> Iterator[None]:
 
 
 def _sentence(error: Exception) -> str | None:
-    """What to say of an error; nothing of a fault of the package, and of a pipe that was closed."""
+    """Return the message of an error; None for a fault of the package and for a closed pipe."""
     from errno import EPIPE
 
     from tvclin.base.errors import InputError
@@ -238,9 +238,9 @@ def _top(
 def main() -> None:
     """Run the command line.
 
-    What a terminal has no letter for becomes a question mark, in the locale POSIX as well. A width
-    of the terminal that is no positive number (``COLUMNS=0``) counts as none. Told to end
-    (SIGTERM), it cleans up as after Ctrl-C.
+    A letter that the terminal lacks becomes a question mark, in the locale POSIX as well. A width
+    of the terminal that is no positive number (``COLUMNS=0``) counts as none. SIGTERM cleans up as
+    Ctrl-C does.
     """
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors in _STRICT_HANDLERS:
         sys.stdout.reconfigure(errors="replace")

@@ -1,4 +1,4 @@
-"""`tvclin explore`: a notebook in which everything is moved by hand."""
+"""`tvclin explore`: a notebook with a panel in which all values are changed by hand."""
 
 from pathlib import Path
 from typing import Annotated

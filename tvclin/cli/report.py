@@ -44,9 +44,9 @@ def report(
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
-        page, found = page_of(plan, progress)
+        page, result = page_of(plan, progress)
         Path(target).write_text(page, encoding="utf-8", newline="")
-        findings.append(found)
+        findings.append(result)
 
     with bar("parts of the page") as progress:
         write_whole(output, write)

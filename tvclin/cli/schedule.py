@@ -1,4 +1,4 @@
-"""`tvclin schedule`: flight schedules from what other tools write."""
+"""`tvclin schedule`: flight schedules from files of other tools."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,7 +39,7 @@ Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from th
 
 @dataclass(frozen=True)
 class Site:
-    """The slope of the normal force, and the launch site; `grouped` gives the options."""
+    """Options of the slope of the normal force and the launch site; `grouped` gives them."""
 
     cn_alpha_per_rad: float | None = asked("Slope of the normal force coefficient, per rad.")
     cn_alpha: Path | None = asked(
@@ -52,7 +52,7 @@ class Site:
 
     @property
     def told(self) -> dict[str, Any]:
-        """What a reader is told of it."""
+        """Arguments of a reader: the slope, and the elevation of the ground [m]."""
         number, table = self.cn_alpha_per_rad, self.cn_alpha
         if number is not None and table is not None:
             raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
@@ -62,7 +62,7 @@ class Site:
 
 @dataclass(frozen=True)
 class Rows:
-    """The options of which rows are taken."""
+    """Options that select the rows of a file; `grouped` gives them to a command."""
 
     start: float | None = asked("Earliest time, in s.", flag="--from")
     stop: float | None = asked("Latest time, in s.", flag="--to")
@@ -85,14 +85,14 @@ def openrocket(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    found = read_openrocket(
+    imported = read_openrocket(
         file,
         gimbal_station=gimbal_station_m,
         reference_area=reference_area_m2,
         **site.told,
         **vars(rows),
     )
-    _write(found, file, output)
+    _write(imported, file, output)
 
 
 @source.command()
@@ -115,17 +115,17 @@ def rasaero(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    told = site.told
-    if told["normal_force_coefficient_slope"] is None:
+    arguments = site.told
+    if arguments["normal_force_coefficient_slope"] is None:
         raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
-    found = read_rasaero(
+    imported = read_rasaero(
         file,
         gimbal_station=gimbal_station_m,
         moment_of_inertia=_inertias(inertia),
-        **told,
+        **arguments,
         **vars(rows),
     )
-    _write(found, file, output)
+    _write(imported, file, output)
 
 
 @source.command()
@@ -200,7 +200,7 @@ def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
 
 
 def _write(schedule: FlightSchedule, file: Path, output: Path) -> None:
-    """Write a schedule, and print what it is and where it came from."""
+    """Write a schedule, and print its coefficients over time and its notes."""
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)

@@ -1,4 +1,4 @@
-"""`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
+"""`tvclin size`: the required deflection of a whole flight, and the verdict on the limit."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.sounding_files import read_sounding
 
 _MAX_WIND_COLUMNS = 6
-"""Winds that have a column each, as many as a terminal has room for."""
+"""Largest number of winds with a column each, for the width of a terminal."""
 SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
@@ -60,7 +60,7 @@ SOURCE = (
 
 @dataclass(frozen=True)
 class FlightOptions(BiasOptions, ShapedOptions):
-    """A pulse whose peak meets each flight time, and soundings."""
+    """Options of a pulse whose peak comes at each flight time, and of soundings."""
 
     winds: list[Path] | None = asked(
         "A sounding to fly through; may be given several times.", metavar="FILE"
@@ -71,7 +71,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
     )
 
     def soundings(self) -> dict[str, SoundingRequest]:
-        """Return the soundings of the files by name, and by the time that was asked for."""
+        """Return the soundings of the files, by name and requested time."""
         files, times, degrees = self.winds or [], self.winds_time or [], self.azimuth_deg
         if degrees is not None and not files and self.wind_direction_deg is None:
             raise InputError(
@@ -100,7 +100,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
         return requests
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the pulse of these options."""
+        """Return a plan with the pulse of these options, at each flight time."""
         straight = None if self.wind_direction_deg is None else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=straight)
         if self.gust_speed is not None:  # each flight time meets it at its own angle
@@ -124,7 +124,7 @@ class FlightOptions(BiasOptions, ShapedOptions):
 
 @dataclass(frozen=True)
 class PlaneOptions:
-    """The plane of a flight, and the stop where that is both."""
+    """Options of the plane of a flight, and of the limit shape for both planes."""
 
     plane: str | None = asked(
         "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
@@ -136,13 +136,13 @@ class PlaneOptions:
     )
 
     def over(self, plan: StudyPlan) -> StudyPlan:
-        """Return a plan of this plane, or of both with a stop, round where none is named."""
+        """Return a plan of this plane, or of both with a limit shape, round by default."""
         plan = changed(plan, plane=None if self.plane == BOTH else self.plane)
         stop = self._stop(plan.nozzle.stop)
         return replace(plan, nozzle=replace(plan.nozzle, stop=stop))
 
     def _stop(self, own: Stop | str | None) -> Stop | str | None:
-        """The stop of both planes; None of one plane."""
+        """Return the limit shape of both planes; None for a single plane."""
         if self.plane not in (None, BOTH) or (own is None and self.plane is None):
             only_with(f"--plane {BOTH}", stop=self.stop)
             return None
@@ -230,7 +230,7 @@ def _print(
     counted: Requirement,
     said: list[str],
 ) -> None:
-    """Print the required deflections, the total and all notes; some come from elsewhere."""
+    """Print the required deflections, the total and all notes, `said` after those of the sizing."""
     name = sizing.schedule.vehicle.name or source
     planes = "both planes, one stop" if sizing.alone else sizing.plane
     say(f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}\n")
@@ -251,7 +251,7 @@ def _print(
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
-    """Which options would tell more than what was found."""
+    """Yield notes on options that would cover flight times which this sizing does not."""
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
     if (request.start is None and begin > first) or (request.stop is None and end < last):
@@ -285,7 +285,7 @@ def flight_asked(
     sign: Given,
     *changes: Given | PlaneOptions | FlownLaw,
 ) -> StudyPlan:
-    """Return the case of a flight that a file and options ask for."""
+    """Return the case of a flight from a file and options."""
     soundings = blows.soundings()
     note_source(source, command)
     case = load_sizing(source, soundings)
@@ -304,7 +304,7 @@ def flight_asked(
 
 
 def _dispersed(case: StudyPlan, request: SizingRequest, sizing: Sizing) -> float:
-    """What dispersions add at the worst flight time, as a part of what is counted there."""
+    """Return the rise by dispersions at the worst flight time, over the counted requirement."""
     counted = request.counted(sizing, case.sign)
     if counted.quantity != DEAD_BAND or counted not in sizing.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")

@@ -48,8 +48,8 @@ class DisperseOptions(Given):
         return super().over(plan)
 
 
-def _beside(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the stop of an option, and dispersions that are assumed if it has none."""
+def _with_limit_shape(stop: str | None, disperse: bool, plan: StudyPlan) -> StudyPlan:
+    """Return a plan with the limit shape of --stop, and with --disperse default dispersions."""
     plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
     if not disperse or plan.dispersions is not None:
         return plan
@@ -88,34 +88,37 @@ def study(
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
-    own = limit.over, partial(_beside, stop, disperse), question.over, drawn.over
-    plan = case_of(source, *own, blows=blows.over, told=("study",), time=time)
+    changes = limit.over, partial(_with_limit_shape, stop, disperse), question.over, drawn.over
+    plan = case_of(source, *changes, blows=blows.over, told=("study",), time=time)
     with bar("answers") as progress:
-        found = find(questioned(plan), progress)
-    if disperse and found.dispersed is None:
-        raise InputError(found.reasons["dispersed"])
+        findings = find(questioned(plan), progress)
+    if disperse and findings.dispersed is None:
+        raise InputError(findings.reasons["dispersed"])
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
-        chart = study_planes_chart if found.study.in_both else study_chart
+        chart = study_planes_chart if findings.study.in_both else study_chart
         with waiting("drawing"):
-            save_figure(chart(found.study), plot)
+            save_figure(chart(findings.study), plot)
     answer(
-        as_json, lambda: _document(found), lambda: _print(found, source, explain), all_yes(found)
+        as_json,
+        lambda: _document(findings),
+        lambda: _print(findings, source, explain),
+        all_yes(findings),
     )
 
 
-def _document(found: Findings) -> dict[str, Any]:
-    """What was found, for JSON."""
-    extra = {} if found.dispersed is None else {"dispersed": found.dispersed}
-    said = [*found.study.notes, *nominal_notes(found), *loop_notes(found)]
-    answers = {"questions": questions(found), "sufficient": sufficient(found), "notes": said}
-    return found.study.as_dict() | extra | answers
+def _document(findings: Findings) -> dict[str, Any]:
+    """Return the study with its questions and notes, for JSON."""
+    extra = {} if findings.dispersed is None else {"dispersed": findings.dispersed}
+    said = [*findings.study.notes, *nominal_notes(findings), *loop_notes(findings)]
+    answers = {"questions": questions(findings), "sufficient": sufficient(findings), "notes": said}
+    return findings.study.as_dict() | extra | answers
 
 
-def _print(found: Findings, source: str, explain: bool) -> None:
-    """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
-    s, d = found.study, found.dispersed
+def _print(findings: Findings, source: str, explain: bool) -> None:
+    """Print the vehicle, the boundaries and the verdict, and the answers to further questions."""
+    s, d = findings.study, findings.dispersed
     print_tables(tables.vehicle(s, source, numbers_as_written(source)), tables.coefficients(s))
     print_tables(tables.poles(s), tables.boundaries(s))
     say_lines(tables.verdict(s))
@@ -130,19 +133,19 @@ def _print(found: Findings, source: str, explain: bool) -> None:
         say("")
         print_tables(*d.tables())
         say(d.spreads)
-    _print_questions(found)
+    _print_questions(findings)
 
 
-def _print_questions(found: Findings) -> None:
+def _print_questions(findings: Findings) -> None:
     """Print all questions with the verdict, where there are several, and the notes on them."""
-    each = questions(found)
-    if len(each) < 2:
-        say_notes(loop_notes(found))
+    asked_questions = questions(findings)
+    if len(asked_questions) < 2:
+        say_notes(loop_notes(findings))
         return
     from tvclin.answers.asked_table import asked_table
 
     say("")
-    print_tables(asked_table(found))
-    say(f"Verdict: {overall(found)}")
-    days = () if found.availability is None else found.availability.notes
-    say_notes((*nominal_notes(found), *loop_notes(found), *days))
+    print_tables(asked_table(findings))
+    say(f"Verdict: {overall(findings)}")
+    days = () if findings.availability is None else findings.availability.notes
+    say_notes((*nominal_notes(findings), *loop_notes(findings), *days))

@@ -74,7 +74,7 @@ def init(
 
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:
-    """The text of the file of the vehicle of a flight schedule at a time [s]."""
+    """Return the text of a vehicle file for a flight schedule at a time [s]."""
     import numpy as np
 
     from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at

@@ -1,4 +1,4 @@
-"""The options of the wind of one flight time, and the wind that they ask for."""
+"""Options of the wind at one flight time, and the wind that they specify."""
 
 from dataclasses import dataclass, replace
 from math import degrees, radians
@@ -39,11 +39,12 @@ if TYPE_CHECKING:
     Met = MeasuredWind | MeasuredPlanes
 
 _WINDOW_S = 20.0
+"""Default of --window: length of the part of a sounding that counts [s]."""
 
 
 @dataclass(frozen=True)
 class GustOptions:
-    """A gust; `grouped` gives its options to a command."""
+    """Options of a gust; `grouped` gives them to a command."""
 
     gust: tuple[float, float] | None = asked(
         "Gust (1 - cosine) on top of the wind: its peak and duration.", metavar="DEG S"
@@ -64,7 +65,7 @@ class GustOptions:
 
     @property
     def on_top(self) -> tuple[History | None, float | None]:
-        """The gust, and its speed [m/s] where that is given in place of its angle."""
+        """The gust, and its speed [m/s] where that replaces its angle."""
         gust, option, speed = self.gust, "--gust", None
         if self.gust_speed is not None:
             option = "--gust-speed"
@@ -88,7 +89,7 @@ class _Pulse:
 
 @dataclass(frozen=True)
 class PulseOptions(GustOptions, _Pulse):
-    """All but the shape of a pulse; `grouped` gives them to a command."""
+    """Options of a pulse but its shape; `grouped` gives them to a command."""
 
     gust_at: float | None = asked("When the gust peaks, in s.", shown="when it asks for most")
     wind_direction_deg: float | None = asked(
@@ -105,7 +106,7 @@ class PulseOptions(GustOptions, _Pulse):
         super().__post_init__()
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the pulse of these options, as far as they give one."""
+        """Return a plan with the pulse of these options in place of its own values."""
         wind, shape = pulse_of(plan), getattr(self, "wind", None)
         lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
         peak = wind.peak
@@ -126,7 +127,7 @@ class PulseOptions(GustOptions, _Pulse):
         return replace(plan, wind=wind)
 
     def _gusty(self, wind: ShapedWind, plan: StudyPlan) -> ShapedWind:
-        """A wind with the gust of these options, as the vehicle of a plan meets it."""
+        """Return a wind with the gust of these options, its angle that for the plan's vehicle."""
         gust, speed = self.on_top
         if gust is None:
             return wind
@@ -154,14 +155,14 @@ class PulseOptions(GustOptions, _Pulse):
 
 @dataclass(frozen=True)
 class ShapedOptions(PulseOptions):
-    """A pulse; `grouped` gives its options to a command."""
+    """Options of a pulse; `grouped` gives them to a command."""
 
     wind: str | None = SHAPE
 
 
 @dataclass(frozen=True)
 class FormatOptions:
-    """The format of soundings, and what their tables do not say; `grouped` gives the options."""
+    """Options of the format, units and site of soundings; `grouped` gives them to a command."""
 
     winds_format: str | None = asked(
         "Format of the sounding: csv, openrocket, wyoming, igra, rocketpy or synthetic.",
@@ -179,7 +180,7 @@ class FormatOptions:
 
     @property
     def reading(self) -> dict[str, Any]:
-        """The arguments of `read_sounding` that these options give."""
+        """Arguments of `read_sounding` from these options."""
         return {
             "format": self.winds_format,
             "units": self.units,
@@ -189,7 +190,7 @@ class FormatOptions:
 
 @dataclass(frozen=True)
 class BiasOptions(FormatOptions, PulseOptions):
-    """A mean wind that a biased flight path takes out of soundings."""
+    """Options of the mean wind that a biased flight path removes from soundings."""
 
     bias: Path | None = asked(
         "Take a wind out of the soundings, for which the flight path is biased: a sounding, as"
@@ -223,7 +224,7 @@ class BiasOptions(FormatOptions, PulseOptions):
 
 @dataclass(frozen=True)
 class BlowingOptions(BiasOptions):
-    """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
+    """Options of a sounding, or of a pulse but its shape; `grouped` gives them to a command."""
 
     winds: Path | None = asked(
         "A sounding, in place of a pulse: what the vehicle's flight meets of it around its"
@@ -248,7 +249,7 @@ class BlowingOptions(BiasOptions):
         return replace(plan, wind=wind.shift(-float(wind.onset)))
 
     def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return the same in flight time, a pulse with its middle at the vehicle's own."""
+        """Return a plan with the wind in flight time, a pulse centred on the vehicle's own time."""
         if self.winds is not None:
             return replace(plan, wind=self.sounding(plan, source))
         shifted = self.over(plan, source)
@@ -259,7 +260,7 @@ class BlowingOptions(BiasOptions):
         )
 
     def name(self, case: Case) -> str:
-        """Return what the wind of a case is called: its shape, or the file of the sounding."""
+        """Return the name of the wind of a case: its shape, or the file of the sounding."""
         if self.winds is not None:
             return self.winds.name
         return chosen(getattr(self, "wind", None), case.shape)
@@ -277,9 +278,9 @@ class BlowingOptions(BiasOptions):
         return {**head, "wind": wind, "plane": case.plane, "required_deflection_deg": needed}
 
     def sounding(self, plan: StudyPlan, source: str) -> History:
-        """Return what the flight of a plan meets of the sounding, in flight time.
+        """Return the wind angle [rad] of the sounding in the flight of a plan, in flight time.
 
-        As in `tvclin size`, what blows to the side on which the wind is largest counts.
+        As in `tvclin size`, only the wind with the sign of its peak counts.
         """
         from tvclin.answers.sizing.placing import place
 
@@ -312,7 +313,7 @@ class BlowingOptions(BiasOptions):
         return placed.in_flight
 
     def _encountered(self, plan: StudyPlan, source: str, azimuth: float, length: float) -> "Met":
-        """What the flight of a plan, or else that of its vehicle, meets of the sounding."""
+        """Return the sounding along the flight of a plan, or else along that of its vehicle."""
         assert self.winds is not None
         from tvclin.ascent.measured_wind import fly_through
         from tvclin.ascent.schedule_file import load_schedule
@@ -331,7 +332,7 @@ class BlowingOptions(BiasOptions):
 
 @dataclass(frozen=True)
 class WindOptions(BlowingOptions, ShapedOptions):
-    """A pulse or a sounding; `grouped` gives the options to a command."""
+    """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
 
 def azimuth_of(degrees: float | None) -> float:
@@ -342,7 +343,7 @@ def azimuth_of(degrees: float | None) -> float:
 
 
 def noted_sounding(file: Path, time: str | None, **reading: Any) -> "WindProfile":
-    """Return the sounding of a file, and say on stderr what is odd in it.
+    """Return the sounding of a file, and print its notes on stderr.
 
     `reading`: other arguments of `read_sounding`.
     """
