@@ -1,4 +1,4 @@
-"""`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
+"""`tvclin autopilot`: required deflection of an autopilot in a wind, compared with trim."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -154,7 +154,7 @@ class _Answer:
         return True if within and self.compared.peak_deflection_rate <= max_rate else None
 
     @cached_property
-    def criteria_met(self) -> bool:
+    def criteria_satisfied(self) -> bool:
         """Whether the margins satisfy the criteria."""
         compared = self.compared
         return MarginsFound.of(compared.autopilot, compared.plant, self.case.held_to).met
@@ -162,13 +162,13 @@ class _Answer:
     @cached_property
     def loop_notes(self) -> tuple[str, ...]:
         """Notes on gains that were not specified, and on gains that satisfy the criteria."""
-        return tuple(gain_notes(self.case, self.case.held_to, self.criteria_met))
+        return tuple(gain_notes(self.case, self.case.held_to, self.criteria_satisfied))
 
     @property
     def met(self) -> bool:
-        """Whether the loop is stable, and meets criteria and limit."""
+        """Whether the loop is stable and satisfies criteria and limit."""
         sufficient = self.limit is None or self.sufficient
-        return bool(self.compared.margins.stable and self.criteria_met and sufficient)
+        return bool(self.compared.margins.stable and self.criteria_satisfied and sufficient)
 
     @property
     def loads(self) -> tuple[float, float]:
@@ -199,7 +199,8 @@ class _Answer:
             "boundaries_deg": bounds,
             **picked(compared, "minimum_deg wind_gain"),
             "worst_duration": self.worst,
-            "criteria": picked(self.case.held_to, "name requirements") | {"met": self.criteria_met},
+            "criteria": picked(self.case.held_to, "name requirements")
+            | {"met": self.criteria_satisfied},
             "limit_deg": self.limit,
             "autopilot_requirement_deg": self.flown and degrees(self.flown.deflection),
             "autopilot_requirement_nominal_deg": self.flown
@@ -229,8 +230,8 @@ class _Answer:
             print_least(self.sought)
 
     def _judge(self) -> None:
-        word = satisfaction(self.criteria_met)
-        more = "" if self.criteria_met else " (tvclin margins says by how much)"
+        word = satisfaction(self.criteria_satisfied)
+        more = "" if self.criteria_satisfied else " (tvclin margins says by how much)"
         say(f"Criteria {self.case.held_to.name}: {word}{more} ({self.case.held_to.description})")
         say(f"{REQUIREMENT[0].upper()}{REQUIREMENT[1:]}: {self._requirement}.")
         say_required(self.need)

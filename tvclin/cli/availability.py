@@ -35,6 +35,7 @@ from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.sounding_files import read_soundings
 
 _ARCHIVE_FIELDS = ("years", "station", "in_order", "dates", "utc_offset")
+"""Options that are arguments of `read_soundings` by the same names."""
 
 
 @dataclass(frozen=True)

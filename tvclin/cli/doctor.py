@@ -1,4 +1,4 @@
-"""`tvclin doctor`: what is installed, and what an extra would add."""
+"""`tvclin doctor`: installed versions, and the purpose of each extra."""
 
 import re
 import sys

@@ -1,4 +1,4 @@
-"""`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
+"""`tvclin fly`: one flight in one wind, compared with the linear theory."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -36,12 +36,13 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 
-_LONGEST = 20.0
+_MAX_UNTIL = 20.0
+"""Largest --until, in durations of the wind."""
 
 
 @dataclass(frozen=True)
 class WhatFlies:
-    """The engine, the law and its dead band; `grouped` gives the options to a command."""
+    """Options of the engine, the law and its dead band; `grouped` gives them to a command."""
 
     engine: str | None = asked(
         "planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
@@ -64,7 +65,7 @@ class WhatFlies:
     def on(
         self, case: StudyPlan, along: bool, flies: FlownLaw, rate_limit: Given, rigid: bool
     ) -> tuple[str, str, Any]:
-        """Return engine, law and dead band for a case, and say what they leave out of its file.
+        """Return engine, law and dead band for a case, and print what they neglect of its file.
 
         Options of another engine or law are refused first.
         """
@@ -114,9 +115,9 @@ def fly(
     Exit code 0: SURVIVED; 1: NOT SURVIVED, or NOT KNOWN, in a wind of more than 30 deg; 2: bad
     input.
     """
-    within("--until", until, 1.0, _LONGEST, "durations of the wind")
+    within("--until", until, 1.0, _MAX_UNTIL, "durations of the wind")
     within("--points", points, 2, 1_000_000)
-    changes = [one.over for one in (limit, rate_limit, plane, flies)]
+    changes = [options.over for options in (limit, rate_limit, plane, flies)]
     case = case_of(vehicle, *changes, rigid=rigid, time=time)
     engine, *law = what.on(case, along_trajectory, flies, rate_limit, rigid)
     name = blows.name(case)
@@ -130,10 +131,10 @@ def fly(
     if engine == "linear":
         with waiting("flying"):
             flying = LinearCase(case, name, *law)
-            found = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
+            comparison = fly_linear(flying, boundary, start + np.linspace(0.0, length, points))
     else:
-        one = flight_case(Flying(case, name, *law), engine, condition, length)
+        nonlinear = flight_case(Flying(case, name, *law), engine, condition, length)
         with waiting("flying"):
-            found = fly_nonlinear(one, boundary, length, points)
-    if not found.show(shown):
+            comparison = fly_nonlinear(nonlinear, boundary, length, points)
+    if not comparison.show(shown):
         raise typer.Exit(1)

@@ -23,6 +23,7 @@ from tvclin.vehicle.structure import Structure
 _MAX_POLE_DISTANCE_RATIO = 0.05
 """Largest distance of a pole with approximate delay from an exact pole, over its magnitude."""
 _OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
+"""Option of the required margin of a mode, by its stabilisation."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from control import ControlPlot
 
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
+"""Names of the charts of --chart."""
 
 
 def margins(
@@ -122,7 +123,7 @@ class _Answer:
 
     @property
     def met(self) -> bool:
-        """Whether the criteria are met, with detuned modes and in the box too."""
+        """Whether the criteria are satisfied, with detuned modes and in the box too."""
         more = (self.moved and self.moved.all_satisfied, self.in_box and self.in_box.met)
         return self.found.met and False not in more
 

@@ -1,4 +1,4 @@
-"""`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
+"""`tvclin optimum`: the minimum peak deflection that survives a wind (appendix C)."""
 
 from typing import TYPE_CHECKING
 
@@ -45,25 +45,25 @@ def optimum(
     case = case_of(vehicle, *changes, blows=blows.over, told=("optimum",), time=time)
     plant, wind, title = case.plant.rigid, case.history, blows.title(case, vehicle)
     start = float(wind.onset) if start is None else start
-    found = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
+    known_wind = KnownWind.of(plant, wind, start, horizon, case.nozzle.rate_limit)
     shown.write(
-        lambda: _curves(plant, found.deflection, wind, title),
+        lambda: _curves(plant, known_wind.deflection, wind, title),
         lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
     required, notes = study_requirement(case), linear_notes(float(wind.peak))
     if shown.as_json:
-        print_json(blows.document(case, required) | found.as_dict() | {"notes": notes})
+        print_json(blows.document(case, required) | known_wind.as_dict() | {"notes": notes})
     else:
-        print_tables(found.table(title))
+        print_tables(known_wind.table(title))
         say_required(required)
         say_notes(notes)
-    if found.best.status == NOT_CONVERGED:
+    if known_wind.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
 
 
 def _curves(plant: Plant, deflection: History, wind: History, title: str) -> "Curves":
-    """The response, until the wind is over for twice as long as it blew."""
+    """Return the curves of the response, until three times the end of the wind."""
     from tvclin.plots import response_curves
 
     first = min(0.0, float(deflection.onset), float(wind.onset))

@@ -7,6 +7,7 @@ from typing import Any
 from tvclin.base.errors import InputError
 
 _UNIT = re.compile(r"_(deg|rad|m|m2|s|ms|hz|per_rad|percent)$")
+"""Unit at the end of a parameter's name."""
 _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "--actuator-frequency": ("natural_frequency",),
     "--actuator-hz": ("natural_frequency",),

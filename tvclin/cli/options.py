@@ -216,9 +216,9 @@ STUDY = "answers.study_file.plan.StudyPlan"
 DESIGN = "control.autopilot.design_rules.AutopilotDesign"
 NOZZLE = "answers.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
-"""The panels of the help in which options stand together."""
+"""Panels of the help, by the record whose options they group."""
 MOTION = Given(STUDY, "model plane")
-MODEL, PLANE, SIGN = (Given(STUDY, one) for one in ("model", "plane", "sign"))
+MODEL, PLANE, SIGN = (Given(STUDY, name) for name in ("model", "plane", "sign"))
 LIMIT = Given(NOZZLE, "limit", "nozzle")
 RATE_LIMIT = Given(NOZZLE, "rate_limit", "nozzle")
 BOTH_LIMITS = Given(NOZZLE, "limit rate_limit", "nozzle")
@@ -227,7 +227,7 @@ SAMPLE_RATE = Given(DESIGN, "sample_rate", "design")
 
 @dataclass(frozen=True)
 class Shown:
-    """How an answer is shown; `grouped` gives the options to a command."""
+    """Options of the output of an answer; `grouped` gives them to a command."""
 
     as_json: AsJson = False
     plot: Plot = None

@@ -11,7 +11,7 @@ _WORDS = """\
 **How much deflection must this booster have?** Change any value: figure, margins and verdict
 follow."""
 _SERVER = "TVCLIN_EXPLORE"
-"""In the environment of the kernels: the process that `end` ends."""
+"""Environment variable of the kernels with the process that `end` ends."""
 _SETTINGS = {
     "LabApp.extra_labextensions_path": str(Path(__file__).with_name("labextensions")),
     "ServerApp.answer_yes": "True",  # one Ctrl-C ends it
@@ -55,10 +55,10 @@ def notebook_text(source: str, time: float | None = None) -> str:
 
 
 def open_notebook(path: Path, options: Sequence[str]) -> None:
-    """Open a notebook in JupyterLab, in this process, until that is ended, and run its cells.
+    """Open a notebook in JupyterLab, in this process until it ends, and run the cells.
 
-    The addresses that JupyterLab prints are those of the notebook; options of JupyterLab go before
-    those of this file. `SystemExit` where it cannot start.
+    JupyterLab prints the addresses of the notebook; `options` of JupyterLab override the settings
+    of this file. `SystemExit` where it cannot start.
     """
     from jupyterlab.labapp import LabApp
 

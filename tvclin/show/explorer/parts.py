@@ -32,10 +32,13 @@ from tvclin.winds.wind_angles import beyond_linear
 LONGEST = 30.0
 """Longest wind [s] of the curve."""
 DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
+"""Durations of the wind [s] of the curve."""
 _FOLLOWED_TIME_CONSTANTS, _MAX_FOLLOWED_S = 6.0, 20.0
 """Time of a response shown after the wind, in time constants 1/beta, and its maximum [s]."""
 _TIME_POINTS = 401
+"""Number of times of a response."""
 _MAX_CACHED = 1024
+"""Largest number of answers in the cache of a part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +69,12 @@ class Kept:
     def __call__(self, *plain: Any) -> Part:
         """Return the part for these arguments, from the cache or computed now."""
         if plain not in self.kept:
-            self.kept[plain] = self._found(plain)
+            self.kept[plain] = self._computed(plain)
             while len(self.kept) > _MAX_CACHED:
                 del self.kept[next(iter(self.kept))]
         return self.kept[plain]
 
-    def _found(self, plain: tuple[Any, ...]) -> Part:
+    def _computed(self, plain: tuple[Any, ...]) -> Part:
         said: list[str] = []
         with warned(said.append):
             try:

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _ROUND_MANTISSAS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
+"""Mantissas of round numbers."""
 _FRAME_OVER_ATTITUDE = 1.1
+"""Ordinate of a frame over the largest attitude shown, before rounding."""
 _MAX_OVER_FRAME = 20.0
 """Largest ordinate drawn over that of the frame; a longer curve would stall the renderer."""
 _MAX_ATTITUDE_DEG = 90.0

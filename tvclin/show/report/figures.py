@@ -19,7 +19,9 @@ _SINGLE_PANEL = 4.2
 _LINE = 0.21
 """Height of a line of the legend [inch]."""
 _COLOUR = re.compile(r"#([0-9a-f]{6})\b")
-_NAMED = re.compile(r'\b(id="|href="#|url\(#)')
+"""Colour of an SVG."""
+_IDENTIFIER = re.compile(r'\b(id="|href="#|url\(#)')
+"""Beginning of an identifier in an SVG, or of a reference to it."""
 
 
 def figure_of(plot: "ControlPlot", name: str, label: str, caption: str) -> Figure:
@@ -33,9 +35,9 @@ def figure_of(plot: "ControlPlot", name: str, label: str, caption: str) -> Figur
 def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
     """Return the `svg` element of a figure.
 
-    Titles go, for the page has a caption, and the legend stands below, so that the letters stay
-    large on a narrow screen. Every colour becomes a variable of the page's style sheet with the
-    colour itself in reserve, and every name within the figure begins with that of the figure.
+    Titles are removed, for the page has a caption, and the legend stands below, so that the letters
+    stay large on a narrow screen. Every colour becomes a variable of the page's style sheet with
+    the colour itself in reserve, and the figure's name prefixes every name within it.
     """
     import matplotlib.pyplot as plt
     from markupsafe import escape
@@ -48,7 +50,7 @@ def _inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
     plt.close(plot.figure)
     text = target.getvalue()
     body = text[text.index("<svg") :]
-    body = _NAMED.sub(rf"\1{name}-", body)
+    body = _IDENTIFIER.sub(rf"\1{name}-", body)
     body = _COLOUR.sub(r"var(--c\1, #\1)", body)
     opening = re.search(r'viewBox="[^"]+"', body)
     assert opening is not None

@@ -71,7 +71,7 @@ def given(structure: Structure) -> list[Table]:
     for title, name, elements, units in kinds:
         rows: list[tuple[Line, ...]] = []
         for field, unit in units.items():
-            values = [getattr(one, field) for one in elements]
+            values = [getattr(element, field) for element in elements]
             if any(value is not None for value in values):
                 cells = (
                     ("-",)
@@ -84,9 +84,9 @@ def given(structure: Structure) -> list[Table]:
         tables += [Table(title, head, tuple(rows))] if elements else []
     lags = {"attitude": structure.attitude_sensor, "rate gyro": structure.rate_gyro}
     sensors = tuple(
-        ((name,), *filter_cells(one, f"structure.{name.replace(' ', '_')}"))
-        for name, one in lags.items()
-        if one is not None
+        ((name,), *filter_cells(element, f"structure.{name.replace(' ', '_')}"))
+        for name, element in lags.items()
+        if element is not None
     )
     head = ("sensor", "zeros", "poles", "gain")
     return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]

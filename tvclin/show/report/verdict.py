@@ -20,7 +20,9 @@ from tvclin.show.report.blocks import Section
 from tvclin.winds.shaped import ShapedWind
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
+"""Verdict where no wind can excite the model."""
 _NONE = f"{sufficiency(False)}: with this dead band no limit is, see Assumptions."
+"""Verdict where no limit is sufficient."""
 SURVIVES = "survives this wind up to"
 """Label of the largest peak that limit and autopilot survive."""
 _MAX_PERCENT = 1000.0
