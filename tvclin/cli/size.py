@@ -190,12 +190,8 @@ def size(
     if disperse:
         request = replace(request, dispersion=_dispersed(case, request, sizing))
     total, ratio = request.total(case, sizing), request.ratio(case, sizing)
-    said = [
-        *request.warnings,
-        *request.notes,
-        *_hints(request, sizing),
-        *(ratio.notes if ratio else ()),
-    ]
+    said = [*request.warnings, *request.notes, *_hints(request, sizing)]
+    said += ratio.notes if ratio else ()
     if csv is not None:
         sizing.to_csv(csv)
     draw(plot, lambda: plots.sizing_chart(sizing, total.limit, source))
