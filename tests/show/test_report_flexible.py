@@ -108,7 +108,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
         assert shown.get(f"detuned.{k}.phase_margin_deg", np.nan) == pytest.approx(
             phase, rel=1e-12, nan_ok=True
         )
-    assert shown["edge.0.lower"] == pytest.approx(off.edges[0].lower, rel=1e-12)
+    assert shown["edge.0.lower"] == pytest.approx(off.stable_ranges[0].lower, rel=1e-12)
     moved = plant.shift()
     assert shown["flexible.shift.trim_price"] == pytest.approx(moved.trim_price, rel=1e-12)
     margin = numbers(control.autopilot(found))

@@ -336,13 +336,18 @@ def _of_flights(
     limit: FloatArray,
     minimum: FloatArray,
 ) -> FloatArray:
-    """Return the required deflection [rad] with K = 1, where need be by flights of the law."""
+    """Return the required deflection [rad] with K = 1, where need be by flights of the law.
+
+    Where the law never limited does not bring back the path either, such as that of a stable
+    vehicle, flights end with the wind, where the limit has to bring back the unstable component.
+    """
     flown, lowest = decided_by_flights(equations, found, limit)
     known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
     required = np.maximum(limit, minimum)
     if not np.any(known & (flown | equations.drifts)):
         return required
-    times, wind, ratio = and_after(equations, *over_steps(motion, encountered, FLIGHT_PARTS))
+    in_wind = over_steps(motion, encountered, FLIGHT_PARTS)
+    times, wind, ratio = and_after(equations, *in_wind)
     flights = LimitedFlights(motion.over(times), times, wind, ratio)
     if equations.drifts:
         every = np.flatnonzero(known)
@@ -350,8 +355,12 @@ def _of_flights(
         flown[every] |= flights.diverge(tried, every)[:, 0]
     which = np.flatnonzero(flown & known)
     if which.size:
-        low = np.maximum(lowest, minimum)[which]
-        required[which] = flights.of(which).requirement(low, found.highest_limit[which])
+        low, high = np.maximum(lowest, minimum), found.highest_limit
+        required[which] = flights.of(which).requirement(low[which], high[which])
+        never = which[np.isinf(required[which])]
+        if never.size and in_wind[0].shape != times.shape:
+            flights = LimitedFlights(motion.over(in_wind[0]), *in_wind).of(never)
+            required[never] = flights.requirement(low[never], high[never])
     return required
 
 

@@ -225,7 +225,9 @@ class Curves:
         """
         both = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         side = self.side[:, np.newaxis, np.newaxis]
-        line = np.diff(minimum, axis=-1) / (self.times[..., 2:] - self.times[..., :1])
+        width = self.times[..., 2:] - self.times[..., :1]  # zero of breakpoints at one time
+        rise = np.diff(minimum, axis=-1)
+        line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
         slopes = np.broadcast_to(line, minimum.shape)
         return replace(self, demand=side * both, demand_slope=side * slopes).limit_of_dead_band(
             dead_band
