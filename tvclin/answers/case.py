@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 SIGNS = {"head": -1.0, "tail": 1.0}
-"""Of the wind angle in the pitch plane."""
+"""Sign of the wind angle in the pitch plane, by direction."""
 CROSS = "cross"
 """A wind across the path."""
 DIRECTIONS = (*SIGNS, CROSS)
@@ -34,8 +34,8 @@ FROZEN = "frozen"
 """The nominal dynamic pressure, for either sign of the wind."""
 ANY_NOZZLE = Nozzle()
 """Without limits, and with the usual actuator."""
-_RATE = 100.0
-"""Samples in flights [Hz] of an autopilot that is continuous."""
+_FLIGHT_SAMPLE_RATE_HZ = 100.0
+"""Sample rate [Hz] in flights of an autopilot that is continuous."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +118,7 @@ class Case:
 
     @cached_property
     def plant(self) -> AnyPlant:
-        """What flies, and what the autopilot controls: flexible where the vehicle bends."""
+        """Plant that flies and that the autopilot controls: flexible where the vehicle bends."""
         from tvclin.linear.flexible import plant_of
 
         return plant_of(self.vehicle, self.loop_model, self.plane)
@@ -146,8 +146,8 @@ class Case:
         if not isinstance(wind, ShapedWind):
             return wind
         if wind.heading is not None:
-            whole = complete_vehicle(self.vehicle, "a wind with a direction")
-            wind = wind.in_plane(self.plane, float(np.asarray(whole.attitude)))
+            vehicle = complete_vehicle(self.vehicle, "a wind with a direction")
+            wind = wind.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
         if wind.gust is None:
             return wind
         from tvclin.answers.worst_gust import placed_worst
@@ -170,13 +170,13 @@ class Case:
 
     @property
     def hardware(self) -> dict[str, Any]:
-        """What flights of a sampled law are told beside its limit, as of `fly_many`."""
-        asked, rate = self.asked, self.nozzle.rate_limit
+        """Arguments of `fly_many` for a sampled law, other than its limit."""
+        design, rate = self.asked, self.nozzle.rate_limit
         return {
             "actuator": self.nozzle.actuator,
             "rate_limit": np.inf if rate is None else rate,
-            "delay": asked.delay,
-            "sample_rate": asked.sample_rate or _RATE,
+            "delay": design.delay,
+            "sample_rate": design.sample_rate or _FLIGHT_SAMPLE_RATE_HZ,
         }
 
     @property

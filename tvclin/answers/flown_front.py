@@ -1,4 +1,4 @@
-"""The limit that each law needs flown over the deflection rate, beside the least of theory."""
+"""Required limit of each law in flight over the rate limit, with the lower bound of theory."""
 
 from __future__ import annotations
 
@@ -37,22 +37,23 @@ from tvclin.flights.closed_loop.survival_limit import (
     closed_loop_boundary,
 )
 
-_STOPS = ("no sudden stop of it", "a sudden stop in its middle")
-_HIGHEST = 3.0
-"""Of the limits that are tried, over the largest trim deflection."""
+_STOP_WORDS = ("no sudden stop of it", "a sudden stop in its middle")
+"""Words for the sudden stops of a wind, for none and one."""
+_MAX_LIMIT_OVER_TRIM = 3.0
+"""Largest limit that is tried, over the largest trim deflection."""
 _MAX_SAMPLES = 2e9
-"""Samples of all flights of a call, at the most; some minutes as machine code."""
-_MULTIPLES = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
-"""Rates over the least one of theory, unless rates are given."""
+"""Largest number of samples of all flights of a call; some minutes as machine code."""
+_RATES_OVER_MINIMUM = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
+"""Default rate limits over the minimum rate of theory."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlownFront(Shown):
-    """What laws need in one case over the deflection rate, flown with so many sudden stops.
+    """Required limits of laws in one case over the rate limit, flown with `cuts` sudden stops.
 
-    `front` is the least of theory at the same rates, and the nozzle's point. `limits` are the least
-    deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none was found
-    up to three times the largest trim deflection; `monotone` is whether every limit that was tried
+    `front` is the minimum of theory at the same rates, with the nozzle's point. `limits` are the
+    minimum deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none
+    survives up to three times the largest trim deflection; `monotone` is whether every limit that was tried
     above one that survives survives as well.
     """
 
@@ -66,11 +67,11 @@ class FlownFront(Shown):
 
     @property
     def needed(self) -> dict[str, float] | None:
-        """The limit [rad] of each law at the nozzle's rate; None where that is not among them."""
-        here = np.flatnonzero(self.front.rates == self.front.rate_limit)
-        if not here.size:
+        """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`."""
+        at_rate = np.flatnonzero(self.front.rates == self.front.rate_limit)
+        if not at_rate.size:
             return None
-        return {name: float(values[here[0]]) for name, values in self.limits.items()}
+        return {name: float(values[at_rate[0]]) for name, values in self.limits.items()}
 
     @property
     def survives(self) -> dict[str, bool] | None:
@@ -81,32 +82,32 @@ class FlownFront(Shown):
         return {name: limit >= value for name, value in needed.items()}
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the limit of each law at each rate, beside the least without a forecast."""
+        """Return the limit of each law at each rate, with the bound without a forecast."""
         bounds, rates = self.front.bounds, self.front.rates
-        some = {} if bounds is None else {"any law, at least": bounds}
+        lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
             yield degrees(f"laws.{k}.rate", rates[k])
-            for name, values in (self.limits | some).items():
+            for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])
                 odd = name in self.monotone and not self.monotone[name][k]
                 more = ("*",) if odd else ()
                 yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
 
         caption = "Deflection limit that each law needs flown [deg]"
-        head = ("rate limit [deg/s]", *self.limits, *some)
+        head = ("rate limit [deg/s]", *self.limits, *lower)
         return (Table(caption, head, tuple(tuple(cells(k)) for k in range(rates.size))),)
 
     @property
     def notes(self) -> Iterator[str]:
-        """What the reader of the table should know."""
-        stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOPS[self.cuts]
+        """Notes on the flights of the table."""
+        stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOP_WORDS[self.cuts]
         yield (
             f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"
             " for each rate limit; none: with no limit a flight survives up to three times the"
             " largest trim deflection"
         )
-        if not all(np.all(one) for one in self.monotone.values()):
+        if not all(np.all(monotone) for monotone in self.monotone.values()):
             yield "*: some lower limits survive as well; above this one all that were tried survive"
 
 
@@ -159,7 +160,7 @@ def flown_fronts(
     names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
     within("cuts", whole_number("cuts", cuts), 0, 1000)
     fronts = {key: _front(case, rates) for key, case in cases.items()}
-    total = len(names) * sum(one.rates.size for one in fronts.values())
+    total = len(names) * sum(front.rates.size for front in fronts.values())
     _check_samples(cases, fronts, len(names) * (cuts + 1))
     done = 0
 
@@ -169,19 +170,26 @@ def flown_fronts(
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
         nonlocal done
-        options = {**case.hardware, "rate_limit": rate, "cuts": cuts, "highest": _HIGHEST}
+        options = {
+            **case.hardware,
+            "rate_limit": rate,
+            "cuts": cuts,
+            "highest": _MAX_LIMIT_OVER_TRIM,
+        }
         law = law_asked(case, name, rate)
-        found = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
+        boundary = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
         done += 1
         advanced(0, 1)
-        return found
+        return boundary
 
     def answer(case: Case, front: RateFront) -> FlownFront:
-        found = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
+        boundaries = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
         return FlownFront(
             front=front,
-            limits={name: np.abs([x.deflection for x in row]) for name, row in found.items()},
-            monotone={name: np.array([x.monotone for x in row]) for name, row in found.items()},
+            limits={name: np.abs([x.deflection for x in row]) for name, row in boundaries.items()},
+            monotone={
+                name: np.array([x.monotone for x in row]) for name, row in boundaries.items()
+            },
             cuts=cuts,
         )
 
@@ -204,13 +212,13 @@ def _check_samples(cases: Mapping[str, Case], fronts: Mapping[str, RateFront], w
 
 
 def _front(case: Case, rates: ArrayLike | None) -> RateFront:
-    """The theory of a case at the rates, or at multiples of its least one, and at the nozzle's."""
+    """Return the trade-off curve of theory at the rates, or multiples of its minimum rate."""
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
     theory = partial(rate_front, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
     if rates is None:
         usual = theory()
         least_rate = usual.least_rate or usual.needed_rate
-        rates = _MULTIPLES * least_rate if least_rate > 0.0 else usual.rates
+        rates = _RATES_OVER_MINIMUM * least_rate if least_rate > 0.0 else usual.rates
     if nozzle.rate_limit is not None:
         rates = np.unique(np.append(rates, nozzle.rate_limit))
     return theory(rates)

@@ -92,13 +92,13 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
 
 
 def _satisfies(case: Case, criteria: Criteria) -> bool:
-    """Whether the loop of a case is stable and satisfies the criteria."""
+    """Return whether the loop of a case is stable and satisfies the criteria."""
     plant = case.plant
     with suppress(InputError, np.linalg.LinAlgError, ArithmeticError):
-        whole = case.autopilot.margins(plant)
+        margins = case.autopilot.margins(plant)
         if not isinstance(plant, FlexiblePlant):
-            return bool(criteria.are_satisfied(whole))
-        return bool(whole.stable) and bool(
+            return bool(criteria.are_satisfied(margins))
+        return bool(margins.stable) and bool(
             criteria.are_satisfied(case.autopilot.band_margins(plant))
         )
     return False

@@ -1,4 +1,4 @@
-"""What a structure bears in a wind, and what a law's flight asks of it."""
+"""Load limit of a structure in a wind, and largest load in the flight of a law."""
 
 from __future__ import annotations
 
@@ -53,21 +53,21 @@ class LoadBound:
 
     def __post_init__(self) -> None:
         checked(self)
-        given = [one for one in ("load", "q_alpha", "moment") if getattr(self, one) is not None]
-        if len(given) != 1:
+        bounds = [name for name in ("load", "q_alpha", "moment") if getattr(self, name) is not None]
+        if len(bounds) != 1:
             raise InputError(
                 "[load] needs one bound: load, q_alpha or moment"
-                f"{'; got ' + ' and '.join(given) if given else ''}"
+                f"{'; got ' + ' and '.join(bounds) if bounds else ''}"
             )
         for bound, needed in (("q_alpha", "dynamic_pressure"), ("moment", "alpha_moment")):
-            if (bound in given) != (getattr(self, needed) is not None):
+            if (bound in bounds) != (getattr(self, needed) is not None):
                 raise InputError(f"[load] needs {bound} and {needed} together")
         if self.deflection_moment is not None and self.alpha_moment is None:
             raise InputError("[load] needs alpha_moment beside deflection_moment")
 
     @property
     def bound(self) -> float:
-        """The bound as an angle [rad]."""
+        """Bound as an angle [rad]."""
         if self.load is not None:
             return self.load
         if self.q_alpha is not None and self.dynamic_pressure is not None:
@@ -78,11 +78,11 @@ class LoadBound:
 
     @property
     def ratio(self) -> float:
-        """M_delta/M_alpha."""
+        """Ratio of moment slopes M_delta/M_alpha."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
     def front(self, case: Case, part: float = 1.0) -> LoadFront:
-        """Return the front of a case, whose stop may leave its plane a part of the limit."""
+        """Return the trade-off curve of limit over load, with the fraction `part` of the limit."""
         instance("case", case, Case, "of a wind and a nozzle")
         part = number("part", part, between(1e-9, 1.0))
         limit = case.nozzle.limit
@@ -106,11 +106,12 @@ class FlownLoad(Shown):
     Attributes
     ----------
     law, status : str
-        The name of the law, and what became of its flight, as of `fly_many`.
+        Name of the law, and outcome of its flight; see `fly_many`.
     load, time : float
-        The load [rad], and when [s]; infinite of a flight that is lost, NaN where it is not known.
+        Largest load [rad] and its time [s]; infinite for a flight that diverges, NaN where it is
+        not known.
     bound : float or None
-        What the structure bears [rad].
+        Load limit of the structure [rad].
     """
 
     law: str
@@ -130,11 +131,11 @@ class FlownLoad(Shown):
         case : Case
             The vehicle, the wind, and the nozzle with its deflection limit.
         name : str
-            What the law is called.
+            Name of the law.
         law : Law
             It is flown with the stop of the nozzle.
         bound : LoadBound, optional
-            What the structure bears.
+            Load limit of the structure.
 
         Raises
         ------
@@ -146,18 +147,18 @@ class FlownLoad(Shown):
         instance("name", name, str, "of the law")
         if bound is not None:
             instance("bound", bound, LoadBound, "of what the structure bears")
-        limit, most = case.nozzle.limit, None if bound is None else bound.bound
+        limit, max_load = case.nozzle.limit, None if bound is None else bound.bound
         if limit is None:
             raise InputError("case must have a deflection limit, the stop of its nozzle")
         if beyond_linear(float(case.history.peak)):
-            return cls(name, NOT_KNOWN, np.nan, np.nan, most)
+            return cls(name, NOT_KNOWN, np.nan, np.nan, max_load)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         if not flight.times.size:
-            return cls(name, flight.status, np.inf, np.nan, most)
+            return cls(name, flight.status, np.inf, np.nan, max_load)
         ratio = 0.0 if bound is None else bound.ratio
-        felt = np.abs(flight.angle_of_attack + ratio * flight.deflection)
-        worst = int(np.argmax(felt))
-        return cls(name, flight.status, float(felt[worst]), float(flight.times[worst]), most)
+        loads = np.abs(flight.angle_of_attack + ratio * flight.deflection)
+        worst = int(np.argmax(loads))
+        return cls(name, flight.status, float(loads[worst]), float(flight.times[worst]), max_load)
 
     @property
     def survives_within(self) -> bool | None:
@@ -168,12 +169,12 @@ class FlownLoad(Shown):
 
     @property
     def words(self) -> str:
-        """What becomes of the flight, in words."""
-        fate = f"{self.law} {OUTCOME_WORDS[self.status]} with this limit"
+        """Outcome of the flight and its largest load, in words."""
+        outcome = f"{self.law} {OUTCOME_WORDS[self.status]} with this limit"
         if not np.isfinite(self.load):
-            return fate
-        felt = f"{fate}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"
+            return outcome
+        load = f"{outcome}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"
         if self.bound is None:
-            return felt
-        side = "within" if self.load <= self.bound else "NOT within"
-        return f"{felt}, {side} {np.degrees(self.bound):.3f} deg"
+            return load
+        relation = "within" if self.load <= self.bound else "NOT within"
+        return f"{load}, {relation} {np.degrees(self.bound):.3f} deg"

@@ -1,4 +1,4 @@
-"""What a nozzle can do: how far and how fast it turns, and what lies behind its command."""
+"""Limits of a nozzle in angle, rate and work, its actuator, and the inertia and hinge it moves."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from tvclin.control.autopilot.actuator import Actuator, positive_in_range
 from tvclin.vehicle.structure import Engine
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
+"""Keys of the actuator in a file, and their kinds."""
 _ENGINE = {"mass": "mass", "arm": "arm", "inertia": "moment_of_inertia"}
-"""Of what turns, and what `Engine` calls it."""
+"""Keys of the engine in a file, and their names in `Engine`."""
 USUAL_ACTUATOR = Actuator()
 """The actuator that is assumed; one that is specified is another object, even if it is equal."""
 
@@ -131,10 +132,10 @@ class Nozzle:
         InputError
             For what the table may not hold, and as `Nozzle` and `Actuator` themselves.
         """
-        found = NOZZLE_TABLE.read(table)
-        given = {name: found.pop(name) for name in _ACTUATOR if name in found}
-        servo = actuator_of(**given) if given else USUAL_ACTUATOR
-        return cls(data=_data(found), actuator=servo, **found)
+        values = NOZZLE_TABLE.read(table)
+        servo = {name: values.pop(name) for name in _ACTUATOR if name in values}
+        actuator = actuator_of(**servo) if servo else USUAL_ACTUATOR
+        return cls(data=_data(values), actuator=actuator, **values)
 
 
 _HINGE = file_table("[nozzle]", NozzleData).quantities
@@ -146,14 +147,14 @@ NOZZLE_TABLE = file_table(
 )
 
 
-def _data(found: dict[str, Any]) -> NozzleData | None:
-    """What turns and resists, taken out of what is found in a table; None where nothing is."""
-    given = {name: found.pop(name) for name in (*_ENGINE, *_HINGE) if name in found}
-    if not given:
+def _data(values: dict[str, Any]) -> NozzleData | None:
+    """Return engine and hinge, removed from the values of a table; None without them."""
+    data = {name: values.pop(name) for name in (*_ENGINE, *_HINGE) if name in values}
+    if not data:
         return None
-    NOZZLE_TABLE.need(given, ("mass", "arm"))
-    engine = {_ENGINE[name]: given.pop(name) for name in tuple(given) if name in _ENGINE}
-    return NozzleData(engine=Engine(**engine), **given)
+    NOZZLE_TABLE.need(data, ("mass", "arm"))
+    engine = {_ENGINE[name]: data.pop(name) for name in tuple(data) if name in _ENGINE}
+    return NozzleData(engine=Engine(**engine), **data)
 
 
 def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7) -> Actuator | None:

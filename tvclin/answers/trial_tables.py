@@ -1,4 +1,4 @@
-"""Trials of laws as tables: what each law needs in each wind, beside what bounds every law."""
+"""Tables of trials of laws: required limit of each law in each wind, and bounds of every law."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -22,7 +22,7 @@ LEGEND = (
 
 
 class Bounds(NamedTuple):
-    """What stands beside the laws in a wind: its trim [deg], and two bounds over that.
+    """Bounds of all laws in a wind: its trim [deg], and two lower bounds normalised by that.
 
     NaN where one is not defined.
     """
@@ -33,7 +33,7 @@ class Bounds(NamedTuple):
 
 
 def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
-    """Return what bounds every law in each wind, without a forecast and with the wind known."""
+    """Return the bounds of every law in each wind, without a forecast and with the wind known."""
 
     def of(wind: History) -> Bounds:
         trim = abs(float(plant.coefficients.B * wind.peak))
@@ -45,7 +45,7 @@ def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
 
 
 def needed(found: Sequence[LawTrial], beside: Mapping[str, Bounds]) -> tuple[Table, ...]:
-    """Return the limit that each law needs in each wind, and what bounds every law."""
+    """Return the required limit of each law in each wind, and the bounds of every law."""
     laws = tuple(dict.fromkeys(one.law for one in found))
     trials = {(one.wind, one.law): one for one in found}
     head = ("wind", *(law.replace("-", " ") for law in laws), "any law")
@@ -93,7 +93,7 @@ def tried(found: Sequence[LawTrial]) -> str:
 
 
 def doubts(found: Sequence[LawTrial]) -> list[str]:
-    """Return what the marks of limits say, and of which law in which wind."""
+    """Return the meaning of the marks of limits, with their laws and winds."""
     odd = [f'!: "{one.law}" in "{one.wind}": {one.status}' for one in found if _doubtful(one)]
     again = ", ".join(f'"{one.law}" in "{one.wind}"' for one in found if not one.monotone)
     said = "some lower limits survive as well; above this one all that were tried survive"
@@ -101,7 +101,7 @@ def doubts(found: Sequence[LawTrial]) -> list[str]:
 
 
 def _limit(key: str, one: LawTrial, scale: float) -> Line:
-    """The boundary times a scale, or on which side of the range that was tried it lies."""
+    """Return the boundary times a scale, or the end of the range of limits that it is beyond."""
     shown = number(key, scale * one.limit)
     if one.limit > one.highest:
         shown = (f">{scale * one.highest:.4g}",)
@@ -120,7 +120,7 @@ def _loads(one: LawTrial) -> Line:
 
 
 def _doubtful(one: LawTrial) -> bool:
-    """Whether there is more to be said of a boundary than the table shows."""
+    """Return whether the status of a boundary needs a note below the table."""
     return one.status not in (OK, NEVER, ALWAYS)
 
 
