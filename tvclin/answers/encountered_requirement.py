@@ -1,4 +1,4 @@
-"""What a wind requires at its own wind angles of attack and dynamic pressure.
+"""Required deflection of a wind at its own wind angles of attack and dynamic pressure.
 
 A wind known by its speed stays a velocity, so that angle and dynamic pressure follow from the wind
 triangle at each time (`winds.wind_angles`). A wind given by its angle is the velocity that has that

@@ -53,8 +53,8 @@ class FlownFront(Shown):
 
     `front` is the minimum of theory at the same rates, with the nozzle's point. `limits` are the
     minimum deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none
-    survives up to three times the largest trim deflection; `monotone` is whether every limit that was tried
-    above one that survives survives as well.
+    survives up to three times the largest trim deflection; `monotone` is whether every limit that
+    was tried above one that survives survives as well.
     """
 
     front: RateFront

@@ -49,15 +49,15 @@ class RequiredDeflection(Shown):
     Attributes
     ----------
     limit : float or ndarray
-        Over the trim deflection B alpha_w,max without drift.
+        Required limit normalised by static trim B alpha_w,max.
     deflection : float or ndarray
-        The same [rad], -limit B alpha_w,max; its sign opposes the wind.
+        Required deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     governs : Reason or ndarray of str
         Which of `needs` is the largest; "nothing" where no deflection is needed.
     needs : dict of Reason to float or ndarray
         All requirements, as sizes [rad]; zero where one does not apply.
     status : str or ndarray of str
-        That of the boundary with the literal switch; see `BoundaryLimit`.
+        Status of the boundary with the literal switch; see `BoundaryLimit`.
     """
 
     limit: Any
@@ -135,33 +135,34 @@ def required_deflection(
             )
         law_wind = whole
         needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], least_peaks(plant, whole))
-    least = np.max(list(needs.values()), axis=0)
+    open_loop = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)
-    known = ~paired & ~np.isnan(rate) & np.isfinite(least)
-    limited = (K == 1.0) & known
+    single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
+    limited = (K == 1.0) & single_pole
     if plant.model == "fixed-path" and whole is None:
         limited = limited & _rises_again(wind)
-    again = (0.0 < K) & (K < 1.0) & known & has_quick_path(plant)
-    cases = np.broadcast_to(limited | again, least.shape)
-    law = np.zeros(least.shape)
+    again = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
+    cases = np.broadcast_to(limited | again, open_loop.shape)
+    law = np.zeros(open_loop.shape)
     for value in np.unique(K).tolist():
         winds = law_wind if value == 1.0 else wind
         law += _trim_law(plant, winds, cases & (value == K), value)
     static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
-    error = _MARCH_ERROR * static + np.where(K == 1.0, 0.0, _AFTER_TRIM_ERROR * least)
-    needs[Reason.TRIM_LAW] = np.where(law > least + error, law, 0.0)
+    error = _MARCH_ERROR * static + np.where(K == 1.0, 0.0, _AFTER_TRIM_ERROR * open_loop)
+    needs[Reason.TRIM_LAW] = np.where(law > open_loop + error, law, 0.0)
     governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
-    most = np.array(needs[Reason.BOUNDARY])
+    required = np.array(needs[Reason.BOUNDARY])
     for name in (Reason.MINIMUM, Reason.NO_FORECAST, Reason.AFTER_TRIM, Reason.TRIM_LAW):
-        larger = needs[name] > most * (1.0 + ROUNDING)
-        governs, most = np.where(larger, name, governs), np.where(larger, needs[name], most)
-    governs = np.where(most == 0.0, Reason.NOTHING, governs)
+        larger = needs[name] > required * (1.0 + ROUNDING)
+        governs = np.where(larger, name, governs)
+        required = np.where(larger, needs[name], required)
+    governs = np.where(required == 0.0, Reason.NOTHING, governs)
     full = -np.asarray(plant.coefficients.B) * wind.peak
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
-        limit = np.where(most == 0.0, 0.0, most / np.abs(full))
+        limit = np.where(required == 0.0, 0.0, required / np.abs(full))
     return RequiredDeflection(
         plain(limit),
-        plain(np.asarray(np.copysign(most, full))),
+        plain(np.asarray(np.copysign(required, full))),
         governs.astype(str) if governs.ndim else Reason(governs.item()),
         {name: plain(np.asarray(need)) for name, need in needs.items()},
         boundary.status,
@@ -174,12 +175,12 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -
     if not which.size:
         return np.zeros(cases.shape)
     plants, winds = plant.cases(which, cases.shape), wind.cases(which, cases.shape)
-    found = batch_requirements(Equations.of_plant(plants), NominalWind(winds), dead_band)
-    if np.any(too_long := np.isnan(found)):
+    limits = batch_requirements(Equations.of_plant(plants), NominalWind(winds), dead_band)
+    if np.any(too_long := np.isnan(limits)):
         trim = np.abs(trim_deflection(plants, winds).peak)
-        found = np.where(too_long, trim / dead_band, found)
+        limits = np.where(too_long, trim / dead_band, limits)
     required = np.zeros(cases.size)
-    required[which] = found
+    required[which] = limits
     return required.reshape(cases.shape)
 
 
@@ -224,7 +225,7 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
 
 
 def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
-    """Return whether a limit is as large as what is needed, but for rounding; sizes both."""
+    """Return whether a limit is at least the required one, but for rounding; sizes both."""
     return np.asarray(limit) >= np.asarray(needed) * (1.0 - 4.0 * np.finfo(float).eps)
 
 

@@ -62,13 +62,13 @@ class Curves:
         return _parabola(self.trim[case, step], u)
 
     def demand_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
-        """Return the demand [rad] there, by Hermite's cubic of its values and slopes."""
+        """Return the demand [rad] of cases at positions in steps, by Hermite's cubic."""
         step, u = self._step(position)
         length = self.times[case, step, 2] - self.times[case, step, 0]
         return _cubic(self.demand[case, step], self.demand_slope[case, step], length, u)
 
     def time_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
-        """Return the times [s] there."""
+        """Return the times [s] of cases at positions in steps."""
         step, u = self._step(position)
         begin, end = self.times[case, step, 0], self.times[case, step, 2]
         return np.asarray(begin + u * (end - begin))
@@ -81,12 +81,12 @@ class Curves:
     def side(self) -> FloatArray:
         """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
         flat = self.trim.reshape(len(self.trim), -1)
-        most = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
-        return np.asarray(np.sign(np.take_along_axis(flat, most, axis=-1))[:, 0])
+        largest = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
+        return np.asarray(np.sign(np.take_along_axis(flat, largest, axis=-1))[:, 0])
 
     @property
     def of_two_signs(self) -> BoolArray:
-        """Whether each wind changes its sign, ``(n,)``."""
+        """Whether the winds change sign, ``(n,)``."""
         low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
         return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
 
@@ -195,7 +195,8 @@ class Curves:
             return np.where(signed, np.nan, demand[:, 0]), self.times[:, 0, 0]
         last, after = exit_samples(trim, demand, dead_band)
         low, high = (
-            0.5 * (one % 3) + one // 3 for one in (last, np.minimum(after, trim.shape[1] - 1))
+            0.5 * (sample % 3) + sample // 3
+            for sample in (last, np.minimum(after, trim.shape[1] - 1))
         )
         cases = np.arange(len(trim))
         floor = np.maximum(trim[cases, last], 0.0)
@@ -223,13 +224,13 @@ class Curves:
         `minimum`: minimum peaks of all control from the begin and the end of each step on [rad],
         ``(n, S, 2)``.
         """
-        both = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
+        values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         side = self.side[:, np.newaxis, np.newaxis]
         width = self.times[..., 2:] - self.times[..., :1]  # zero of breakpoints at one time
         rise = np.diff(minimum, axis=-1)
         line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
         slopes = np.broadcast_to(line, minimum.shape)
-        return replace(self, demand=side * both, demand_slope=side * slopes).limit_of_dead_band(
+        return replace(self, demand=side * values, demand_slope=side * slopes).limit_of_dead_band(
             dead_band
         )
 
@@ -248,20 +249,22 @@ class Curves:
         return np.where(steps > last[:, np.newaxis], np.nan, at_steps)
 
     def meets_again(self, limit: FloatArray) -> BoolArray:
-        """Whether trim is above a limit ``(n,)`` [rad] in more than one interval, ``(n,)``."""
+        """Return whether trim is above limits [rad] in more than one interval, ``(n,)``."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
         return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
 
     def reaches_both_sides(self, limit: FloatArray) -> BoolArray:
-        """Whether trim reaches a limit ``(n,)`` [rad], or nearly so, to both sides, ``(n,)``."""
+        """Return whether trim reaches a limit ``(n,)`` [rad], or nearly so, with both signs."""
         high, low = self._trim_extremes
         return np.asarray(np.minimum(high, -low) > _BOTH_SIDES_FRACTION * limit) & (limit > 0.0)
 
 
 def _smaller(trim: FloatArray, demand: FloatArray, side: float | None) -> FloatArray:
     """Return min(trim, demand) to either side, or to one, as sizes; zero where signs differ."""
-    apart = trim * demand <= 0.0 if side is None else np.minimum(side * trim, side * demand) <= 0.0
-    return np.where(apart, 0.0, np.minimum(np.abs(trim), np.abs(demand)))  # NaN stays
+    opposite = (
+        trim * demand <= 0.0 if side is None else np.minimum(side * trim, side * demand) <= 0.0
+    )
+    return np.where(opposite, 0.0, np.minimum(np.abs(trim), np.abs(demand)))  # NaN stays
 
 
 def _vertex(values: FloatArray) -> FloatArray:
@@ -285,8 +288,8 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
     """Return at fractions u of steps Hermite's cubic of values and slopes at their ends."""
     a, b = values[..., 0], values[..., 2]
     s, e = length * slopes[..., 0], length * slopes[..., 1]
-    bend, turn = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
-    return np.asarray(a + u * (s + u * (bend + u * turn)))
+    quadratic, cubic = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
+    return np.asarray(a + u * (s + u * (quadratic + u * cubic)))
 
 
 def _new_heights(trim: FloatArray) -> BoolArray:
@@ -303,8 +306,8 @@ def exit_samples(
     The last is the last new maximum of trim ``(n, k)`` short of K times the demand, zero without
     one; the next is the next new maximum, k without one.
     """
-    new, place = _new_heights(trim), np.arange(trim.shape[-1])
-    short = (new | (place == 0)) & (trim < dead_band * demand)
-    last = np.where(short, place, -1).max(axis=-1, keepdims=True)
-    after = np.where(new & (place > last), place, place.size).min(axis=-1)
+    new, position = _new_heights(trim), np.arange(trim.shape[-1])
+    short = (new | (position == 0)) & (trim < dead_band * demand)
+    last = np.where(short, position, -1).max(axis=-1, keepdims=True)
+    after = np.where(new & (position > last), position, position.size).min(axis=-1)
     return np.maximum(last[:, 0], 0), after

@@ -1,4 +1,4 @@
-"""What a wind requires of a vehicle along its flight, at the dynamic pressure encountered.
+"""Required deflection of a wind along a flight, at the dynamic pressure encountered.
 
 Parts of a flight in which the moment of a wind has the other sign are separate.
 """
@@ -117,10 +117,10 @@ def requirement_of_parts(
     required, minimum, time = 0.0, 0.0, np.nan
     for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
         inside = mode if whole else FlightMode(part, mode.model, mode.plane, (start, stop))
-        blows = wind if whole else wind.between(start, stop)
-        if inside.unstable and not blows.calm:
-            found = varying_requirement(inside, blows, dead_band)
-            if not (np.isnan(required) or found.required[0] <= required):
-                required, time = float(found.required[0]), float(found.time[0])
-            minimum = max(minimum, float(found.minimum[0]))
+        inner = wind if whole else wind.between(start, stop)
+        if inside.unstable and not inner.calm:
+            result = varying_requirement(inside, inner, dead_band)
+            if not (np.isnan(required) or result.required[0] <= required):
+                required, time = float(result.required[0]), float(result.time[0])
+            minimum = max(minimum, float(result.minimum[0]))
     return required, minimum, time

@@ -21,8 +21,11 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 LAWS = ("bound", "flown")
-_RATE = 100.0
-_HIGHEST = 4.0
+"""Bases of the requirement without a forecast."""
+_SAMPLE_RATE_HZ = 100.0
+"""Sample rate [Hz] of flights of the recoverable-attitude law."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit of these flights over the largest trim deflection."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,14 +115,18 @@ def slow_mode(plant: Plant, wind: History) -> float:
 
 
 def _no_forecast(plant: Plant, wind: History, law: str) -> float:
+    """Return the required deflection [rad] without a forecast; zero for a stable plant."""
     if not _unstable(plant):
         return 0.0
     if law == "bound":
         return abs(forecast_free_limit(plant, wind).deflection)
     flown = RecoverableAttitudeLaw(plant, design_peak=abs(float(wind.peak)))
-    found = closed_loop_boundary(plant, flown, wind, sample_rate=_RATE, highest=_HIGHEST)
-    return abs(found.deflection)
+    boundary = closed_loop_boundary(
+        plant, flown, wind, sample_rate=_SAMPLE_RATE_HZ, highest=_MAX_LIMIT_OVER_TRIM
+    )
+    return abs(boundary.deflection)
 
 
 def _unstable(plant: Plant) -> int:
+    """Return the number of unstable poles."""
     return int(unstable_modes(plant).poles.size)

@@ -72,8 +72,8 @@ class ControllabilityRatio(Shown):
     def table(self) -> Table:
         """Table of the contributions to the ratio."""
         rows = rows_of(self.takes, "ratio", "trim of the wind")
-        whole = degrees("ratio.takes", self.takes.total)
-        rows.append((("trim and all that adds up",), (SUMS,), whole))
+        total = degrees("ratio.takes", self.takes.total)
+        rows.append((("trim and all that adds up",), (SUMS,), total))
         rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
         return Table(f"Controllability ratio{at_time(self.takes, 'its')}", HEAD, tuple(rows))
 
@@ -134,7 +134,7 @@ def controllability_ratio(
     (1.67, 'above the limit of 1, below the goal of 2')
     """
     instance("sizing", sizing, Sizing, "see size")
-    most = number("limit", limit, small_angle("a deflection", positive), "rad")
+    available = number("limit", limit, small_angle("a deflection", positive), "rad")
     gusts = np.abs(small_angle("a wind angle")("gust", gust, "rad"))
     if gusts.shape not in ((), sizing.times.shape):
         raise InputError(
@@ -143,22 +143,22 @@ def controllability_ratio(
     if np.all(np.isnan(sizing.required[TRIM])):
         raise InputError("trim is not known at any flight time, and the ratio needs it")
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
-    found = []
+    ratios = []
     for time, trim, peak in _trims(sizing, np.broadcast_to(gusts, sizing.times.shape)):
         vehicle = sizing.schedule.at(time)
-        each = (abs(float(Coefficients.from_vehicle(vehicle, one).B)) for one in planes)
-        blown = min(max(each) * peak, trim)
+        slopes = (abs(float(Coefficients.from_vehicle(vehicle, name).B)) for name in planes)
+        gust_trim = min(max(slopes) * peak, trim)
         total = total_deflection(
             vehicle,
-            trim - blown,
+            trim - gust_trim,
             nominal=float(sizing.schedule.nominal_at(time)),
             thrust_offset=thrust_offset,
             gravity_offset=gravity_offset,
-            others=(Part("gust", blown, "random"),),
+            others=(Part("gust", gust_trim, "random"),),
         )
-        found.append(ControllabilityRatio(total, most))
-    worst = min(found, key=lambda one: one.ratio)
-    others = min((one.ratio for one in found if one.takes.time != worst.takes.time), default=0.0)
+        ratios.append(ControllabilityRatio(total, available))
+    worst = min(ratios, key=lambda r: r.ratio)
+    others = min((r.ratio for r in ratios if r.takes.time != worst.takes.time), default=0.0)
     end = flight_end(sizing, worst.takes.time) if worst.ratio < (1.0 - SAME) * others else ""
     takes = replace(worst.takes, not_sized=sizing.not_sized(TRIM), end=end)
     return replace(worst, takes=takes)
