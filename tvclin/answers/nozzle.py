@@ -30,7 +30,7 @@ USUAL_ACTUATOR = Actuator()
 
 @dataclass(frozen=True, kw_only=True)
 class NozzleData:
-    """What a nozzle resists its actuators with.
+    """Inertia, hinge and friction that resist the actuators of a nozzle.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class NozzleData:
 
 @dataclass(frozen=True, kw_only=True)
 class Nozzle:
-    """What a nozzle can do.
+    """Limits of a nozzle in angle, rate and work, with its actuator.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a deflection limit must be: the largest of all that a control in a flight needs.
+"""Required deflection limit: the largest of all requirements of a control in a flight.
 
 The report's boundary is one requirement, and not always the largest. A limit is sufficient when it
 is none of these too low for

@@ -76,7 +76,7 @@ class SoundingRequest:
 
 @dataclass(frozen=True, eq=False)
 class FlightWinds:
-    """What blows on the flight of a case.
+    """Winds on the flight of a case.
 
     `case`: its planes, model, nozzle and sign count. `schedule`: the flight. `pulses`: whose peak
     meets each flight time, with the gust of the case. `soundings`: by name. `peak_speed`,
@@ -179,7 +179,7 @@ _MOST_TIMES = 10_000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SizingRequest:
-    """What the sizing of a flight depends on beside its case.
+    """Options of the sizing of a flight, other than its case.
 
     Attributes
     ----------
@@ -453,7 +453,7 @@ class SizingRequest:
 
     @property
     def notes(self) -> list[str]:
-        """What is to be known of the winds; nothing without soundings."""
+        """Notes on the winds; none without soundings."""
         if not self.soundings:
             return []
         near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
