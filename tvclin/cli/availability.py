@@ -190,11 +190,7 @@ def availability(
     if csv is not None:
         result.to_csv(csv)
     draw(plot, lambda: plots.availability_chart(result, source))
-    yes = (
-        all(answer_today.go for answer_today in today)
-        if today
-        else any(fraction.judged for fraction in result.part())
-    )
+    yes = all(day.go for day in today) if today else any(share.judged for share in result.part())
     answer(as_json, lambda: _document(result, today), lambda: _print(result, today, source), yes)
 
 

@@ -106,18 +106,16 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     columns = list(zip(headings, *rows, strict=True))
     prose = [max(len(cell.split()) for cell in column) >= _MIN_WORDS_OF_PROSE for column in columns]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
-    min_widths = [max(map(len, words), default=0) for words in pieces]
-    wanted = [
-        max(map(len, column)) - width for column, width in zip(columns, min_widths, strict=True)
-    ]
-    spare = console.width - sum(min_widths) - _MAX_COLUMN_PADDING * len(columns) - 1
+    minima = [max(map(len, words), default=0) for words in pieces]
+    wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]
+    spare = console.width - sum(minima) - _MAX_COLUMN_PADDING * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
     labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
     for n, k in enumerate(labels_first):
         shared = 1 if not k and not prose[k] else len(columns) - n
         wider[k] = min(wanted[k], max(spare, 0) // shared)
         spare -= wider[k]
-    for k, (column, width) in enumerate(zip(columns, min_widths, strict=True)):
+    for k, (column, width) in enumerate(zip(columns, minima, strict=True)):
         wide = width + wider[k]
         grid.add_column(
             Text(textwrap.fill(column[0], max(wide, 1), break_long_words=False)),
