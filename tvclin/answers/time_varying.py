@@ -338,8 +338,9 @@ def _of_flights(
 ) -> FloatArray:
     """Return the required deflection [rad] with K = 1, where need be by flights of the law.
 
-    Where the law never limited does not bring back the path either, such as that of a stable
-    vehicle, flights end with the wind, where the limit has to bring back the unstable component.
+    Of an aerodynamically stable vehicle with an unstable path the law may not bring back the path
+    with any limit: flights then end with the wind, where the limit has to bring back the unstable
+    component.
     """
     flown, lowest = decided_by_flights(equations, found, limit)
     known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
@@ -357,7 +358,8 @@ def _of_flights(
     if which.size:
         low, high = np.maximum(lowest, minimum), found.highest_limit
         required[which] = flights.of(which).requirement(low[which], high[which])
-        never = which[np.isinf(required[which])]
+        stable = np.all(equations.nominal[..., 1, 0] < 0.0, axis=(1, 2))
+        never = which[(np.isinf(required) & stable)[which]]
         if never.size and in_wind[0].shape != times.shape:
             flights = LimitedFlights(motion.over(in_wind[0]), *in_wind).of(never)
             required[never] = flights.requirement(low[never], high[never])
