@@ -61,7 +61,7 @@ def test_the_march_along_a_flight_is_of_fourth_order(flight, monkeypatch) -> Non
     (exact,) = costates(part, "drift-exact", (20.25,))
     errors = []
     for step in (0.4, 0.2, 0.1):
-        monkeypatch.setattr(flight_mode, "_STEP", step)
+        monkeypatch.setattr(flight_mode, "_STEP_OVER_TIME_CONSTANT", step)
         costate, reach = FlightMode(part, "drift-exact", "pitch", part.span).at(20.25)
         errors.append(np.abs(np.append(costate, reach) / exact - 1.0).max())
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 16.0, rtol=1 / 3)
