@@ -374,7 +374,7 @@ def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
 
 
 def _counted(found: Any, samples: LoopSamples) -> str:
-    """What Nyquist's criterion says: encirclements, poles of the loop, and the verdict."""
+    """Return encirclements, unstable open-loop poles and the Nyquist verdict in words."""
     turns, open_loop = -found.count, unstable_poles(samples.loop)
     way = "counterclockwise" if turns >= 0 else "clockwise"
     times = f"{abs(turns)} {way} encirclement{'s' * (abs(turns) != 1)} of -1"

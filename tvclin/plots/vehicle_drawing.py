@@ -504,7 +504,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
 
 
 def _stations(vehicle: Vehicle) -> dict[str, float]:
-    """What acts where [m], forward of the centre of gravity."""
+    """Return the stations [m] of gimbal, pressure and tanks, forward of the centre of gravity."""
     found = {"gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm}
     found |= {"c.g.": 0.0, "c.p.": vehicle.aerodynamic_arm}
     tanks = () if vehicle.structure is None else vehicle.structure.slosh

@@ -28,19 +28,18 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.winds.histories import History
 
 _UPPER_OVER_LOWER = 1.2
-"""Up to which multiple of min(trim, demand) a flight may require more, where trim meets it more
-than once while the path drifts, or the path is quick; docs/availability.md says what was
-measured."""
+"""Largest requirement of a flight over min(trim, demand), where trim meets that more than once
+while the path drifts, or the path is quick; docs/availability.md has measured ratios."""
 
 
 @dataclass(frozen=True, eq=False)
 class Additions:
-    """What is added to the winds of soundings.
+    """Growth and gust that are added to the winds of soundings, and the dynamic pressure.
 
     Attributes
     ----------
     growth : WindGrowth or None
-        What a wind may become until launch.
+        Growth of the wind until launch.
     gust : History or None
         A gust, by its angle [rad].
     gust_speed : float or None

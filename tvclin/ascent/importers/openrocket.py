@@ -40,7 +40,7 @@ _NEEDED = {
     "mach": ("number", "Mach number"),
     "area": ("area", "Reference area"),
 }
-"""What is read: the quantity, and the name of its column."""
+"""Quantity and column head of each value that a file must have."""
 _SLOPE = "Normal force coefficient derivative"
 _COEFFICIENT = "Normal force coefficient"
 _DENSITY = "Air density"

@@ -270,11 +270,11 @@ def check_inertia(flight: Flight, inertia: FloatArray, weight: FloatArray, arm: 
 
 
 MOST_ROWS = 200
-"""Rows of a schedule, where not asked for otherwise."""
+"""Largest number of rows of a schedule, unless specified."""
 _LINE_TOLERANCE = 1e-3
 """Rows are added until straight lines between them are so close, in parts of the largest."""
 _NOT_OF_VEHICLE = ("altitude", "nominal_deflection")
-"""What a schedule holds beside its vehicle."""
+"""Columns of a schedule that are not fields of its vehicle."""
 
 
 def schedule_of_flight(
