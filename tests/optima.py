@@ -4,10 +4,9 @@ import numpy as np
 
 import tvclin
 from tvclin import Plant, TriangularWind
-from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.dual import best_multipliers
-from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.boundary.optimum.minimum_peak import certify
+from tvclin.boundary.optimum.moments import Constraints, Window
 
 NAMES = ("configuration-i", "configuration-ii")
 

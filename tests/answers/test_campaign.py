@@ -21,7 +21,7 @@ from tvclin.answers.campaign.statistics import (
 )
 from tvclin.answers.case import Case
 from tvclin.answers.planes import rectangle, vector_need
-from tvclin.boundary.stops import stop_of
+from tvclin.boundary.limit_shapes import stop_of
 from tvclin.cli.app import app
 
 

@@ -13,7 +13,7 @@ from tvclin.answers.planes import missing_part, rectangle
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.boundary.stops import CircularStop, PolygonStop
+from tvclin.boundary.limit_shapes import CircularStop, PolygonStop
 from tvclin.cli.app import app
 
 HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import tvclin
 from tvclin import Coefficients, Plant, optimum_deflection
-from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.optimum.minimum_peak import least_peaks
 from tvclin.vehicle.coefficients import NUMBERS
 
 WIND = tvclin.TriangularWind(peak=-0.1, duration=12.0)

@@ -11,8 +11,6 @@ from tests.optima import NAMES, plant_of, solved, triangle
 from tests.turns import by_turns, usual
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum import minimum_peak
-from tvclin.boundary.optimum.constraints import Constraints
-from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.boundary.optimum.minimum_peak import (
     NOT_CONVERGED,
     STABLE,
@@ -21,6 +19,7 @@ from tvclin.boundary.optimum.minimum_peak import (
     _solve,
     certify,
 )
+from tvclin.boundary.optimum.moments import Constraints, Window
 from tvclin.boundary.optimum.two_poles import early_switch, late_switch
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
@@ -73,7 +72,7 @@ def test_the_lower_bound_holds_however_early_the_window_is_cut(monkeypatch):
     poles, demands = [0.1 + 0.2j], [1.0, 0.5]
     best, proof = solved(poles, demands)
     for cut in (1.0, 6.0):
-        monkeypatch.setattr("tvclin.boundary.optimum.exponential_sums.TRUNCATED", cut)
+        monkeypatch.setattr("tvclin.boundary.optimum.moments.TRUNCATED", cut)
         window = Window(Constraints(np.asarray(poles), np.asarray(demands)))
         bound = certify(window, best.multipliers, best.zeros[best.zeros < window.end], 1.0)
         assert bound.dual < proof.primal

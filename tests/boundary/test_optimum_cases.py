@@ -10,10 +10,9 @@ import tvclin
 from tests.optima import NAMES, plant_of, solved, triangle
 from tests.turns import usual
 from tvclin import Plant, optimum_deflection
-from tvclin.boundary.optimum.constraints import Constraints
 from tvclin.boundary.optimum.dual import best_multipliers
-from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, certify
+from tvclin.boundary.optimum.moments import Constraints, Window
 from tvclin.boundary.optimum.two_poles import switch_time
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")

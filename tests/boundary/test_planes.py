@@ -11,10 +11,15 @@ from scipy.special import hyp2f1
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.boundary import CircularStop, EllipticStop, PolygonStop, SquareStop, forecast_free
-from tvclin.boundary.planes import optimum
-from tvclin.boundary.planes.pair import Pair
-from tvclin.boundary.planes.unforeseen import unforeseen
+from tvclin.boundary import (
+    CircularStop,
+    EllipticStop,
+    PolygonStop,
+    SquareStop,
+    forecast_free,
+    plane_bounds,
+)
+from tvclin.boundary.plane_bounds import Pair, unforeseen
 from tvclin.winds import PlaneWind
 from tvclin.winds.wind_angles import angle_from_speed
 
@@ -282,7 +287,7 @@ def test_it_is_that_of_a_program_of_all_corners():
 def test_what_is_left_of_a_minimum_is_told(monkeypatch):
     plant, wind, cluster = measured(1.0)
     solved = tv.boundary.plane_optimum(plant, wind, cluster)
-    monkeypatch.setattr(optimum, "_MAX_CUTTING_PLANES", 4)
+    monkeypatch.setattr(plane_bounds, "_MAX_CUTTING_PLANES", 4)
     rough = tv.boundary.plane_optimum(plant, wind, cluster)
     assert "not converged" in rough.status
     assert rough.certificate.dual <= solved.peak <= rough.peak

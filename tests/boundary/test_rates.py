@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tvclin.boundary import optimum_with_rate_limit, rate_front
-from tvclin.boundary.fronts.ramps import ramped_deflection
+from tvclin.boundary.rate_trade_off import ramped_deflection
 
 PEAK, B, BETA = 0.1, 0.1, 0.5
 FIXED = tv.Plant(tv.Coefficients.from_beta(beta=BETA, B=B), "fixed-path")

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 import tvclin as tv
 from tvclin import Coefficients, InputError, Plant
-from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 
 MODELS = ("fixed-path", "drift", "drift-exact")
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)

@@ -16,7 +16,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin.base.files import write_text
-from tvclin.boundary.stops import STOPS
+from tvclin.boundary.limit_shapes import STOPS
 from tvclin.cli.app import NAMES, app
 from tvclin.vehicle.vehicle_file import template
 

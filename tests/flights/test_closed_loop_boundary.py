@@ -19,7 +19,7 @@ from tvclin import (
     closed_loop_boundary,
     fly,
 )
-from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control import WindEstimator
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.closed_loop.survival_limit import OPEN

@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, Plant
-from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.batch import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import outcome_criteria

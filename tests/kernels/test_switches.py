@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin.boundary.limit import boundary_limit
-from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.optimum.minimum_peak import least_peaks
 from tvclin.kernels import excess, threads
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import SWITCHES

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.damped import damped, fast_pole, plant_of
 from tvclin import InputError
-from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.kernels.choice import pinned
 from tvclin.linear.plant import INPUTS, MODELS, Plant
 

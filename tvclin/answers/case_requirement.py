@@ -14,8 +14,8 @@ from tvclin.answers.planes import PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.errors import InputError, between, number, positive, single, within
 from tvclin.base.quantities import NOMINAL
+from tvclin.boundary.limit_shapes import stop_of
 from tvclin.boundary.open_loop import Reason
-from tvclin.boundary.stops import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle

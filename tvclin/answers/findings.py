@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.request import SizingRequest
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawsRequest, LawTrial
-    from tvclin.boundary.fronts.load_record import LoadFront
-    from tvclin.boundary.fronts.rate_record import RateFront
+    from tvclin.boundary.load_trade_off import LoadFront
+    from tvclin.boundary.rate_trade_off import RateFront
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -347,7 +347,7 @@ def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateFront:
-    from tvclin.boundary.fronts.rates import rate_front
+    from tvclin.boundary.rate_trade_off import rate_front
 
     limit /= study.of_both  # of this plane
     rate = plan.nozzle.rate_limit

@@ -25,8 +25,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.lines import Line, Table, degrees
-from tvclin.boundary.fronts.rate_record import RateFront
-from tvclin.boundary.fronts.rates import rate_front
+from tvclin.boundary.rate_trade_off import RateFront, rate_front
 from tvclin.control.laws.registry import LAWS
 from tvclin.flights.closed_loop.survival_limit import (
     ABOVE,

@@ -12,8 +12,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
-from tvclin.boundary.fronts.load_record import LoadFront
-from tvclin.boundary.fronts.loads import load_front
+from tvclin.boundary.load_trade_off import LoadFront, load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED

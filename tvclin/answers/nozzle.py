@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     single,
     small_angle,
 )
-from tvclin.boundary.stops import Stop, stop_of
+from tvclin.boundary.limit_shapes import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator, positive_in_range
 from tvclin.vehicle.structure import Engine
 

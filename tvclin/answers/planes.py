@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, plain
+from tvclin.boundary.limit_shapes import CircularStop, Stop
 from tvclin.boundary.open_loop import ROUNDING, Reason
-from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
@@ -50,8 +50,8 @@ def vector_need(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
 ) -> VectorNeed:
     """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
-    from tvclin.boundary.planes.needed import needed
-    from tvclin.boundary.planes.pair import Pair, checked
+    from tvclin.boundary.plane_bounds import Pair, checked
+    from tvclin.boundary.plane_limits import needed
 
     pair = Pair((pitch, yaw), wind)
     try:
@@ -170,8 +170,8 @@ def _vector(
     shape: tuple[int, ...],
 ) -> float:
     """Return the required limit [rad] of one wind vector of a batch, at least `by_planes`."""
-    from tvclin.boundary.planes.needed import in_vectors
-    from tvclin.boundary.planes.pair import Pair, checked
+    from tvclin.boundary.plane_bounds import Pair, checked
+    from tvclin.boundary.plane_limits import in_vectors
 
     pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
     pair = Pair((pitch, yaw), wind.case(case, shape))

@@ -30,7 +30,7 @@ from tvclin.boundary.open_loop import (
     Reason,
     open_loop_requirements,
 )
-from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.optimum.minimum_peak import least_peaks
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History

@@ -30,10 +30,10 @@ from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
+from tvclin.boundary.limit_shapes import Stop
 from tvclin.boundary.open_loop import ROUNDING, with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.boundary.stops import Stop
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant, models_of

@@ -8,8 +8,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
-from tvclin.boundary.fronts.load_record import LoadFront
-from tvclin.boundary.fronts.loads import load_front
+from tvclin.boundary.load_trade_off import LoadFront, load_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure

@@ -7,8 +7,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
-from tvclin.boundary.fronts.rate_record import RateFront
-from tvclin.boundary.fronts.rates import rate_front
+from tvclin.boundary.rate_trade_off import RateFront, rate_front
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure

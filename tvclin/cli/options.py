@@ -16,7 +16,7 @@ from tvclin.base.declared import Declared, declared, help_line
 from tvclin.base.files import place_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
-from tvclin.boundary.stops import STOPS
+from tvclin.boundary.limit_shapes import STOPS
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
 from tvclin.winds.shaped import SHAPES

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from tvclin.answers.case_requirement import CaseRequirement
     from tvclin.base.lines import Line, Table
-    from tvclin.boundary.fronts.load_record import LoadFront
-    from tvclin.boundary.fronts.rate_record import RateFront
+    from tvclin.boundary.load_trade_off import LoadFront
+    from tvclin.boundary.rate_trade_off import RateFront
 
 
 _MAX_COLUMN_PADDING = 3

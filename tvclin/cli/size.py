@@ -26,7 +26,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
-from tvclin.boundary.stops import Stop
+from tvclin.boundary.limit_shapes import Stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (

@@ -30,12 +30,12 @@ from tvclin.base.errors import (
 from tvclin.base.lines import plural
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.fronts.load_record import LoadFront
-from tvclin.boundary.fronts.rate_record import RateFront
+from tvclin.boundary.limit_shapes import Stop, stop_of
+from tvclin.boundary.load_trade_off import LoadFront
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.boundary.planes.limit import plane_limit
-from tvclin.boundary.planes.pair import Pair, checked
-from tvclin.boundary.stops import Stop, stop_of
+from tvclin.boundary.plane_bounds import Pair, checked
+from tvclin.boundary.plane_limits import plane_limit
+from tvclin.boundary.rate_trade_off import RateFront
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import LAWS
 from tvclin.linear.flexible import AnyPlant, check_plant

@@ -11,7 +11,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.planes import rectangle
 from tvclin.base.arrays import FloatArray
-from tvclin.boundary.stops import stop_of
+from tvclin.boundary.limit_shapes import stop_of
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.law import Law

@@ -17,9 +17,9 @@ from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit_shapes import stop_of
 from tvclin.boundary.open_loop import ROUNDING
-from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.boundary.stops import stop_of
+from tvclin.boundary.optimum.minimum_peak import least_peaks
 from tvclin.control.margins.margins import loop_margins
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant

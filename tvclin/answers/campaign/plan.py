@@ -28,7 +28,7 @@ from tvclin.base.errors import (
     single,
     whole_number,
 )
-from tvclin.boundary.stops import STOPS
+from tvclin.boundary.limit_shapes import STOPS
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS

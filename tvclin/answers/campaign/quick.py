@@ -29,7 +29,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
-from tvclin.boundary.stops import stop_of
+from tvclin.boundary.limit_shapes import stop_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle

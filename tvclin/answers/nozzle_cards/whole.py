@@ -40,9 +40,9 @@ from tvclin.base.errors import (
     positive,
     whole_number,
 )
-from tvclin.boundary.fronts.ramps import ramp_rate, ramped_deflection
-from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.boundary.stops import stop_of
+from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.rate_trade_off import ramp_rate, ramped_deflection
 from tvclin.control.laws.law import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
 from tvclin.flights.closed_loop.fly import fly_nozzle

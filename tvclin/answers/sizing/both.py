@@ -13,7 +13,7 @@ from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.answers.sizing.placing import PlacedWind
 from tvclin.answers.sizing.record import Sizing, beyond_one_pole
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.stops import Stop
+from tvclin.boundary.limit_shapes import Stop
 from tvclin.linear.plant import ONE_POLE, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

@@ -17,7 +17,7 @@ from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, gust_at
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import NotKnownError
-from tvclin.boundary.stops import Stop
+from tvclin.boundary.limit_shapes import Stop
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import OK, PAIR, STABLE
-from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.optimum.minimum_peak import least_peaks
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes

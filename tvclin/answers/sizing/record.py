@@ -17,7 +17,7 @@ from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
-from tvclin.boundary.stops import Stop
+from tvclin.boundary.limit_shapes import Stop
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:

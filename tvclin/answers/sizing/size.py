@@ -33,8 +33,8 @@ from tvclin.answers.sizing.record import Sizing
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
+from tvclin.boundary.limit_shapes import Stop, stop_of
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
-from tvclin.boundary.optimum.grid import apart
-from tvclin.boundary.optimum.load_case import LoadCase, convolution_weights
-from tvclin.boundary.optimum.load_proof import LoadWeights
+from tvclin.boundary.optimum.load_case import LoadCase, LoadWeights, convolution_weights
+from tvclin.boundary.optimum.moments import apart
 
 PEAK, LOAD = "peak", "load"
 _INSIDE = np.linspace(0.0, 1.0, 9)

@@ -13,7 +13,7 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, instance, one_of
-from tvclin.boundary.stops import PolygonStop, Stop, Vectors, stop_of
+from tvclin.boundary.limit_shapes import PolygonStop, Stop, Vectors, stop_of
 from tvclin.control.laws.law import Law, Measurement
 
 SATURATE = ("radial", "each plane")

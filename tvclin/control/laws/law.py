@@ -15,7 +15,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, each, instance
-from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import LAW_INPUTS
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant

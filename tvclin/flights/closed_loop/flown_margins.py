@@ -19,7 +19,7 @@ from tvclin.base.cards import Shown, table
 from tvclin.base.documents import decibels, keyed
 from tvclin.base.errors import InputError, number, positive, small_angle
 from tvclin.base.lines import Line, Table, significant
-from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.margins.margins import margin

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
-from tvclin.boundary.stops import Stop, Vectors
+from tvclin.boundary.limit_shapes import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law

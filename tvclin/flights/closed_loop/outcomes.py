@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.recoverable import MOST_MODES
+from tvclin.boundary.forecast_free import MOST_MODES
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import left_eigenvector, select_unstable
 from tvclin.linear.plant import INPUTS

@@ -28,7 +28,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
-from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator, check_engine
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.batch import Hardware, one_flight

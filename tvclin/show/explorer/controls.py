@@ -14,7 +14,7 @@ from tvclin.answers.case import FROZEN, SIGNS
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.boundary.stops import STOPS
+from tvclin.boundary.limit_shapes import STOPS
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.plant import MODELS

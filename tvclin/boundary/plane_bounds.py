@@ -1,32 +1,58 @@
-"""The least limit of two planes that know the whole wind, over all their modes, with its proof.
+"""Lower bounds of a limit that two planes share: the wind known, and without a forecast.
 
-The conditions are moments of the deflection from the onset on, integral p e^(-p t) delta dt = d for
-each pole of each plane, delta anywhere in L S. With multipliers l, and axes a_k of 1 in pitch and j
-in yaw, the vector l(t) = sum l_k a_k p_k e^(-p_k t) gives
+Demands of the modes of both planes are vectors pitch + j yaw. With the wind known, the conditions
+are moments of the deflection from the onset on, integral p e^(-p t) delta dt = d for each pole of
+each plane, delta anywhere in L S, S being the limit shape. With multipliers l, and axes a_k of 1 in
+pitch and j in yaw, the vector l(t) = sum l_k a_k p_k e^(-p_k t) gives
 
     L = max over l of  l . d / N(l),        N(l) = integral of h_S(l(t)) dt
 
 and the deflection is the point of L S that is furthest along l(t). With one pole, the same in both
 planes, it is the gauge of d. Otherwise it is solved for a deflection that is constant in each of
 many cells, which is feasible, and so from above; N by quadrature bounds it from below.
+
+Without a forecast, let I(s, T) be the demand of the wind between s and T. z(T) must be in the
+recoverable set y S when the wind stops at T, so z(s) - I(s, T) is in y S as well; z(0) = 0. Hence
+
+    g_S(-I(0, T)) <= y,    I(s, T) in y (S - S)    for all s < T.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import single
+from tvclin.base.errors import InputError, broadcast, ending, instance, single
+from tvclin.boundary.limit_shapes import CircularStop, Stop, Vectors
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
-from tvclin.boundary.planes.pair import Pair, checked
-from tvclin.boundary.stops import CircularStop, Stop, Vectors
+from tvclin.linear.deflections import trim_deflection
+from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
 from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
+RemainingIntegral = Callable[[FloatArray], AnyArray]
+"""A discounted integral from times [s] to the end of the wind."""
+
+_MIN_POLE_SEPARATION = 1e-4
+"""Smallest distance between the two fastest poles, relative to the fastest."""
+_MAX_TIMES = 8192
+"""Largest number of times at which a wind is computed, in each plane."""
+_TIMES = 80
+"""Times of the first grid, about, in each of its two variables."""
+_DIRECTIONS = 180
+"""Directions in half a turn at which S - S is computed; it is symmetric."""
+_GRID_POINTS = 33
+"""Points of a refined grid in each of its two variables."""
+_REFINEMENT_FACTOR = 8.0
+"""Width of a refined grid over that of the next."""
+_GRID_REFINEMENTS = 5
+"""Number of refined grids."""
 _CELLS = 500
 """Cells for each unstable pole."""
 _MIN_WIDTH_OVER_TIME_CONSTANT = 1e-8
@@ -42,6 +68,216 @@ _MAX_GAP = 1e-3
 """Largest relative gap of a certificate whose status is "ok"."""
 OK = "ok"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A plant for each plane, and a wind that ends.
+
+    `plants`: of pitch and of yaw; the same one where the planes are equal.
+    """
+
+    plants: tuple[Plant, Plant]
+    wind: PlaneWind
+
+    @cached_property
+    def poles(self) -> tuple[FloatArray, FloatArray]:
+        """Unstable poles [1/s] of each plane, the fastest first."""
+        pitch, yaw = (np.real(unstable_poles(plant)) for plant in self.plants)
+        return pitch, yaw
+
+    @cached_property
+    def equal(self) -> bool:
+        """Whether the two planes are one plant."""
+        first, second = self.plants
+        if first.model != second.model:
+            return False
+        coefficients = [plant.coefficients for plant in self.plants]
+        if first.model == "fixed-path":  # which has no gravity term
+            coefficients = [replace(plane, q=0.0) for plane in coefficients]
+        return first is second or coefficients[0] == coefficients[1]
+
+    @cached_property
+    def trim(self) -> PlaneWind:
+        """Trim deflection [rad], which keeps the attitude."""
+        winds = self.wind.pitch, self.wind.yaw
+        pitch, yaw = (trim_deflection(*plane) for plane in zip(self.plants, winds, strict=True))
+        return PlaneWind(pitch=pitch, yaw=yaw)
+
+    @cached_property
+    def _strengths(self) -> tuple[FloatArray, FloatArray]:
+        """Factors -B K1 p [1/s] of every mode of each plane, ``(N,)``."""
+        pitch, yaw = (
+            np.asarray(-wind_over_deflection(plant, poles) * poles)
+            for plant, poles in zip(self.plants, self.poles, strict=True)
+        )
+        return pitch, yaw
+
+    @cached_property
+    def _trim_integrals(self) -> tuple[RemainingIntegral, RemainingIntegral]:
+        """Remaining integral of trim [rad s] in each plane."""
+        return self._remaining_integrals(self.trim)
+
+    @cached_property
+    def _wind_integrals(self) -> tuple[RemainingIntegral, RemainingIntegral]:
+        """Remaining integral of the wind angle [rad s] in each plane."""
+        return self._remaining_integrals(self.wind)
+
+    def _remaining_integrals(
+        self, history: PlaneWind
+    ) -> tuple[RemainingIntegral, RemainingIntegral]:
+        """Return the discounted remaining integral in each plane, at its fast pole."""
+        (p, *_), (r, *_) = self.poles
+        return history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r)
+
+    def required_constant(self, t: FloatArray) -> Vectors:
+        """Return the constant deflection [rad] required after `t` [s], the mean of trim, (4b)."""
+        (p, *_), (r, *_) = self.poles
+        pitch, yaw = self._trim_integrals
+        return np.asarray(p * pitch(t) + 1j * r * yaw(t))
+
+    def wind_demand(self, t: FloatArray) -> Vectors:
+        """Return the demand [rad] of the wind after the times `t` [s] at the fast modes."""
+        (p, *_), (r, *_) = self._strengths
+        pitch, yaw = self._wind_integrals
+        return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
+
+    def mode_demands(self, plane: int, t: FloatArray) -> FloatArray:
+        """Return the wind demand -B K1 W [rad] of every mode of one plane, ``(N, n)``."""
+        wind = (self.wind.pitch, self.wind.yaw)[plane]
+        return self._strengths[plane][:, np.newaxis] * wind.remaining_integral(self.poles[plane], t)
+
+    def demands_after_trim(self, plane: int, t: float) -> FloatArray:
+        """Return the demand [rad] of every mode of one plane after trim up to `t` [s], ``(N,)``."""
+        trim, poles = (self.trim.pitch, self.trim.yaw)[plane], self.poles[plane]
+        return poles * np.asarray(trim.remaining_integral(poles, np.asarray([t])))[:, 0]
+
+    def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
+        """Return vectors times e^(-p time), each component with the fast pole of its plane."""
+        pitch, yaw = (np.exp(-p[0] * time) for p in self.poles)
+        return np.asarray(np.real(vector) * pitch + 1j * np.imag(vector) * yaw)
+
+    def moment_driver(self, t: FloatArray) -> Vectors:
+        """Return the driver -B alpha_w [rad] of the report's exit on wind."""
+        pitch, yaw = (plant.coefficients.B for plant in self.plants)
+        w = self.wind(t)
+        return np.asarray(-pitch * np.real(w) - 1j * yaw * np.imag(w))
+
+    def times(self) -> FloatArray:
+        """Return times [s] that resolve the wind: its breakpoints, both sides, and more."""
+        times = []
+        for history in (self.wind.pitch, self.wind.yaw):
+            oscillation = np.abs(history.pieces.rates).max(initial=0.0) * np.diff(
+                history.knots
+            ).max(initial=0.0)
+            most_points = max(_MAX_TIMES // history.knots.size, 8)
+            times.append(
+                history.probe_times(
+                    int(np.clip(8.0 * oscillation, min(64, most_points), most_points))
+                )
+            )
+        merged = np.unique(np.concatenate(times))
+        return merged[(merged >= self.wind.onset) & (merged <= self.wind.end)]
+
+
+def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) -> tuple[int, ...]:
+    """Return the shape of the batch; `InputError` for what has no limit in two planes."""
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    if isinstance(wind, History):
+        raise InputError(
+            "wind must have a direction: give PlaneWind.towards(wind, angle), or a pitch and a yaw"
+            " history"
+        )
+    instance("wind", wind, PlaneWind, "see PlaneWind.towards")
+    instance("stop", stop, Stop, "such as CircularStop")
+    plants = {"plant": plant}
+    if yaw_plant is not None:
+        instance("yaw_plant", yaw_plant, Plant, "see Plant.from_vehicle")
+        plants["yaw_plant"] = yaw_plant
+    ending("wind", wind.end)
+    for name, plane_plant in plants.items():
+        poles = unstable_poles(plane_plant)
+        real = poles.size > 0 and not np.any(np.imag(poles))
+        if not real or np.any(np.isnan(poles[..., 0])):
+            reason = "it has none" if not poles.size else "a pair in two planes is not treated"
+            message = reason if plane_plant.batch else f"it has {poles_text(poles)}"
+            raise InputError(f"{name} must have unstable poles, all real; {message}")
+        if np.any(poles[..., 1:] > (1.0 - _MIN_POLE_SEPARATION) * poles[..., :1]):
+            raise InputError(f"{name} must have a fastest pole that is single; two are together")
+        if np.any(np.asarray(plane_plant.coefficients.B) == 0.0):
+            raise InputError(f"{name} must have an aerodynamic moment, mu_alpha other than zero")
+    return broadcast(
+        wind=wind.batch, **{name: plane_plant.batch for name, plane_plant in plants.items()}
+    )
+
+
+def _difference_gauge(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
+    """Return the gauge of S - S, from its supports in some directions: a lower bound of it."""
+    if stop.symmetric:
+        return lambda vector: stop.gauge(vector) / 2.0
+    directions = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
+    normals = directions / (stop.support(directions) + stop.support(-directions))
+    components = np.stack([normals.real, normals.imag])
+    return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ components).max(
+        axis=-1
+    )
+
+
+def unforeseen(pair: Pair, stop: Stop) -> float:
+    """Return the bound [rad] of the fast modes for laws that know the wind, but not when it stops.
+
+    With planes that differ, it is computed for states that a constant vector returns from: up to
+    two percent too large where the poles differ by half.
+    """
+    onset, end = float(pair.wind.onset), float(pair.wind.end)
+    shown = pair.times()
+    times = shown[:: max(1, shown.size // _TIMES)]
+    times = np.union1d(np.append(times, [onset, end]), np.linspace(onset, end, _TIMES // 2))
+    gauge = _difference_gauge(stop)
+
+    def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
+        return gauge(_between(pair, s, T))
+
+    def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
+        return stop.gauge(_between(pair, np.full((1, 1), onset), T))
+
+    grid = two_sided(times[:, np.newaxis], times)
+    s, T = (times[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
+    first = from_onset(times, times)
+    latest = times[int(np.argmax(first))]
+    step = float(np.diff(times).max())
+    return max(
+        float(grid.max()),
+        float(first.max()),
+        _refined_maximum(two_sided, (s, T), step, (onset, end)),
+        _refined_maximum(from_onset, (latest, latest), step, (onset, end)),
+    )
+
+
+def _between(pair: Pair, s: FloatArray, T: FloatArray) -> ComplexArray:
+    """Return the demand [rad] of the wind from s to T, zero where T is before s; they broadcast."""
+    demand = pair.wind_demand(s) - pair.decayed(pair.wind_demand(T), np.maximum(T - s, 0.0))
+    return np.where(T > s, demand, 0.0)
+
+
+def _refined_maximum(
+    height: Callable[[FloatArray, FloatArray], FloatArray],
+    start: tuple[float, float],
+    step: float,
+    ends: tuple[float, float],
+) -> float:
+    """Return the largest value near a start, by grids about the best point, each narrower."""
+    s, T = start
+    best = 0.0
+    offsets = np.linspace(-1.0, 1.0, _GRID_POINTS)
+    for _ in range(_GRID_REFINEMENTS):
+        first, last = (np.clip(centre + step * offsets, *ends) for centre in (s, T))
+        values = height(first[:, np.newaxis], last)
+        i, k = np.unravel_index(np.argmax(values), values.shape)
+        if values[i, k] > best:
+            best, s, T = float(values[i, k]), float(first[i]), float(last[k])
+        step /= _REFINEMENT_FACTOR
+    return best
 
 
 @dataclass(frozen=True, eq=False)

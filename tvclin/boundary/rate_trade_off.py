@@ -1,14 +1,33 @@
-"""Angle and rate together: the least deflection of a plant over its rate limit."""
+"""Trade-off of angle and rate: the least deflection limit of a plant over its rate limit.
+
+With one unstable pole p that decides, (4b) integrated by parts is, for a deflection from rest,
+
+    integral of delta'(s) e^(-p s) ds = d0,
+
+d0 the minimum peak at any rate. The earliest motion has the largest weight: a ramp at the full rate
+r, then a constant. With f(x) = (1 - e^-x)/x
+
+    d0 = d f(p d/r),    d = -(r/p) ln(1 - p d0/r),    r > p d0.
+
+With an acceleration limit c too, from rest to rest, v is the rate that is reached:
+
+    d0 = d f(p d/v) f(p v/c),    v = min(r, sqrt(c d)).
+
+Where a second pole contributes the limits are those of `optimum_with_rate_limit`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -18,16 +37,21 @@ from tvclin.base.errors import (
     small_angle,
     unlimited,
 )
+from tvclin.base.lines import Table, degrees, minimum_limit
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.fronts.ramps import ramped_deflection
-from tvclin.boundary.fronts.rate_record import RateFront
-from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.moments import Constraints, constraints_of
 from tvclin.boundary.optimum.rate_limit import minimum_peak_at_rate
 from tvclin.linear.modes import poles_text, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
+Quantity = tuple[str, str, float, float | None]
+"""Label, key, lower bound and available quantity [rad, rad/s]."""
+_ROUNDING = 1e-9
+"""Relative tolerance of two equal lower bounds."""
 _MULTIPLES = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Default rates of a front, relative to the smallest one."""
 _NEGLIGIBLE = 1e-12
@@ -40,6 +64,221 @@ _DEFAULT_RATE = float(np.radians(1.0))
 """First rate of a front [rad/s] where none is required."""
 _MAX_RATE_RATIO = 1e4
 """Largest rate over the smallest one, at which the angle is within 5e-5 of the minimum."""
+
+
+def remaining(available: float | None, required: float) -> float | None:
+    """Return what remains of an available quantity; None where it is not given."""
+    return None if available is None else available - required
+
+
+def lower_bound(name: str, deflection: float) -> str:
+    """Return a lower bound [rad] of the limit in words."""
+    if np.isinf(deflection):
+        return f"{name}: no limit is sufficient"
+    return f"{name}: {np.degrees(deflection):.3f} deg; a limit below it is never sufficient"
+
+
+def point_table(title: str, *quantities: Quantity) -> Table:
+    """Return the table of a nozzle's quantities, in degrees."""
+    rows = []
+    for label, key, required, available in quantities:
+        margin = remaining(available, required)
+        rows.append(
+            (
+                (label,),
+                minimum_limit(degrees(f"nozzle.{key}.needed", required)),
+                degrees(f"nozzle.{key}.there", np.nan if available is None else available),
+                degrees(f"nozzle.{key}.left", np.nan if margin in (None, -np.inf) else margin),
+            )
+        )
+    return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))
+
+
+def ramped_deflection(
+    least: ArrayLike, pole: float, rate: ArrayLike, acceleration: ArrayLike = np.inf
+) -> FloatArray:
+    """Return the least deflection [rad] under limits of rate and acceleration, of one pole.
+
+    `least`: d0 [rad], the least deflection at any rate, positive. `pole`: the unstable pole p
+    [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
+    `least`; both may be infinite. Returned: infinite where no deflection is sufficient.
+    """
+    d0, r, c = np.broadcast_arrays(
+        *(np.asarray(x, dtype=float) for x in (least, rate, acceleration))
+    )
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        # full rate: d0 p/(r f(p r/c)) = 1 - e^(-p d/r), with r f(p r/c) = (c/p)(1 - e^(-p r/c))
+        worth = np.where(np.isinf(c), r, -(c / pole) * np.expm1(-pole * r / c))
+        full_rate = np.where(np.isinf(r), d0, -(r / pole) * _log1m(d0 * pole / worth))
+        # full rate is never reached: d0 = d f(x)^2 with x = p sqrt(d/c)
+        x = -_log1m(pole * np.sqrt(d0 / c))
+        short = np.where(np.isinf(c), d0, c * (x / pole) ** 2)
+        return np.where(c * short < r**2, short, full_rate)
+
+
+def ramp_rate(least: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
+    """Return the least deflection rate [rad/s] at a limit `deflection`, d [rad], of one pole.
+
+    It is the inverse of `ramped_deflection`: d0 = d f(x) with x = p d/r, which Lambert's W solves.
+    Zero where no deflection is required, and infinite where no rate is sufficient.
+    """
+    from scipy.special import lambertw
+
+    d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (least, pole, deflection)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.maximum(d / d0, 1.0)
+        x = ratio + np.real(lambertw(-ratio * np.exp(-ratio)))
+        return np.where(d0 <= 0.0, 0.0, np.where(ratio > 1.0, p * d / x, np.inf))
+
+
+def _log1m(x: FloatArray) -> FloatArray:
+    """Return ln(1 - x), minus infinity from x = 1 on."""
+    return np.where(x < 1.0, np.log1p(-np.minimum(x, 1.0)), -np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class RateFront(Shown):
+    """The least deflection over the deflection rate, for one plant in one wind.
+
+    Attributes
+    ----------
+    rates : ndarray
+        Rate limits [rad/s], ``(n,)``.
+    limits : ndarray
+        Least deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
+        angle is sufficient.
+    bounds : ndarray or None
+        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
+        rate alone; None for a wind that changes its sign.
+    least_deflection, least_rate : float
+        Least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
+    least_rate_blind : float
+        Lower bound [rad/s] of the rate without a forecast.
+    acceleration_limit : float
+        Largest deflection acceleration [rad/s2] that the limits have; infinite if none.
+    limit, rate_limit : float or None
+        Limits of the nozzle [rad, rad/s].
+    needed : float
+        The larger of limit and bound [rad], at the nozzle's rate or else at any.
+    needed_rate : float
+        The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
+    angle : float
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
+        the lower bound is NaN.
+    """
+
+    rates: FloatArray
+    limits: FloatArray
+    bounds: FloatArray | None
+    least_deflection: float
+    least_rate: float
+    least_rate_blind: float
+    acceleration_limit: float
+    limit: float | None
+    rate_limit: float | None
+    needed: float
+    needed_rate: float
+    angle: float = 0.0
+
+    as_dict = keyed(
+        "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
+        " least_rate_blind_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
+        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s"
+        " above_lower_bound"
+    )
+    _keys = (
+        "least_deflection_deg least_rate_deg_per_s limit_deg needed_deg rate_limit_deg_per_s"
+        " needed_rate_deg_per_s above_lower_bound"
+    )
+
+    @property
+    def left(self) -> float | None:
+        """Remaining angle [rad]: available minus required."""
+        return remaining(self.limit, self.needed)
+
+    @property
+    def left_rate(self) -> float | None:
+        """Remaining rate [rad/s]: available minus required."""
+        return remaining(self.rate_limit, self.needed_rate)
+
+    @property
+    def above_lower_bound(self) -> bool | None:
+        """Whether the nozzle's point is on the front or above; None if not given or not known.
+
+        For a limit or a rate limit alone, whether some value of the other one satisfies this. A
+        limit below the bound is never sufficient; one above it may be too small for a control.
+        """
+        if self.beyond:
+            return None
+        if self.limit is None:
+            return None if self.rate_limit is None else bool(np.isfinite(self.needed))
+        if self.rate_limit is None:
+            return bool(np.isfinite(self.needed_rate))
+        return self.limit >= self.needed
+
+    @property
+    def beyond(self) -> str:
+        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
+        return beyond_linear(self.angle)
+
+    @property
+    def _sufficient_with_forecast(self) -> bool:
+        """Whether the nozzle's point is on the front with the wind known, or above."""
+        fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
+        can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
+        free = self.rate_limit is None and limit is not None and self.least_deflection < limit
+        return free or bool(np.any(can & (self.rates <= fastest)))
+
+    @property
+    def bound_words(self) -> str:
+        """The lower bound of the limit at the nozzle's rate, in words."""
+        wind_known, at = self.least_deflection, ""
+        if self.rate_limit is not None:
+            here = self.limits[self.rates == self.rate_limit]
+            wind_known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
+        name = WIND_KNOWN if self.needed <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
+        return lower_bound(f"{name}{at}", self.needed)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the nozzle's point is below the lower bound, in words; empty where it is not."""
+        if self.beyond:
+            return f"{sufficiency(None)}: {self.beyond}"
+        if self.above_lower_bound is not False:
+            return ""
+        whose = NO_FORECAST if self._sufficient_with_forecast else WIND_KNOWN
+        return f"{sufficiency(False)}, below the {whose}"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the tables of the front, and of the nozzle's point with the requirement."""
+        blank = np.full(self.rates.size, np.nan)
+        columns = {
+            "rate": self.rates,
+            "limit": self.limits,
+            "bound": blank if self.bounds is None else self.bounds,
+        }
+        rows = tuple(
+            tuple(minimum_limit(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
+            for k in range(self.rates.size)
+        )
+        head = ("rate limit [deg/s]", f"{WIND_KNOWN} [deg]", f"{NO_FORECAST} [deg]")
+        point = point_table(
+            "Both at once: the limit at that rate, the rate limit at that angle",
+            ("limit [deg]", "limit", self.needed, self.limit),
+            ("rate limit [deg/s]", "rate", self.needed_rate, self.rate_limit),
+        )
+        return Table("Lower bounds of the limit over the rate limit", head, rows), point
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Return the notes on the front, a sentence each."""
+        yield from linear_notes(self.angle)
+        if self.least_deflection == 0.0:
+            yield "no unstable pole feels the wind: neither angle nor rate is needed"
+        elif self.bounds is None:
+            yield "the wind changes its sign: there is no bound for laws without a forecast"
+        else:
+            yield "these are lower bounds: a control may require more angle and more rate"
 
 
 def rate_front(
@@ -229,7 +468,7 @@ class _Case:
         """Return whether the other unstable pole q does not raise the deflection.
 
         Its condition is satisfied by a motion to -d at a time t, after which the fast pole counts
-        e^(-p t): with v and f of `ramps`, and the demand d2 of q,
+        e^(-p t): with v and f as above, and the demand d2 of q,
 
             (v/q) f(q v/c) (1 - e^(-q d/v) - e^(-q t) (1 - e^(-2 q d/v))) = d2.
         """

@@ -1,4 +1,4 @@
-"""Angle and load together: the least deflection over a bound of the structure's load.
+"""Trade-off of angle and load: the least deflection limit over a bound of the structure's load.
 
 The load is the angle of attack alpha, or alpha + M delta: the bending moment M_alpha alpha +
 M_delta delta at a station over M_alpha, M = M_delta/M_alpha. The least deflection under
@@ -13,26 +13,41 @@ alpha_0 being the angle of attack without control and G the change by a constant
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, between, finite, number, one_row, positive, small_angle
+from tvclin.base.lines import Table, degrees, minimum_limit
+from tvclin.base.lines import number as figure
+from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.fronts.load_record import PROVED
-from tvclin.boundary.fronts.ramps import ramped_deflection
-from tvclin.boundary.fronts.rates import rate_front
-from tvclin.boundary.optimum.grid import apart
 from tvclin.boundary.optimum.load_case import LoadCase
 from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.boundary.optimum.moments import apart
+from tvclin.boundary.rate_trade_off import (
+    lower_bound,
+    point_table,
+    ramped_deflection,
+    rate_front,
+    remaining,
+)
 from tvclin.linear.deflections import ConstantDeflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History, Piecewise, linear_pieces
+from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
+PROVED = 1e-4
+"""A limit so near to its bound, relative, is found."""
 _MAX_NODES = 1000
 """Largest number of nodes of a program that is refined."""
 _EXCESS_FRACTIONS = (0.125, 0.25, 0.5, 1.0)
@@ -68,6 +83,180 @@ _MIN_START_LOAD = 0.02
 _RELATIVE_TOLERANCE = 1e-3
 """Relative distance to a floor within which the floor sets a limit."""
 ANGLE, TURN, BOTH = "the least angle", "turning in time", "both together"
+_POINTS = 10
+"""Default number of load bounds of a front."""
+
+_MIN_MOMENT_RATIO = 1e-12
+"""Smallest size of a moment ratio other than zero, for numerical range."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadFront(Shown):
+    """The least deflection over a load bound, for one plant in one wind.
+
+    Attributes
+    ----------
+    loads : ndarray
+        Bounds of the load [rad], ``(n,)``.
+    limits : ndarray
+        Deflection limit [rad] with which a control that knows the wind stays within each load,
+        ``(n,)``; infinite where no angle is sufficient.
+    proofs : ndarray
+        Lower bound [rad] of that limit, ``(n,)``: the minimum is between the two.
+    slopes : ndarray
+        Decrease of the deflection with the load bound, ``(n,)``: its reciprocal is the decrease of
+        the load for a degree of the nozzle.
+    holds : tuple of str
+        Condition that sets each limit: the least angle, turning in time into the wind, or both
+        together.
+    bounds : ndarray or None
+        Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
+        for a wind that changes its sign.
+    least_deflection, its_load : float
+        Least deflection [rad] at any load, and the load [rad] of its control.
+    least_load, least_load_blind : float
+        Least load [rad] of a computed control at any deflection, and a lower bound [rad] of the
+        load without a forecast.
+    moment_ratio, rate_limit : float
+        M, and the rate limit [rad/s]; infinite if none.
+    limit, load : float or None
+        Limit of the nozzle and load limit of the structure [rad].
+    needed : float
+        Required limit [rad] at that load, or at any.
+    needed_load : float
+        Least load [rad] of a control with that limit, or with any; infinite without one.
+    angle : float
+        Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
+        the lower bound is NaN.
+    """
+
+    loads: FloatArray
+    limits: FloatArray
+    proofs: FloatArray
+    slopes: FloatArray
+    holds: tuple[str, ...]
+    bounds: FloatArray | None
+    least_deflection: float
+    its_load: float
+    least_load: float
+    least_load_blind: float
+    moment_ratio: float
+    rate_limit: float
+    limit: float | None
+    load: float | None
+    needed: float
+    needed_load: float
+    angle: float = 0.0
+
+    as_dict = keyed(
+        "loads_deg limits_deg proofs_deg slopes holds bounds_deg least_deflection_deg its_load_deg"
+        " least_load_deg least_load_blind_deg moment_ratio rate_limit_deg_per_s limit_deg load_deg"
+        " needed_deg needed_load_deg left_deg left_load_deg above_lower_bound"
+    )
+    _keys = (
+        "least_deflection_deg least_load_deg limit_deg needed_deg load_deg needed_load_deg"
+        " above_lower_bound"
+    )
+
+    @property
+    def left(self) -> float | None:
+        """Remaining angle [rad]: available minus required."""
+        return remaining(self.limit, self.needed)
+
+    @property
+    def left_load(self) -> float | None:
+        """Remaining load [rad]: the structure's limit minus the required load."""
+        return remaining(self.load, self.needed_load)
+
+    @property
+    def above_lower_bound(self) -> bool | None:
+        """Whether the limit is on the front with the wind known, or above.
+
+        None without a limit, and where the front is not proved to be above the limit. A limit below
+        the bound is never sufficient; one above it may be too small for a control.
+        """
+        if self.limit is None or self.beyond:
+            return None
+        return True if self.limit >= self.needed else None if self._proved <= self.limit else False
+
+    @property
+    def _proved(self) -> float:
+        """Proved lower bound [rad] of the limit at the load."""
+        at = np.flatnonzero(self.loads == self.load)
+        return float(self.proofs[at[0]]) if at.size else self.needed
+
+    @property
+    def takes_a_forecast(self) -> bool:
+        """Whether every law that does not know when the wind stops exceeds the load."""
+        return self.load is not None and self.load < self.least_load_blind
+
+    @property
+    def beyond(self) -> str:
+        """Sentence of `beyond_linear` why the linear theory is not valid; empty where it is."""
+        return beyond_linear(self.angle)
+
+    @property
+    def bound_words(self) -> str:
+        """The lower bound of the limit within the load, in words."""
+        load = "" if self.load is None else " within this load"
+        return lower_bound(f"{WIND_KNOWN}{load}", self._proved)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the limit is below the lower bound, in words; empty where it is not."""
+        if self.beyond:
+            return f"{sufficiency(None)}: {self.beyond}"
+        if self.limit is None or self.above_lower_bound:
+            return ""
+        if self.above_lower_bound is None:
+            low, high = np.degrees([self._proved, self.needed])
+            between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
+            return f"{sufficiency(None)}: the lower bound is {between} deg"
+        return f"{sufficiency(False)}, below the {WIND_KNOWN}"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the tables of the front, and of the nozzle's point with the requirement."""
+        blank = np.full(self.loads.size, np.nan)
+        bounds = blank if self.bounds is None else self.bounds
+        buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
+        rows = tuple(
+            (
+                degrees(f"front.{k}.load", self.loads[k]),
+                minimum_limit(degrees(f"front.{k}.limit", self.limits[k])),
+                figure(f"front.{k}.buys_deg", buys[k], 2),
+                minimum_limit(degrees(f"front.{k}.bound", bounds[k])),
+                (self.holds[k],),
+            )
+            for k in range(self.loads.size)
+        )
+        head = (
+            *("load [deg]", f"{WIND_KNOWN} [deg]", "a degree buys [deg]"),
+            *(f"{NO_FORECAST} [deg]", "set by"),
+        )
+        point = point_table(
+            "Both at once: the limit at that load, the load at that limit",
+            ("limit [deg]", "limit", self.needed, self.limit),
+            ("load [deg]", "load", self.needed_load, self.load),
+        )
+        return Table("Lower bounds of the limit over the largest load", head, rows), point
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Return the notes on the front, a sentence each."""
+        yield from linear_notes(self.angle)
+        what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
+        yield f"the load is {what}, during the wind and after it"
+        if self.bounds is None:
+            yield "the wind changes its sign: there is no bound for laws without a forecast"
+        elif np.isfinite(self.least_load_blind) and self.least_load_blind > 0.0:
+            half = np.degrees(self.least_load_blind)
+            more = ", more than this load" * self.takes_a_forecast
+            yield f"a law without a forecast bears {half:.4g} deg at least{more}"
+        if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
+            gaps = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
+            worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])
+            percent = f"{100.0 * worst:.2g} percent"
+            yield f"the limits are proved to {percent}, that at {at:.4g} deg least"
 
 
 @dataclass(frozen=True, eq=False)
@@ -318,3 +507,114 @@ def _oscillating_zeros(case: LoadCase) -> ComplexArray:
         return np.zeros(0, complex)
     zeros = np.linalg.eigvals(A - np.outer(B[:, 0], C[-1]) / through)
     return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
+
+
+def load_front(
+    plant: Plant,
+    wind: History,
+    loads: ArrayLike | None = None,
+    *,
+    limit: float | None = None,
+    load: float | None = None,
+    rate_limit: float = np.inf,
+    moment_ratio: float = 0.0,
+) -> LoadFront:
+    """Return the least deflection over the largest load, from the onset of the wind on.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant.
+    wind : History
+        One wind that ends, known beforehand.
+    loads : array_like, optional
+        Bounds of the load [rad], ``(n,)``; by default ten from near the least load up to that of
+        the control of least deflection, and `load`.
+    limit, load : float, optional
+        Limit of the nozzle and load limit of the structure [rad].
+    rate_limit : float
+        Largest deflection rate [rad/s]; none by default.
+    moment_ratio : float
+        M: the load is alpha + M delta. Of a bending moment M_alpha alpha + M_delta delta it is
+        M_delta/M_alpha, and the bounds are those of the moment over M_alpha.
+
+    Returns
+    -------
+    LoadFront
+        Each limit is attained by a deflection whose load is computed between the nodes too, and
+        bounded from below by the prices of its program: within 1e-4, or a note says more.
+
+    Raises
+    ------
+    InputError
+        Where `optimum_deflection` or, with a rate limit, `rate_front` raises it; for loads that
+        are not positive, and a load of the structure below the lower bound of every deflection.
+
+    Notes
+    -----
+    Without a limit of the deflection the least load of a wind without jumps is zero; a jump at the
+    onset leaves its size, a later one half of it. A wind that may stop at its peak is such a jump:
+    half of it is the least load of a law without a forecast. With a rate limit or M the least load
+    is that of a computed control, on nodes that resolve the oscillating zeros of the load too; its
+    lower bound may be less.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> front = tv.boundary.load_front(plant, wind, np.radians([4.0, 2.5, 1.5]))
+    >>> np.degrees(front.limits).round(3).tolist()
+    [0.199, 0.258, 0.308]
+    """
+    angle = small_angle("a load", positive)
+    nozzle_limit = (
+        None if limit is None else number("limit", limit, small_angle("a limit", positive), "rad")
+    )
+    load_limit = None if load is None else number("load", load, angle, "rad")
+    M = number("moment_ratio", moment_ratio, finite)
+    if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
+        raise InputError(
+            f"moment_ratio must be zero or at least {_MIN_MOMENT_RATIO:g}; got {M:.6g}"
+        )
+    rate = rate_limit
+    if not (isinstance(rate, float) and np.isposinf(rate)):
+        rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
+    load_bounds = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
+    case = limits_of(plant, wind, M, rate)
+    if load_limit is not None and load_limit < case.floor:
+        raise InputError(
+            f"load is below what any deflection leaves; got {np.degrees(load_limit):.4g} deg, and"
+            f" {np.degrees(case.floor):.6g} deg ({case.floor:.6g} rad) is the least"
+        )
+    if load_bounds is None:
+        low, high = max(1.05 * case.least_load, 0.2 * case.its_load), case.its_load
+        load_bounds = np.linspace(min(low, high), high, _POINTS)
+        if load_limit is not None:
+            load_bounds = np.unique(np.append(load_bounds, load_limit))
+    points = dict(zip(load_bounds.tolist(), case.all_at(load_bounds), strict=True))
+    limits, proofs, slopes = np.array([points[a] for a in load_bounds.tolist()]).T
+    blind = case.blind
+    needed = (
+        case.least_deflection if load_limit is None else case.all_at(np.array([load_limit]))[0][0]
+    )
+    front = LoadFront(
+        loads=load_bounds,
+        limits=limits,
+        proofs=proofs,
+        slopes=slopes,
+        holds=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
+        bounds=None if blind is None else case.unforeseen(load_bounds, proofs),
+        least_deflection=case.least_deflection,
+        its_load=case.its_load,
+        least_load=case.least_load,
+        least_load_blind=np.nan if blind is None else case.stopped,
+        moment_ratio=M,
+        rate_limit=rate,
+        limit=nozzle_limit,
+        load=load_limit,
+        needed=needed,
+        needed_load=case.least_load if nozzle_limit is None else case.needed_load(nozzle_limit),
+        angle=abs(float(wind.peak)),
+    )
+    return replace(front, needed=np.nan, needed_load=np.nan) if front.beyond else front

@@ -1,4 +1,4 @@
-"""Requirement of the report's control where two planes share a deflection limit.
+"""The boundary limit of two planes that share a deflection limit, for one case or a batch.
 
 By eq (4b) in each plane the report's control (trim until the exit of the dead band, then a constant
 deflection) is on the boundary when that deflection is the vector of discounted means of the
@@ -6,32 +6,35 @@ remaining trim, W(a). At the exit of the dead band the gauge of the driver is K 
 
     g_S(driver(a)) = K g_S(W(a)),        limit = g_S(W(a))
 
-For a wind of one direction that is the scalar equation, times the gauge of the direction.
+For a wind of one direction that is the scalar equation, times the gauge of the direction. The limit
+is the largest of that, the bounds of `plane_bounds`, and the minimum after trim.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.cards import Shown
+from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import JUMP, NEVER_LEFT, OK, boundary_limit
+from tvclin.boundary.limit_shapes import CircularStop, Stop
 from tvclin.boundary.open_loop import (
     ROUNDING,
     Reason,
     open_loop_requirements,
 )
-from tvclin.boundary.optimum.least_peaks import peaks_of
-from tvclin.boundary.planes.optimum import minimum_in_planes
-from tvclin.boundary.planes.pair import Pair
-from tvclin.boundary.planes.unforeseen import unforeseen
-from tvclin.boundary.stops import Stop
+from tvclin.boundary.optimum.minimum_peak import peaks_of
+from tvclin.boundary.plane_bounds import Pair, checked, minimum_in_planes, unforeseen
+from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
-from tvclin.winds.plane_wind import unit_vector
+from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
 _GRID_POINTS = 65
 """Points of a grid for the exit time, which is refined within one of its cells."""
@@ -150,7 +153,7 @@ def _requirement_after_trim(
 ) -> float:
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
-    L <- max(K L, m(L)) from the largest trim on, as in `after_trim`. The rectangle of both planes'
+    L <- max(K L, m(L)) from the largest trim on, as in `open_loop`. The rectangle of both planes'
     separate minima is no less than m, and is tried first.
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
@@ -283,3 +286,149 @@ def _exit(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, flo
     deflection, driver = pair.required_constant(np.asarray([b])), margin(np.asarray([b]))[0]
     jumped = driver < -_RELATIVE_JUMP * floor
     return complex(deflection[0]), float(b), JUMP if jumped else OK
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneLimit(Shown):
+    """The limit of two planes in one wind, or of a batch; every number has the shape ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        Least limit, normalised by the trim B alpha_w,max of the largest wind vector in pitch.
+    deflection : float or ndarray
+        Least limit [rad], positive, in the measure of the limit shape: the radius of a round one,
+        the half width of a square.
+    direction : float or ndarray
+        Angle [rad] from the pitch plane of the constant deflection after trim.
+    in_plane, across : float or ndarray
+        Components of that deflection in pitch and in yaw [rad], with their signs.
+    pitch_alone : float or ndarray
+        Limit [rad] for the pitch component of the wind alone.
+    underestimate : float or ndarray
+        Ratio of `pitch_alone` to `deflection`.
+    without_forecast : float or ndarray
+        Lower bound of every law without a forecast, normalised as `limit`; at K = 1 the limit is
+        never below it.
+    leaving_time : float or ndarray
+        Exit time of the dead band [s]; NaN without an exit.
+    notes : tuple of str
+        Warnings and reasons; for a batch, of any case.
+    """
+
+    limit: Any
+    deflection: Any
+    direction: Any
+    in_plane: Any
+    across: Any
+    pitch_alone: Any
+    underestimate: Any
+    without_forecast: Any
+    leaving_time: Any
+    notes: tuple[str, ...]
+
+    _keys = (
+        "limit_over_trim=limit deflection_deg pitch_alone_deg direction_deg without_forecast"
+        " leaving_time_s notes"
+    )
+
+
+def plane_limit(
+    plant: Plant,
+    wind: PlaneWind,
+    stop: Stop | None = None,
+    dead_band: ArrayLike = 1.0,
+    switch: str = "report",
+    yaw_plant: Plant | None = None,
+) -> PlaneLimit:
+    """Return the least limit with which pitch and yaw survive a wind with a direction.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, whose unstable poles are real.
+    wind : PlaneWind
+        One wind that ends, or a batch; batches broadcast, and are solved case by case.
+    stop : Stop, optional
+        Limit shape of the nozzle; round by default. `Stop.each_plane` is the square inside it, for
+        planes that are limited separately.
+    dead_band : array_like
+        K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
+    switch : {"report", "literal"}
+        Condition for the exit of the dead band, as in `trim_then_hold`.
+    yaw_plant : Plant, optional
+        Plant of the yaw plane; by default the same as in pitch. With other poles the constant
+        deflection is safe, and at most two percent more than `plane_optimum` up to a ratio of 1.5.
+
+    Returns
+    -------
+    PlaneLimit
+        The largest of the boundary of the control, the minimum over all unstable poles, for
+        0 < K < 1 that minimum after trim (in a wind that turns to one part in a thousand), and for
+        K = 1 the bound without a forecast; the notes say where it is not the first, and how far
+        off a minimum may be that is not solved.
+
+    Raises
+    ------
+    InputError
+        For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
+        a wind that turns where b1 is below zero,
+        and plants without unstable poles, with a complex pair, two fastest poles that are
+        together, or no aerodynamic moment.
+
+    Notes
+    -----
+    A limit of the pitch plane alone requires 1/sqrt(1 + (tan psi/sin gamma)^2) of this, for
+    a horizontal wind at the angle psi to the flight and a path angle gamma.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> limit = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, np.radians(55)))
+    >>> np.degrees([limit.deflection, limit.pitch_alone]).round(3)
+    array([0.351, 0.201])
+    """
+    stop = CircularStop() if stop is None else stop
+    one_of("switch", switch, SWITCHES)
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    shape = broadcast(dead_band=K.shape, plants=checked(plant, wind, stop, yaw_plant))
+    if not shape:
+        return _case_limit(Pair((plant, yaw_plant or plant), wind), stop, float(K), switch)
+    dead_bands = np.broadcast_to(K, shape).ravel()
+    limits = []
+    for case in range(dead_bands.size):
+        first = plant.case(case, shape)
+        plants = first, yaw_plant.case(case, shape) if yaw_plant else first
+        pair = Pair(plants, wind.case(case, shape))
+        limits.append(_case_limit(pair, stop, float(dead_bands[case]), switch))
+    names = [field.name for field in fields(PlaneLimit)][:-1]
+    numbers = {n: np.reshape([getattr(limit, n) for limit in limits], shape) for n in names}
+    notes = tuple(dict.fromkeys(note for limit in limits for note in limit.notes))
+    return PlaneLimit(**numbers, notes=notes)
+
+
+def _case_limit(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
+    """Return the limit of one case at dead band K."""
+    literal = switch == "literal" or pair.plants[0].model == "fixed-path"
+    requirement = needed(pair, stop, (K,), literal)[0]
+    pitch_alone = requirement.limit
+    if np.isfinite(pair.wind.yaw.onset):
+        pitch_alone = 0.0
+        if np.isfinite(pair.wind.pitch.onset):
+            flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
+            pitch_alone = needed(Pair(pair.plants, flat), stop, (K,), literal)[0].limit
+    scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
+    return PlaneLimit(
+        limit=requirement.limit / scale if requirement.y is None else requirement.y,
+        deflection=requirement.limit,
+        direction=float(np.angle(requirement.deflection)),
+        in_plane=requirement.deflection.real,
+        across=requirement.deflection.imag,
+        pitch_alone=pitch_alone,
+        underestimate=pitch_alone / requirement.limit if requirement.limit > 0.0 else 1.0,
+        without_forecast=requirement.bound / scale,
+        leaving_time=requirement.time,
+        notes=requirement.notes,
+    )
