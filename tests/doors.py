@@ -101,7 +101,7 @@ BARE = {
     "cases",
     "some",
     "path_per_attitude",
-    "place",
+    "altitude_text",
     "deviates",
     "history",
     "chosen",
@@ -551,7 +551,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "step": 5.0,
             },
         ),
-        "FlightSchedule.held": Door(schedule.held, {"time": 66.0}),
+        "FlightSchedule.clamped_at": Door(schedule.clamped_at, {"time": 66.0}),
         "FlightSchedule.plants": Door(
             schedule.plants, {"time": 66.0, "model": "drift", "plane": "yaw"}
         ),

@@ -103,7 +103,7 @@ def lost_flown(flight, wind, azimuth, plane, limits):
     for low, high in pairwise(knots.tolist()):
         steps = int(np.ceil((high - low) / 0.02))
         t, h = np.linspace(low, high, 2 * steps + 1), (high - low) / steps
-        at, held = np.interp(t, time, height), flight.held(t)
+        at, held = np.interp(t, time, height), flight.clamped_at(t)
         w, c = (np.interp(at, wind.height, v) / held.velocity for v in (along, across))
         ratio = (np.cos(held.attitude) - w) ** 2 + np.sin(held.attitude) ** 2 + c**2
         angle = np.arcsin((w * np.sin(held.attitude) if plane == "pitch" else c) / np.sqrt(ratio))
@@ -280,7 +280,7 @@ def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None
     coarse = tv.load_schedule("configuration-i", step=15.0)
     times = np.linspace(*coarse.span, 151)
     height = np.interp(times, coarse.times, coarse.height)
-    fine = tv.FlightSchedule(coarse.held(times), altitude=height)
+    fine = tv.FlightSchedule(coarse.clamped_at(times), altitude=height)
     found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
 
     assert found.need[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)

@@ -102,7 +102,7 @@ def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     need = tv.size(flight, met, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
     step = 5e-3
     times = np.arange(*flight.span, step)
-    plant = tv.Plant.from_vehicle(flight.held(times), "drift-exact")
+    plant = tv.Plant.from_vehicle(flight.clamped_at(times), "drift-exact")
     A, inputs, _, _ = plant.matrices()
     wind = met.wind(times)
     stiff = np.sqrt(A[:, 1, 0])

@@ -83,7 +83,7 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
     side = -np.sign(float(wind.peak))
 
     times = np.linspace(0.0, 60.0, 6001)
-    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(times), "drift-exact").matrices()
+    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.clamped_at(times), "drift-exact").matrices()
     table = np.concatenate([A, inputs], axis=-1)
 
     def plant(t):
@@ -146,7 +146,7 @@ def trim_law_is_lost(schedule, wind, model, limits):
     first, last = schedule.span
     step = 5e-3
     times = np.arange(first, last, step)
-    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(times), model).matrices()
+    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.clamped_at(times), model).matrices()
     pole = np.sqrt(A[:, 1, 0])
     commands = A[:, 1] * (1.0 + 10.0 * (np.arange(A.shape[-1]) == 0))
     commands[:, 1] = 10.0 * pole

@@ -54,7 +54,7 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
         assert vehicle.thrust == 2.495e6
         assert schedule.nominal_at(75.0) == pytest.approx(np.radians(0.005))
         assert schedule.span == (60.0, 80.0)
-        assert schedule.held(100.0).velocity == 650.0
+        assert schedule.clamped_at(100.0).velocity == 650.0
         assert schedule.height.tolist() == [9e3, 12e3, 16e3]
     assert lists.vehicle.name == "a flight"
     assert rows.at([60.0, 80.0]).velocity.tolist() == [500.0, 650.0]

@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab
+from tvclin.ascent.importers.matlab_file import MAX_NUMBERS, read_matlab
 from tvclin.base.files import MAX_BYTES
 
 WHOLE = ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
@@ -119,7 +119,7 @@ def test_what_unpacks_to_more_than_a_text_may_hold_is_not_unpacked(
     savemat(file := tmp_path / "log.mat", {"time_s": np.zeros(count, "u1")}, do_compression=True)
     packed = file.read_bytes()
     assert len(packed) < MAX_BYTES / 500
-    monkeypatch.setattr("tvclin.ascent.importers.matlab.read_bytes", lambda *_: packed)
+    monkeypatch.setattr("tvclin.ascent.importers.matlab_file.read_bytes", lambda *_: packed)
     tracemalloc.start()
     try:
         with pytest.raises(tv.InputError, match=words):

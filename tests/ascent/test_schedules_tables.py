@@ -10,7 +10,7 @@ import pytest
 
 import tvclin as tv
 from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
-from tvclin.ascent.importers.mapped import QUANTITIES
+from tvclin.ascent.importers.column_map import QUANTITIES
 from tvclin.base.units import UNITS
 from tvclin.base.written_units import WRITTEN, unit_of
 

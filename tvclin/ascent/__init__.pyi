@@ -1,9 +1,9 @@
-from .importers.log import SimulatedFlight as SimulatedFlight
-from .importers.log import read_log as read_log
-from .importers.mapped import read_table as read_table
+from .importers.column_map import read_table as read_table
 from .importers.openrocket import read_openrocket as read_openrocket
 from .importers.rasaero import read_rasaero as read_rasaero
 from .importers.rocketpy import schedule_from_rocketpy as schedule_from_rocketpy
+from .importers.simulation_log import SimulatedFlight as SimulatedFlight
+from .importers.simulation_log import read_log as read_log
 from .measured_wind import MeasuredWind as MeasuredWind
 from .measured_wind import fly_through as fly_through
 from .schedule import FlightSchedule as FlightSchedule

@@ -164,9 +164,9 @@ class FlightSchedule(Shown):
                 f"time must be between {first:.6g} and {last:.6g} s, the span of the schedule; got"
                 f" {' to '.join(ends)} s"
             )
-        return self.held(times)
+        return self.clamped_at(times)
 
-    def held(self, time: ArrayLike) -> Vehicle:
+    def clamped_at(self, time: ArrayLike) -> Vehicle:
         """Return the vehicle at any time [s], constant outside the schedule."""
         times = finite("time", time, "s")
         numbers = {
@@ -177,7 +177,7 @@ class FlightSchedule(Shown):
 
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
         """Return the plants at any times [s]; without a moment of the air B is the smallest."""
-        v = self.held(time)
+        v = self.clamped_at(time)
         smallest = _MIN_B * np.asarray(v.control_force)
         force = np.maximum(v.normal_force_slope, smallest)
         arm = np.asarray(v.aerodynamic_arm)
@@ -189,7 +189,7 @@ class FlightSchedule(Shown):
         return Plant.from_vehicle(v, model, plane)
 
     @property
-    def parts(self) -> tuple[FlightSchedule, ...]:
+    def one_sign_intervals(self) -> tuple[FlightSchedule, ...]:
         """Intervals of the flight, in each of which the aerodynamic arm has one sign."""
         arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
         times, signed = self.times, np.flatnonzero(np.abs(arm) > _MIN_B * np.abs(arm).max())
@@ -215,14 +215,14 @@ class FlightSchedule(Shown):
             [[low], self.times[(self.times > low) & (self.times < high)], [high]]
         )
         altitude = None if self.altitude is None else np.interp(times, self.times, self.height)
-        return FlightSchedule(self.held(times), self.nominal_at(times), altitude, self.notes)
+        return FlightSchedule(self.clamped_at(times), self.nominal_at(times), altitude, self.notes)
 
     def nominal_at(self, time: ArrayLike) -> Any:
         """Return the nominal deflection [rad] at any times [s], constant outside the schedule."""
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
         return np.interp(finite("time", time, "s"), self.times, values)
 
-    def place(self, time: float) -> str:
+    def altitude_text(self, time: float) -> str:
         """Return the altitude at a time [s] in words, or the time alone where it is not known."""
         if self.altitude is None:
             return f"the height at {time:.4g} s"

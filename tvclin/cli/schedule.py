@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from tvclin.ascent.importers.log import read_log
-from tvclin.ascent.importers.mapped import read_table
+from tvclin.ascent.importers.column_map import read_table
 from tvclin.ascent.importers.openrocket import read_openrocket
 from tvclin.ascent.importers.rasaero import read_rasaero
+from tvclin.ascent.importers.simulation_log import read_log
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import called, exists, read_text, tables_of

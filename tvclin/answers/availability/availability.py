@@ -224,9 +224,9 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []
     if np.any(late):
-        where.append(f"until {flight.place(times[late, 0].max())}")
+        where.append(f"until {flight.altitude_text(times[late, 0].max())}")
     if np.any(early):
-        where.append(f"from {flight.place(times[early, 1].min())} on")
+        where.append(f"from {flight.altitude_text(times[early, 1].min())} on")
     if where:
         count, limit = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
         notes.append(

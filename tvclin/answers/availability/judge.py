@@ -380,7 +380,7 @@ class Judge:
 def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
     """Return the parts of a flight, kept for the next question about it."""
     parts = []
-    for part in flight.parts:
+    for part in flight.one_sign_intervals:
         path = FlightPath.of(part)
         modes = [FlightMode(part, model, plane, part.span) for plane in planes]
         motions = {mode.plane: mode for mode in modes if mode.unstable}

@@ -78,12 +78,12 @@ def unknown_winds(
             early, late = min(times) < first, max(times) > last
             if early:
                 yield (
-                    f"{name} is not known below {schedule.place(first)}:"
+                    f"{name} is not known below {schedule.altitude_text(first)}:"
                     f" --from {hundredths(first, up=True)} begins there"
                 )
             if late:
                 yield (
-                    f"{name} is not known above {schedule.place(last)}:"
+                    f"{name} is not known above {schedule.altitude_text(last)}:"
                     f" --to {hundredths(last, up=False)} ends there"
                 )
         reasons = {time: why for time, why in times.items() if why}

@@ -87,7 +87,7 @@ def _largest(
     bends = np.concatenate(samples)
     even = np.linspace(low, high, _TIMES_IN_INTERVAL)
     t = np.unique(np.concatenate([even, bends[(bends > low) & (bends < high)]]))
-    held = schedule.held(t)
+    held = schedule.clamped_at(t)
     slopes = {plane: np.asarray(Coefficients.from_vehicle(held, plane).B) for plane in planes}
     moments = [
         slopes[plane] * (0.0 if one is None else one(t)) + np.zeros(t.shape)

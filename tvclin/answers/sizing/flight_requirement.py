@@ -108,7 +108,7 @@ def requirement_of_parts(
 
     The larger of all parts; the time is that of the part that requires most.
     """
-    parts = mode.schedule.parts
+    parts = mode.schedule.one_sign_intervals
     ends = [mode.span[0], *(part.span[0] for part in parts[1:]), mode.span[1]]
     begins, stops = float(wind.history.onset), float(wind.history.end)
     whole = not any(begins < end < stops for end in ends[1:-1])

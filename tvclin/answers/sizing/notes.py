@@ -57,7 +57,7 @@ def hundredths(time: float, *, up: bool) -> str:
 
 def _unknown(found: Sizing) -> list[str]:
     begin, end = found.schedule.span
-    place = found.schedule.place
+    place = found.schedule.altitude_text
     return [
         f"{wind} is known from {place(first)} to {place(last)} only; beyond, it is unknown, not"
         " calm: it is not counted, and no flight time there is sized"

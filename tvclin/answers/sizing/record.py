@@ -265,8 +265,8 @@ class Sizing(Tabled):
         early, late = self.times < first, self.times > last
         rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
         words = {
-            f"above {self.schedule.place(last)}": np.any(late),
-            f"below {self.schedule.place(first)}": np.any(early),
+            f"above {self.schedule.altitude_text(last)}": np.any(late),
+            f"below {self.schedule.altitude_text(first)}": np.any(early),
             f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
             f"at {rest.max(initial=0):.6g} s": rest.size == 1,
         }

@@ -368,7 +368,9 @@ def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: Placed
     if wind.calm:
         return 0.0
     now = Coefficients.from_vehicle(vehicle, plane)
-    then = Coefficients.from_vehicle(schedule.held(np.linspace(*wind.span, _TIMES_IN_WIND)), plane)
+    then = Coefficients.from_vehicle(
+        schedule.clamped_at(np.linspace(*wind.span, _TIMES_IN_WIND)), plane
+    )
     pairs = [(np.sqrt(np.abs(c.mu_alpha)), np.asarray(c.B)) for c in (now, then)]
     with np.errstate(divide="ignore", invalid="ignore"):
         changes = [np.abs(x / x0 - 1.0).max() for x0, x in zip(*pairs, strict=True) if x0 != 0.0]

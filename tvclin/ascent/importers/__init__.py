@@ -1,7 +1,7 @@
 """Flight schedules from what other tools write: OpenRocket, RASAero II, RocketPy, any table.
 
-The files inside: `slopes` is the slope of the normal force coefficient, over Mach where it is known
-so; `powered_flight` chooses rows of a flight, refuses what would be silently wrong, and makes the
-schedule. `openrocket`, `rasaero`, `rocketpy`, `mapped` (any table), `log` and `matlab` are the
-sources.
+A file for each source reads its columns: `openrocket`, `rasaero`, `rocketpy`, `column_map` (any
+table), and `simulation_log` with `matlab_file`. `powered_flight` selects the rows of a burn, checks
+that they are plausible, and makes the schedule; `normal_force_slope` is the slope of the normal
+force coefficient, a number or over Mach.
 """

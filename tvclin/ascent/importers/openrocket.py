@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import re
 from os import PathLike
-from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.importers.normal_force_slope import Slope
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
     above_sea,
-    aerodynamic_arm_of,
-    check_slope,
-    control_arm_of,
     given_gimbal,
     given_slope,
     powered,
     schedule_of_flight,
-    weight_of,
 )
-from tvclin.ascent.importers.slopes import Slope
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError, between, finite, number, shown
@@ -38,7 +33,7 @@ _NEEDED = {
     "axial_force": ("force", "Drag force"),
     "angle_of_attack": ("angle", "Angle of attack"),
     "mach": ("number", "Mach number"),
-    "area": ("area", "Reference area"),
+    "reference_area": ("area", "Reference area"),
 }
 """Quantity and column head of each value that a file must have."""
 _SLOPE = "Normal force coefficient derivative"
@@ -66,7 +61,7 @@ _QUOTED = 3
 """Names of other languages that a message quotes."""
 
 
-def table_of(path: str | PathLike[str]) -> Sheet:
+def _export(path: str | PathLike[str]) -> Sheet:
     """Return the rows of an export; `InputError` where its line of names was left off."""
     names = [letters(name) for _, name in _NEEDED.values()]
 
@@ -84,7 +79,7 @@ def table_of(path: str | PathLike[str]) -> Sheet:
     return read_sheet(path, "data that OpenRocket exports", fit, missing)
 
 
-def columns_of(
+def _columns(
     sheet: Sheet, ground: float | None, own_slope: bool
 ) -> tuple[dict[str, Column], list[str]]:
     """Return the columns of an export by name, in SI units, and notes on those that are not read.
@@ -93,12 +88,15 @@ def columns_of(
     coefficient is to be read too.
     """
     _check_names(sheet)
-    found = {name: _column(sheet, name) for name in _NEEDED} | _altitude(sheet, ground)
+    columns = {
+        name: sheet.need(header, dimension, "tick it and export the file again")
+        for name, (dimension, header) in _NEEDED.items()
+    }
     notes: list[str] = []
-    for read in (_air, _attitude):
-        found |= read(sheet, notes)
-    found |= sheet.optional("damping", _DAMPING, "damping moment", notes)
-    return found | (_own_slope(sheet) if own_slope else {}), notes
+    columns["altitude"] = _altitude(sheet, ground)
+    columns |= _air(sheet, notes) | _attitude(sheet, columns["velocity"], notes)
+    columns |= sheet.optional("damping", _DAMPING, "damping moment", notes)
+    return columns | (_own_slope(sheet) if own_slope else {}), notes
 
 
 def _check_names(sheet: Sheet) -> None:
@@ -120,11 +118,6 @@ def _check_names(sheet: Sheet) -> None:
     )
 
 
-def _column(sheet: Sheet, name: str) -> Column:
-    dimension, called = _NEEDED[name]
-    return sheet.need(called, dimension, "tick it and export the file again")
-
-
 def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     """Return pressure and temperature, or density, or pressure; and any speed of sound."""
     found = sheet.optional("sound", "Speed of sound", "speed", notes)
@@ -144,7 +137,7 @@ def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
     )
 
 
-def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
+def _attitude(sheet: Sheet, speed: Column, notes: list[str]) -> dict[str, Column]:
     """Return the attitude above the horizon, or the path angle where it is not exported."""
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
     if heading is not None:
@@ -157,13 +150,13 @@ def _attitude(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
             f"{sheet.text.source} has neither a column Vertical orientation nor Vertical velocity,"
             " of which the attitude is made; tick one and export the file again"
         )
-    up, total = sheet.numbers(vertical, "speed"), _column(sheet, "velocity")
-    speed = np.where(total.values > 0.0, total.values, np.nan)
-    angle = np.arcsin(np.clip(up.values / speed, -1.0, 1.0))
+    up = sheet.numbers(vertical, "speed")
+    sine = up.values / np.where(speed.values > 0.0, speed.values, np.nan)
+    angle = np.arcsin(np.clip(sine, -1.0, 1.0))
     return {"attitude": Column(angle, f"asin of {up.origin} over the speed: that of the path")}
 
 
-def _altitude(sheet: Sheet, ground: float | None) -> dict[str, Column]:
+def _altitude(sheet: Sheet, ground: float | None) -> Column:
     """Return the altitude above the sea, which winds refer to."""
     sea = sheet.find("Altitude above sea level")
     if sea is not None:
@@ -172,15 +165,15 @@ def _altitude(sheet: Sheet, ground: float | None) -> dict[str, Column]:
                 f"{sheet.text.source} has altitudes above the sea already, in {sea.name}: leave"
                 " ground out"
             )
-        return {"altitude": sheet.numbers(sea, "length")}
-    found = sheet.need("Altitude", "length", "tick it and export again")
-    return {"altitude": above_sea(found, sheet.text.source, ground)}
+        return sheet.numbers(sea, "length")
+    above_ground = sheet.need("Altitude", "length", "tick it and export again")
+    return above_sea(above_ground, sheet.text.source, ground)
 
 
 def _own_slope(sheet: Sheet) -> dict[str, Column]:
     heading = sheet.find(_SLOPE)
     if heading is not None:
-        return {"slope": sheet.numbers(heading, "per angle")}
+        return {"normal_force_coefficient_slope": sheet.numbers(heading, "per angle")}
     near = sheet.find(_COEFFICIENT)
     is_none = f"; {near.text} is the coefficient of the flight, not its slope" if near else ""
     raise InputError(
@@ -189,7 +182,7 @@ def _own_slope(sheet: Sheet) -> dict[str, Column]:
     )
 
 
-def unread(sheet: Sheet) -> list[str]:
+def _unread(sheet: Sheet) -> list[str]:
     """Return notes on columns that are not read."""
     one, parts = next((h for h in sheet.headings if letters(_UNREAD) in h.names), None), []
     if not any(letters(_DAMPING) in h.names for h in sheet.headings):
@@ -200,33 +193,34 @@ def unread(sheet: Sheet) -> list[str]:
     return notes
 
 
-def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
+def _damping(flight: Flight) -> tuple[dict[str, Column], list[str]]:
     """Return the damping of a flight, unless its jet has the wrong sign, and notes on it.
 
-    OpenRocket adds damping of the air and of the jet, m' l_e^2, which it subtracted before August
-    2026; l_e is the `exit_arm` [m].
+    OpenRocket adds damping of the air and of the jet, m' l_c^2, which it subtracted before August
+    2026.
     """
     if "damping" not in flight.columns:
         return {}, []
-    found = flight.columns["damping"]
-    jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm.values**2
-    least = int(np.argmin(found.values))
-    if found.values[least] < 0.0:
+    damping = flight.columns["damping"]
+    exit_arm = flight["gimbal_station"] - flight["gravity_station"]
+    jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm**2
+    least = int(np.argmin(damping.values))
+    if damping.values[least] < 0.0:
         return {}, [
-            f"not read: {found.origin}, for it is negative at {flight['time'][least]:g} s:"
+            f"not read: {damping.origin}, for it is negative at {flight['time'][least]:g} s:"
             " OpenRocket before August 2026 subtracts the jet damping instead of adding it; the"
             " damping is left out"
         ]
     doubted = ""
-    if np.median(found.values - jet) < 0.0:
+    if np.median(damping.values - jet) < 0.0:
         doubted = ", and here it is mostly less than that of the jet alone: take a newer one"
-    return {"pitch_damping": found}, [
-        f"the damping is that of {found.origin}; OpenRocket before August 2026 subtracts the jet"
+    return {"pitch_damping": damping}, [
+        f"the damping is that of {damping.origin}; OpenRocket before August 2026 subtracts the jet"
         f" damping instead of adding it{doubted}"
     ]
 
 
-def rounded(sheet: Sheet, flight: Flight) -> list[str]:
+def _rounded(sheet: Sheet, flight: Flight) -> list[str]:
     """Return notes on an inertia or a density that was written with too few decimals."""
     notes = []
     for name, dimension, header in (
@@ -249,7 +243,7 @@ def rounded(sheet: Sheet, flight: Flight) -> list[str]:
     return notes
 
 
-def free(sheet: Sheet, flight: Flight) -> BoolArray:
+def _free(sheet: Sheet, flight: Flight) -> BoolArray:
     """Return which rows are free flight: beyond the rod, with a centre of pressure, ``(n,)``."""
     events = [_ROD.search(content) for content in sheet.text.lines]
     times = [float(one[1]) for one in events if one is not None]
@@ -293,10 +287,8 @@ def read_openrocket(
         altitude above the sea, and not for another.
     reference_area : float, optional
         The area [m^2] on which a given slope is; that of the file where it is not given.
-    start, stop : float, optional
-        Earliest and latest time [s], as for one stage of several; the first burn if not given.
-    most_rows : int
-        More rows than that are thinned by straight lines.
+    start, stop, most_rows
+        Parameters of `read_table`.
 
     Returns
     -------
@@ -329,20 +321,22 @@ def read_openrocket(
     ((0.5, 5.0), 756.6)
     """
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
-    sheet = table_of(path)
-    columns, omitted = columns_of(sheet, ground, normal_force_coefficient_slope is None)
+    slope = normal_force_coefficient_slope
+    sheet = _export(path)
+    columns, notes = _columns(sheet, ground, own_slope=slope is None)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=columns)
-    flight = powered(flight, free(sheet, flight), start, stop)
-    given = normal_force_coefficient_slope
-    slope = flight.columns["slope"] if given is None else given_slope(flight, given)
-    check_slope(slope.values)
-    made = _vehicle(flight, gimbal, slope, reference_area)
-    damping, notes = trusted_damping(flight, made["control_arm"])
-    made |= damping
-    flight = flight.noted(
-        *omitted, *unread(sheet), *notes, *rounded(sheet, flight), *_wind(flight), *sheet.notes
+    flight = powered(flight, start, stop, _free(sheet, flight))
+    if slope is not None:
+        flight = flight.with_columns(normal_force_coefficient_slope=given_slope(flight, slope))
+    flight = flight.with_columns(
+        gimbal_station=given_gimbal(flight, gimbal),
+        dynamic_pressure=_dynamic_pressure(flight),
+        reference_area=_reference_area(flight, reference_area),
     )
-    return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
+    damping, damping_notes = _damping(flight)
+    notes += [*_unread(sheet), *damping_notes, *_rounded(sheet, flight), *_wind(flight)]
+    flight = flight.with_columns(**damping).noted(*notes, *sheet.notes)
+    return schedule_of_flight(flight, "OpenRocket simulation", most_rows)
 
 
 def _wind(flight: Flight) -> list[str]:
@@ -359,36 +353,29 @@ def _wind(flight: Flight) -> list[str]:
     ]
 
 
-def _vehicle(
-    flight: Flight, gimbal: float, slope: Column, reference_area: float | None
-) -> dict[str, Column]:
-    """Return the columns of a vehicle's fields over the rows of a flight."""
+def _dynamic_pressure(flight: Flight) -> Column:
+    """Return q [Pa] of the most exact columns of the air in the file."""
     if "temperature" in flight.columns:
-        density = flight["pressure"] / (_GAS_CONSTANT * flight["temperature"])
-        q = 0.5 * density * flight["velocity"] ** 2
-        air = f"{flight.origin('pressure')} and {flight.origin('temperature')}"
-        pressure_origin = f"q = p V^2/(2 R T) of {air}"
+        temperature = flight.columns["temperature"]
+        density = flight["pressure"] / (_GAS_CONSTANT * temperature.values)
+        origin = f"p V^2/(2 R T) of {flight.origin('pressure')} and {temperature.origin}"
     elif "density" in flight.columns:
-        q = 0.5 * flight["density"] * flight["velocity"] ** 2
-        pressure_origin = f"q = rho V^2/2 of {flight.origin('density')}"
+        density = flight["density"]
+        origin = f"rho V^2/2 of {flight.origin('density')}"
     else:
-        q = 0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2
-        pressure_origin = (
-            f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}, up to 1.4"
-            " percent too small: export Air temperature too"
+        return Column(
+            0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2,
+            f"0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}, up to 1.4"
+            " percent too small: export Air temperature too",
         )
-    area: Any = flight["area"]
-    on = f"S of {flight.origin('area')}, on which the slope must be"
-    if reference_area is not None:
-        area = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
-        on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"
-    origin = f"q S dC_N/dalpha; {pressure_origin}; {on}; slope: {slope.origin}"
-    return {
-        "weight": weight_of(flight),
-        "moment_of_inertia": flight.columns["moment_of_inertia"],
-        "normal_force_slope": Column(q * area * slope.values, origin),
-        "thrust": flight.columns["thrust"],
-        "aerodynamic_arm": aerodynamic_arm_of(flight),
-        "control_arm": control_arm_of(flight, given_gimbal(flight, gimbal)),
-        **{k: flight.columns[k] for k in ("axial_force", "velocity", "attitude", "altitude")},
-    }
+    return Column(0.5 * density * flight["velocity"] ** 2, origin)
+
+
+def _reference_area(flight: Flight, given: float | None) -> Column:
+    """Return S [m^2] of the file, or a specified one."""
+    area = flight.columns["reference_area"]
+    if given is None:
+        return Column(area.values, f"{area.origin}, on which the slope must be")
+    value = number("reference_area", given, between(1e-6, 1e4), "m^2")
+    origin = f"{value:g} m^2 as given (the file has {area.values[0]:.6g})"
+    return Column(np.full(area.values.size, value), origin)

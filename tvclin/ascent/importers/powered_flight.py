@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.ascent.importers.slopes import LEAST, MOST, Slope, slope_over_mach
+from tvclin.ascent.importers.normal_force_slope import MAX_SLOPE, MIN_SLOPE, Slope, slope_over_mach
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, between, number, positive, whole_number
@@ -26,7 +26,7 @@ _MIN_POSITIVE, _MAX_SIZE = 1e-12, 1e12
 """Bounds of the numbers of a flight in SI units: of positive ones below, of all sizes above."""
 _POSITIVE = {
     *("mass", "weight", "moment_of_inertia", "thrust", "velocity", "mach", "density", "pressure"),
-    *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area", "temperature"),
+    *("sound", "drag_coefficient", "dynamic_pressure", "reference_area", "temperature"),
 }
 
 
@@ -55,17 +55,23 @@ class Flight:
         """Return the flight with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 
+    def with_columns(self, **columns: Column) -> Flight:
+        """Return the flight with further columns."""
+        return replace(self, columns=self.columns | columns)
+
     def rows(self, index: IndexArray) -> Flight:
         """Return the flight with the rows of an index alone."""
         columns = {k: Column(c.values[index], c.origin) for k, c in self.columns.items()}
         return replace(self, places=tuple(self.places[i] for i in index), columns=columns)
 
 
-def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float | None) -> Flight:
+def powered(
+    flight: Flight, start: float | None, stop: float | None, free: BoolArray | None = None
+) -> Flight:
     """Return the rows of one burn; `InputError` where a number of them is missing.
 
-    `begun`: the rows at which the vehicle flies freely. `start`, `stop`: earliest and latest time
-    [s].
+    `start`, `stop`: earliest and latest time [s]. `free`: whether each row is in free flight;
+    every row without it.
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)
@@ -82,7 +88,8 @@ def powered(flight: Flight, begun: BoolArray, start: float | None, stop: float |
         )
     out = np.isfinite(thrust[index]) & (known < _BURNING * most)
     moving = ~(flight["velocity"][index] <= 0.0)
-    first = np.flatnonzero(~out & moving & begun[index])
+    launched = True if free is None else free[index]
+    first = np.flatnonzero(~out & moving & launched)
     if not first.size:
         raise InputError(
             f"{flight.source} has no row of a free flight with thrust: where the motor burns, the"
@@ -175,8 +182,8 @@ _LONGEST = 5.0
 """A gimbal farther from the nose than so many times the centre of gravity is in another unit."""
 
 
-def check_angle_of_attack(flight: Flight) -> None:
-    """Refuse rows above 2 degrees, where slope and centre of pressure are not those at zero."""
+def _check_angle_of_attack(flight: Flight) -> None:
+    """Raise `InputError` above 2 deg, where slope and centre of pressure are not those at zero."""
     angle = np.abs(flight["angle_of_attack"])
     large = np.flatnonzero(angle > _LARGEST_ANGLE)
     if large.size:
@@ -188,8 +195,8 @@ def check_angle_of_attack(flight: Flight) -> None:
         )
 
 
-def check_attitude(flight: Flight, attitude: FloatArray) -> None:
-    """Refuse an attitude [rad] that is not above the horizon: without wind the path is near it."""
+def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
+    """Raise `InputError` for an attitude [rad] far from the flight path."""
     path = np.arcsin(np.clip(flight["climb"] / flight["velocity"], -1.0, 1.0))
     off = np.abs(path - attitude)
     worst = int(np.argmax(off))
@@ -201,8 +208,8 @@ def check_attitude(flight: Flight, attitude: FloatArray) -> None:
         )
 
 
-def check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
-    """Refuse a gimbal ahead of the centre of gravity, and one too far behind it to be in metres."""
+def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> None:
+    """Raise `InputError` for a gimbal ahead of the centre of gravity, and one not in metres."""
     ahead = np.flatnonzero(gravity >= gimbal)
     if ahead.size:
         i = ahead[0]
@@ -217,22 +224,22 @@ def check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> Non
         )
 
 
-def check_slope(slope: FloatArray) -> None:
-    """Refuse slopes [1/rad] that are too small to be per radian, or too large for any fins."""
-    if slope.max() > MOST:
+def _check_slope(slope: FloatArray) -> None:
+    """Raise `InputError` for slopes [1/rad] beyond those of slender bodies with fins."""
+    if slope.max() > MAX_SLOPE:
         raise InputError(
-            f"normal_force_coefficient_slope must be per radian, at most {MOST:g} with large fins;"
-            f" got {slope.max():.4g} (was it turned from degrees twice?)"
+            f"normal_force_coefficient_slope must be per radian, at most {MAX_SLOPE:g} with large"
+            f" fins; got {slope.max():.4g} (was it turned from degrees twice?)"
         )
-    if slope.max() < LEAST:
+    if slope.max() < MIN_SLOPE:
         raise InputError(
             f"normal_force_coefficient_slope must be per radian, and slender bodies have about 2;"
             f" got at most {slope.max():.4g} (a coefficient, or per degree: then times 57.3?)"
         )
 
 
-def check_masses(flight: Flight, weight: FloatArray) -> None:
-    """Refuse a mass in another unit, and a stage that falls off."""
+def _check_masses(flight: Flight, weight: FloatArray) -> None:
+    """Raise `InputError` for a mass in another unit, and for a stage that falls off."""
     ratio = flight["thrust"] / weight
     best = int(np.argmax(ratio))
     least, most = _THRUST_OVER_WEIGHT
@@ -254,8 +261,10 @@ def check_masses(flight: Flight, weight: FloatArray) -> None:
         )
 
 
-def check_inertia(flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray) -> None:
-    """Refuse an inertia in another unit, or about another axis."""
+def _check_inertia(
+    flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray
+) -> None:
+    """Raise `InputError` for an inertia in another unit, or about another axis."""
     positive("moment_of_inertia", inertia, "kg m^2")
     ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / np.abs(arm)
     least, most = _RADIUS_OVER_ARM
@@ -275,27 +284,30 @@ _LINE_TOLERANCE = 1e-3
 """Rows are added until straight lines between them are so close, in parts of the largest."""
 _NOT_OF_VEHICLE = ("altitude", "nominal_deflection")
 """Columns of a schedule that are not fields of its vehicle."""
+_FIELDS = (
+    *("weight", "moment_of_inertia", "normal_force_slope", "thrust", "aerodynamic_arm"),
+    *("control_arm", "axial_force", "velocity", "attitude", "pitch_damping", *_NOT_OF_VEHICLE),
+)
+"""Columns of a schedule beyond its time, in the order of its notes."""
 
 
-def schedule_of_flight(
-    flight: Flight, columns: dict[str, Column], name: str, most_rows: int = MOST_ROWS
-) -> FlightSchedule:
-    """Return the schedule of a powered flight.
+def schedule_of_flight(flight: Flight, name: str, most_rows: int = MOST_ROWS) -> FlightSchedule:
+    """Return the schedule of a powered flight, whose columns are the quantities of `read_table`.
 
-    `flight`: the rows, with an `angle_of_attack` and the speed upwards, `climb`, where they are
-    known. `columns`: the fields of a vehicle but its name and time, and altitude and nominal
-    deflection where they are known, for the same rows. `InputError` as the checks above.
+    The speed upwards, `climb`, is compared with the attitude where it is given. `InputError` for
+    implausible numbers.
     """
     most = whole_number("most_rows", most_rows)
     if most < 2:
         raise InputError(f"most_rows must be 2 or more; got {most}")
+    columns = vehicle_columns(flight)
     values = {key: column.values for key, column in columns.items()}
     if "angle_of_attack" in flight.columns:
-        check_angle_of_attack(flight)
+        _check_angle_of_attack(flight)
     if "climb" in flight.columns:
-        check_attitude(flight, values["attitude"])
-    check_masses(flight, values["weight"])
-    check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
+        _check_attitude(flight, values["attitude"])
+    _check_masses(flight, values["weight"])
+    _check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
     rows, error = thinned_rows(time, values, most)
     thin = f"thinned to {rows.size} rows: straight lines are within {100 * error:.2g} percent"
@@ -308,29 +320,74 @@ def schedule_of_flight(
     return FlightSchedule(vehicle, **others, notes=notes)
 
 
-def aerodynamic_arm_of(flight: Flight) -> Column:
+def vehicle_columns(flight: Flight) -> dict[str, Column]:
+    """Return the fields of a vehicle, altitude and nominal deflection, as columns of a flight.
+
+    Weight, arms, normal force slope and axial force that have no column are computed from theirs.
+    """
+    have = flight.columns
+    return {
+        name: have[name] if name in have else _COMPUTED[name](flight)
+        for name in _FIELDS
+        if name in have or name in _COMPUTED
+    }
+
+
+def _weight(flight: Flight) -> Column:
+    mass = flight.columns["mass"]
+    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+
+
+def _normal_force_slope(flight: Flight) -> Column:
+    """Return N = q S dC_N/dalpha [N/rad], eq (B1d)."""
+    slope = flight.columns["normal_force_coefficient_slope"]
+    _check_slope(slope.values)
+    return _aerodynamic_force(flight, "dC_N/dalpha", slope)
+
+
+def _axial_force(flight: Flight) -> Column:
+    """Return F_A = q S C_A [N]."""
+    return _aerodynamic_force(flight, "C_A", flight.columns["axial_force_coefficient"])
+
+
+def _aerodynamic_force(flight: Flight, symbol: str, coefficient: Column) -> Column:
+    """Return q S times a coefficient with a symbol."""
+    q, area = flight.columns["dynamic_pressure"], flight.columns["reference_area"]
+    return Column(
+        q.values * area.values * coefficient.values,
+        f"q S {symbol}; q = {q.origin}; S = {area.origin}; {symbol} = {coefficient.origin}",
+    )
+
+
+def _aerodynamic_arm(flight: Flight) -> Column:
     """Return l_a = x_CG - x_CP [m] of stations from the nose tip aft; negative: stable."""
     gravity, pressure = flight.columns["gravity_station"], flight.columns["pressure_station"]
     return Column(gravity.values - pressure.values, f"{gravity.origin} less {pressure.origin}")
 
 
-def control_arm_of(flight: Flight, gimbal: Column) -> Column:
-    """Return l_c = x_gimbal - x_CG [m]; `InputError` for a gimbal in another unit."""
-    gravity = flight.columns["gravity_station"]
-    check_gimbal(flight, gimbal.values, gravity.values)
+def _control_arm(flight: Flight) -> Column:
+    """Return l_c = x_gimbal - x_CG [m] of stations from the nose tip aft."""
+    gimbal, gravity = flight.columns["gimbal_station"], flight.columns["gravity_station"]
+    _check_gimbal(flight, gimbal.values, gravity.values)
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
 
 
-def weight_of(flight: Flight) -> Column:
-    """Return the weight [N] of the mass at each row."""
-    mass = flight.columns["mass"]
-    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+_COMPUTED = {
+    "weight": _weight,
+    "normal_force_slope": _normal_force_slope,
+    "aerodynamic_arm": _aerodynamic_arm,
+    "control_arm": _control_arm,
+    "axial_force": _axial_force,
+}
+"""Functions of the quantities that are computed from other columns."""
 
 
-def given_slope(flight: Flight, given: Slope) -> Column:
+def given_slope(flight: Flight, slope: Slope) -> Column:
     """Return a specified slope [1/rad] at the Mach number of each row."""
-    slopes = slope_over_mach(given)
-    return Column(slopes.at(flight["mach"]), slopes.origin)
+    slopes = slope_over_mach(slope)
+    values = slopes.at(flight["mach"])
+    _check_slope(values)
+    return Column(values, slopes.origin)
 
 
 def given_gimbal(flight: Flight, station: float) -> Column:

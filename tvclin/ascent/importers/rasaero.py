@@ -7,19 +7,16 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tvclin.ascent.importers.normal_force_slope import Slope
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
     above_sea,
-    aerodynamic_arm_of,
-    check_slope,
-    control_arm_of,
     given_gimbal,
     given_slope,
     powered,
     schedule_of_flight,
 )
-from tvclin.ascent.importers.slopes import Slope
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
 from tvclin.base.sheet import Column, Headings, letters, read_sheet
@@ -71,10 +68,8 @@ def read_rasaero(
         dC_N/dalpha [1/rad], on RASAero's own area: most often its aerodynamics as a table.
     ground : float
         Elevation of the launch site above the sea [m], from -450 to 9000.
-    start, stop : float, optional
-        Earliest and latest time [s]; the first burn if not given.
-    most_rows : int
-        More rows than that are thinned by straight lines.
+    start, stop, most_rows
+        Parameters of `read_table`.
 
     Returns
     -------
@@ -111,25 +106,21 @@ def read_rasaero(
         columns=columns | climb,
         notes=(*omitted, *sheet.notes),
     )
-    flight = powered(flight, np.isfinite(columns["pressure_station"].values), start, stop)
+    flight = powered(flight, start, stop, np.isfinite(columns["pressure_station"].values))
     slope = given_slope(flight, normal_force_coefficient_slope)
-    check_slope(slope.values)
-    made = {name: flight.columns[name] for name in ("weight", "thrust", "axial_force")}
-    made |= {
-        "aerodynamic_arm": aerodynamic_arm_of(flight),
-        "control_arm": control_arm_of(flight, given_gimbal(flight, gimbal)),
-        "moment_of_inertia": Column(
+    flight = flight.with_columns(
+        gimbal_station=given_gimbal(flight, gimbal),
+        moment_of_inertia=Column(
             np.interp(flight["time"], times, inertias),
             f"given at {times.size} times from {times[0]:g} to {times[-1]:g} s",
         ),
-        "normal_force_slope": Column(
+        normal_force_slope=Column(
             flight["axial_force"] / flight["drag_coefficient"] * slope.values,
             f"q S dC_N/dalpha; q S = {flight.origin('axial_force')} over"
-            f" {flight.origin('drag_coefficient')}; slope: {slope.origin}",
+            f" {flight.origin('drag_coefficient')}; dC_N/dalpha = {slope.origin}",
         ),
-        **{name: flight.columns[name] for name in ("velocity", "attitude", "altitude")},
-    }
-    return schedule_of_flight(flight, made, "RASAero II flight", most_rows)
+    )
+    return schedule_of_flight(flight, "RASAero II flight", most_rows)
 
 
 def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:

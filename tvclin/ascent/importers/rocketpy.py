@@ -10,7 +10,6 @@ import numpy as np
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
-    check_slope,
     powered,
     schedule_of_flight,
 )
@@ -18,14 +17,13 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, each, finite, number, shown
 from tvclin.base.sheet import Column
-from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _SAMPLES = 401
 """Times between rail and burnout at which the flight is sampled."""
 _OF_FLIGHT = {
     "velocity": "speed",
     "altitude": "z",
-    "pressure": "dynamic_pressure",
+    "dynamic_pressure": "dynamic_pressure",
     "mach": "mach_number",
     "axial_force": "aerodynamic_drag",
 }
@@ -58,10 +56,8 @@ def schedule_from_rocketpy(
     without : tuple of str
         Names of aerodynamic surfaces to leave out of slope and centre of pressure, such as fins
         that the steered vehicle does not have. Drag and mass stay.
-    start, stop : float, optional
-        Earliest and latest time [s]; from the rail to burnout if not given.
-    most_rows : int
-        More rows than that are thinned by straight lines.
+    start, stop, most_rows
+        Parameters of `read_table`, within the time from the rail to burnout.
 
     Returns
     -------
@@ -102,17 +98,17 @@ def schedule_from_rocketpy(
         places=tuple(f"the RocketPy flight at {t:.4g} s" for t in time),
         columns=columns,
     )
-    simulated = powered(simulated, np.ones(time.size, dtype=bool), start, stop)
-    slope, centre, omitted = _aerodynamics(rocket, simulated["mach"], names)
-    check_slope(slope)
-    made = _vehicle(simulated, rocket, gimbal, slope, centre)
-    notes = [*omitted, *_generic(rocket)]
-    return schedule_of_flight(simulated.noted(*notes), made, "RocketPy flight", most_rows)
+    simulated = powered(simulated, start, stop)
+    slope, centre, notes = _aerodynamics(rocket, simulated["mach"], names)
+    simulated = simulated.with_columns(**_of_vehicle(simulated, rocket, gimbal, slope, centre))
+    simulated = simulated.noted(*notes, *_generic(rocket))
+    return schedule_of_flight(simulated, "RocketPy flight", most_rows)
 
 
-def _vehicle(
+def _of_vehicle(
     flight: Flight, rocket: Any, gimbal: float, slope: FloatArray, centre: FloatArray
 ) -> dict[str, Column]:
+    """Return inertia, arms, area and slope at each row of a flight."""
     area = number("rocket.area", _attribute(rocket, "area"), finite, "m^2")
     forward = number("rocket._csys", _attribute(rocket, "_csys"), finite)
     if abs(forward) != 1.0:
@@ -126,22 +122,17 @@ def _vehicle(
             f" rocket's coordinates at {flight['time'][i]:.4g} s; got {gimbal:.6g} m"
         )
     return {
-        "weight": Column(mass * STANDARD_GRAVITY, "rocket.total_mass times 9.80665 m/s^2"),
         # parallel axes: from the centre of dry mass to that of all mass, I = I_11 - m d^2
         "moment_of_inertia": Column(
             flight["dry_inertia"] - mass * flight["offset"] ** 2,
             "rocket.I_11 less m com_to_cdm_function^2: about the centre of mass",
         ),
-        "normal_force_slope": Column(
-            flight["pressure"] * area * slope,
-            "q S dC_N/dalpha; flight.dynamic_pressure, rocket.area, rocket.total_lift_coeff_der",
-        ),
-        "thrust": flight.columns["thrust"],
+        "reference_area": Column(np.full(mass.size, area), "rocket.area"),
+        "normal_force_coefficient_slope": Column(slope, "rocket.total_lift_coeff_der"),
         "aerodynamic_arm": Column(
             forward * (centre - gravity), "rocket.cp_position less rocket.center_of_mass"
         ),
         "control_arm": Column(control, f"rocket.center_of_mass less gimbal at {gimbal:g} m, given"),
-        **{k: flight.columns[k] for k in ("axial_force", "velocity", "attitude", "altitude")},
     }
 
 

@@ -9,15 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from tvclin.ascent.importers.mapped import (
+from tvclin.ascent.importers.column_map import (
     QUANTITIES,
     Wanted,
     fit_of,
     map_of,
     mapped_columns,
-    vehicle_columns,
 )
-from tvclin.ascent.importers.matlab import MAX_NUMBERS, read_matlab, too_large
+from tvclin.ascent.importers.matlab_file import MAX_NUMBERS, read_matlab, too_large
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
@@ -75,7 +74,7 @@ class SimulatedFlight(Shown):
         heights = self.schedule.height
         if np.any(np.diff(heights) <= 0.0):
             raise InputError("the altitude of the log must rise, or its wind has no height")
-        v = self.schedule.held(self.wind.time)
+        v = self.schedule.clamped_at(self.wind.time)
         speed = v.velocity * np.sin(self.wind.angle) / np.sin(v.attitude)  # eq (B1e), turned
         height = np.interp(self.wind.time, self.schedule.times, heights)
         return WindProfile(height=height, east=np.zeros(height.size), north=speed, source="the log")
@@ -146,7 +145,7 @@ def read_log(
         wanted = map_of(_by_our_names(sheet), _KNOWN)
     read = mapped_columns(sheet, wanted, _KNOWN)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=read)
-    flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
+    flight = powered(flight, start, stop)
     angle, how = _wind(flight)
     sources = {str(source) for _, _, source in wanted.values()}
     omitted = [heading.text for heading in sheet.headings if heading.text not in sources]
@@ -155,7 +154,7 @@ def read_log(
     others = {k: v for k, v in flight.columns.items() if k not in (*_WIND, "angle_of_attack")}
     flight = replace(flight, columns=others).noted(f"wind: {how}", *notes)
     name = Path(a_path("path", path)).stem
-    schedule = schedule_of_flight(flight, vehicle_columns(flight), name, most_rows)
+    schedule = schedule_of_flight(flight, name, most_rows)
     rows, _ = thinned_rows(flight["time"], {"wind": angle}, most_rows)
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][rows], angle=angle[rows]))
 

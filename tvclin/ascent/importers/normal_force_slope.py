@@ -13,9 +13,9 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
 from tvclin.base.sheet import Heading, Headings, Sheet, letters, read_sheet
 
-LEAST = 0.5
+MIN_SLOPE = 0.5
 """A slope below this [1/rad] is taken for one per degree: slender bodies have 2 per radian."""
-MOST = 100.0
+MAX_SLOPE = 100.0
 """A slope above this [1/rad] has no meaning: large fins on a thin body make 40."""
 _CALM = 0.3
 """Below this Mach number a slope hardly changes, and the first one of a table is held."""

@@ -11,12 +11,8 @@ import numpy as np
 from tvclin.ascent.importers.powered_flight import (
     MOST_ROWS,
     Flight,
-    aerodynamic_arm_of,
-    check_slope,
-    control_arm_of,
     powered,
     schedule_of_flight,
-    weight_of,
 )
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
@@ -82,9 +78,9 @@ def read_table(
         are mass, gravity_station, pressure_station and gimbal_station (from the nose tip aft),
         angle_of_attack, altitude and nominal_deflection.
     start, stop : float, optional
-        Earliest and latest time [s]; the first burn if not given.
+        Earliest and latest time [s], as of one stage of several; by default the first burn.
     most_rows : int
-        More rows than that are thinned by straight lines.
+        Largest number of rows; a longer flight is thinned to straight lines.
 
     Returns
     -------
@@ -114,8 +110,7 @@ def read_table(
     sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
     read = mapped_columns(sheet, wanted, QUANTITIES)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=read, notes=sheet.notes)
-    flight = powered(flight, np.ones(sheet.line.size, dtype=bool), start, stop)
-    return schedule_of_flight(flight, vehicle_columns(flight), "mapped table", most_rows)
+    return schedule_of_flight(powered(flight, start, stop), "mapped table", most_rows)
 
 
 Wanted = dict[str, tuple[str, float | None, str | float]]
@@ -237,24 +232,3 @@ def _is_coefficient(heading: Heading) -> bool:
     return ("coefficient" in name or name in ("cn", "cl", "cnpotential")) and not any(
         word in name for word in slope
     )
-
-
-def vehicle_columns(flight: Flight) -> dict[str, Column]:
-    """Return the columns of a vehicle's fields, altitude and nominal deflection of a flight."""
-    have = flight.columns
-    names = (*_DIRECT, "altitude", "nominal_deflection", "pitch_damping", *_FACTORS)
-    made = {name: have[name] for name in names if name in have}
-    if "weight" not in made:
-        made["weight"] = weight_of(flight)
-    if "aerodynamic_arm" not in made:
-        made["aerodynamic_arm"] = aerodynamic_arm_of(flight)
-    if "control_arm" not in made:
-        made["control_arm"] = control_arm_of(flight, have["gimbal_station"])
-    for name in ("normal_force_slope", "axial_force"):
-        if name not in made:
-            factors = [have[factor] for factor in _FACTORS[name]]
-            values = factors[0].values * factors[1].values * factors[2].values
-            made[name] = Column(values, " times ".join(factor.origin for factor in factors))
-            if name == "normal_force_slope":
-                check_slope(factors[2].values)
-    return made
