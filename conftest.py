@@ -3,7 +3,7 @@
 from importlib.util import find_spec
 
 _NEEDED = {
-    "numba": ["tvclin/kernels/kept.py"],
+    "numba": ["tvclin/kernels/code_cache.py"],
     "jsbsim": ["tvclin/flights/sixdof/*", "docs/six-*"],
     "jinja2": ["tvclin/show/report/page.py", "docs/report.md"],
     "latex2mathml": ["tvclin/show/report/page.py", "docs/report.md"],

@@ -1,11 +1,12 @@
 """Kernels from one source: scalar loops, run as plain Python or compiled to machine code.
 
 A function that is marked with `kernel` is unchanged. `machine_code` compiles it with numba (extra
-`fast`), together with the marked functions that it calls, which are found by their names. Products
-and sums are not fused, so that both give the same bits except for the last digit of exponentials,
-on any processor. A kernel is written for both: numbers, tuples of numbers and arrays; loops and
-branches; no arrays allocated in a loop; bounded exponents, since Python's `math` raises where
-machine code overflows to infinity.
+`fast`), together with the marked functions that it calls, which are found by their names and
+registered with numba then: its decorators at the definition would import it, half a second, also
+where plain Python runs. Products and sums are not fused, so that both give the same bits except
+for the last digit of exponentials, on any processor. A kernel is written for both: numbers, tuples
+of numbers and arrays; loops and branches; no arrays allocated in a loop; bounded exponents, since
+Python's `math` raises where machine code overflows to infinity.
 """
 
 from collections.abc import Callable
@@ -19,9 +20,8 @@ import numpy as np
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_marked: set[Callable[..., Any]] = set()
-_bare: set[Callable[..., Any]] = set()
-_inlined: set[Callable[..., Any]] = set()
+_marked: dict[Callable[..., Any], dict[str, Any]] = {}
+"""Options of numba of each kernel, besides those of all."""
 _CONSTANTS = (float, int, str, tuple, np.generic)
 _OPTIONS: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 """Options of numba: no interpreter lock; division by zero as in numpy; no entry for C."""
@@ -31,7 +31,7 @@ _INNER_OPTIONS: Any = {"no_cpython_wrapper": True}
 
 def kernel(function: F) -> F:
     """Mark a function that `machine_code` can compile, and return it unchanged."""
-    _marked.add(function)
+    _marked[function] = {}
     return function
 
 
@@ -40,8 +40,8 @@ def bare(function: F) -> F:
 
     The counts take half the time where arrays are passed to many small functions.
     """
-    _bare.add(function)
-    return kernel(function)
+    _marked[function] = {"_nrt": False}
+    return function
 
 
 def inlined(function: F) -> F:
@@ -50,8 +50,8 @@ def inlined(function: F) -> F:
     It serves functions that are called in an inner loop with many arrays, whose passing takes
     longer than the function.
     """
-    _inlined.add(function)
-    return bare(function)
+    _marked[function] = {"_nrt": False, "forceinline": True}
+    return function
 
 
 @cache
@@ -64,58 +64,43 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     import numba  # late: it takes half a second to import
 
-    from tvclin.kernels.kept import VerifiedCache
+    from tvclin.kernels.code_cache import VerifiedCache
 
-    linked = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
-    compiled: Any = numba.njit(**_options(function))(linked)
+    for callee in _reached(function)[1:]:
+        _register(callee)
+    compiled: Any = numba.njit(**_OPTIONS, **_marked[function])(function)
     with suppress(RuntimeError):  # no place for it
-        compiled._cache = VerifiedCache(linked)
+        compiled._cache = VerifiedCache(function, digest(function))
     return compiled
 
 
 @cache
-def machine_code_within(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a kernel compiled for calls by kernels; its code is cached with theirs."""
-    import numba
+def _register(function: Callable[..., Any]) -> None:
+    """Register a kernel with numba as a function that machine code of other kernels can call."""
+    from numba.extending import register_jitable
 
-    return numba.njit(**_options(function), **_INNER_OPTIONS, forceinline=function in _inlined)(
-        _linked(function, function.__name__, machine_code_within)
-    )
+    register_jitable(**_OPTIONS, **_INNER_OPTIONS, **_marked[function])(function)
 
 
-def _options(function: Callable[..., Any]) -> Any:
-    return _OPTIONS | ({"_nrt": False} if function in _bare else {})
+def _reached(function: Any) -> list[Any]:
+    """Return a function and all marked functions that it calls, directly or through others."""
+    functions, queue = [function], [function]
+    while queue:
+        new = [callee for callee in _called(queue.pop()) if callee not in functions]
+        functions, queue = functions + new, queue + new
+    return functions
 
 
-def _linked(
-    function: Any, name: str, compiled: Callable[[Callable[..., Any]], Callable[..., Any]]
-) -> FunctionType:
-    """Return a copy of a function that calls compiled kernels in place of marked functions."""
-    names = dict(function.__globals__)
-    names |= {key: compiled(callee) for key, callee in _called(function).items()}
-    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    copy.__qualname__ = name
-    copy.__module__ = function.__module__
-    return copy
-
-
-def _called(function: Any) -> dict[str, Callable[..., Any]]:
-    """Return the marked functions that a function calls, by their names in it."""
-    names = {name: function.__globals__.get(name) for name in function.__code__.co_names}
-    return {
-        key: value
-        for key, value in names.items()
-        if isinstance(value, FunctionType) and value in _marked
-    }
+def _called(function: Any) -> list[Any]:
+    """Return the marked functions that a function calls by their names."""
+    values = [function.__globals__.get(name) for name in function.__code__.co_names]
+    return [value for value in values if isinstance(value, FunctionType) and value in _marked]
 
 
 @cache
 def digest(function: Any) -> str:
     """Return a hash of the source of a function, its constants, and all that it calls."""
-    functions, queue = [function], [function]
-    while queue:
-        new = [callee for callee in _called(queue.pop()).values() if callee not in functions]
-        functions, queue = functions + new, queue + new
+    functions = _reached(function)
     codes = [each.__code__ for each in functions]
     sources = [(code.co_code, code.co_consts, code.co_names) for code in codes]
     return sha256(repr((sources, [_constants(each) for each in functions])).encode()).hexdigest()[
