@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
-from tvclin.base.declared import checked, word
 from tvclin.base.errors import InputError, between, instance, number, shown
+from tvclin.base.fields import checked, word
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle

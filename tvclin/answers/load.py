@@ -9,9 +9,9 @@ import numpy as np
 
 from tvclin.answers.case import Case
 from tvclin.base.cards import Shown
-from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
+from tvclin.base.fields import checked, file_table, quantity
 from tvclin.boundary.load_trade_off import LoadFront, load_front
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly_nozzle

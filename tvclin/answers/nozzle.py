@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from tvclin.base.declared import checked, file_table, quantity
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -16,6 +15,7 @@ from tvclin.base.errors import (
     single,
     small_angle,
 )
+from tvclin.base.fields import checked, file_table, quantity
 from tvclin.boundary.limit_shapes import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator, positive_in_range
 from tvclin.vehicle.structure import Engine

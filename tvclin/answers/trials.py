@@ -15,8 +15,8 @@ import numpy as np
 from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
-from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import callable_for, each, flag, instance, number, positive
+from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law

@@ -2,14 +2,16 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import fields
 from html import escape
 from textwrap import fill
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from tvclin.base.arrays import AnyArray
 from tvclin.base.documents import picked
+from tvclin.base.fields import Field, document
 from tvclin.base.lines import Line, Table, number, text
 from tvclin.base.units import UNITS, written
 
@@ -66,20 +68,31 @@ def lines(title: str, rows: Iterable[Row]) -> str:
     return fill(line(title, rows), _LINE_WIDTH, subsequent_indent="  ", break_long_words=False)
 
 
-class Carded:
-    """Value that a notebook shows as a small table.
+class Record:
+    """Value that a notebook shows as a small table, and JSON as a document.
 
-    The rows are its `_keys`, as in `picked`, with the unit at the end of each; without any, its
-    `as_dict`.
+    `fields`: specifications of its fields, in their order.
     """
 
+    fields: ClassVar[tuple[Field, ...]] = ()
     _keys = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        if not self.fields:
+            return {x.name: getattr(self, x.name) for x in fields(self)}  # type: ignore[arg-type]
+        return document(self, (item for item in self.fields if item.document))
 
     def _quantities(self) -> Iterator[Row]:
         """Yield names, values and units, also of the entries of a mapping, except missing ones.
 
         A nested value must have a card too.
         """
+        for item in self.fields:
+            if item.card:
+                yield from _parts(item.title, item.unit, item.value(self))
+        if self.fields:
+            return
         record: Any = self
         values = picked(record, self._keys) if self._keys else record.as_dict()
         for key, value in values.items():
@@ -89,7 +102,7 @@ class Carded:
         return card(_title(type(self)), self._quantities())
 
 
-class Shown(Carded):
+class Shown(Record):
     """Answer whose printed text is a short form of its card."""
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -101,14 +114,17 @@ class Shown(Carded):
         return line(_title(type(self)), self._quantities())
 
 
+Carded = Record
+
+
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
     """Yield the rows of a value: of each entry of a mapping, or of a nested card."""
     if isinstance(value, dict):
         for label, item in value.items():
             yield from _parts(f"{name}, {label}", unit, item)
-    elif isinstance(value, Carded):
+    elif isinstance(value, Record):
         yield from ((f"{name}, {label}", *rest) for label, *rest in value._quantities())
-    elif isinstance(value, tuple) and value and isinstance(value[0], Carded):
+    elif isinstance(value, tuple) and value and isinstance(value[0], Record):
         by_name = {item.name: item for item in value if hasattr(item, "name")}
         yield from _parts(name, "", by_name or len(value))
     elif value is not None and not (isinstance(value, str | tuple) and not value):

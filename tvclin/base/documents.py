@@ -76,10 +76,12 @@ def decibels(factor: Any) -> Any:
         return plain_number(20.0 * np.log10(np.asarray(factor)))
 
 
+def degrees(value: Any) -> Any:
+    """Return angles [rad], also complex ones, in degrees."""
+    return np.degrees(1.0) * np.asarray(value) if np.iscomplexobj(value) else np.degrees(value)
+
+
 def _degrees(value: Any) -> Any:
-    """Return angles [rad] in degrees, also in a mapping; None stays None."""
-    if value is None:
-        return None
     if isinstance(value, dict):
         return {name: _degrees(angle) for name, angle in value.items()}
-    return np.degrees(1.0) * np.asarray(value) if np.iscomplexobj(value) else np.degrees(value)
+    return None if value is None else degrees(value)

@@ -76,13 +76,15 @@ def si_unit(kind: str) -> str:
     return "" if kind in _DIMENSIONLESS_KINDS else written(first)
 
 
-_OPTION_UNITS = {
+_IN_DEGREES = {
     "angle": "deg",
     "angular rate": "deg_per_s",
     "angular acceleration": "deg_per_s2",
-    "delay": "ms",
 }
+_OPTION_UNITS = {**_IN_DEGREES, "delay": "ms"}
 """Units of options that are not SI units, by kind of quantity."""
+_DOCUMENT_UNITS = {**_IN_DEGREES, "gain": "dB"}
+"""Units of documents that are not SI units, by kind of quantity."""
 _OPTION_SUFFIXES = {
     "angle": "_deg",
     "angular rate": "_deg",
@@ -99,3 +101,8 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
     if not suffix:
         return _OPTION_SUFFIXES.get(kind, ""), si_unit(kind), 1.0
     return _OPTION_SUFFIXES[kind], written(suffix), UNITS[kind][suffix]
+
+
+def document_unit(kind: str) -> str:
+    """Return the unit at the end of a key of a document; "" for what has no unit."""
+    return _DOCUMENT_UNITS.get(kind) or next(iter(UNITS.get(kind, ("",))))

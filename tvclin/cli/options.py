@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
 import typer
 
-from tvclin.base.declared import Declared, declared, help_line
+from tvclin.base.fields import Field, help_line, parameters
 from tvclin.base.files import place_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
@@ -115,9 +115,9 @@ class Given:
     values: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def fields(self) -> dict[str, Declared]:
+    def fields(self) -> dict[str, Field]:
         """The fields by the names of parameters."""
-        all_fields = declared(self._kind)
+        all_fields = parameters(self._kind)
         chosen = [all_fields[name] for name in self.names.split()]
         return {
             _parameter(item): item
@@ -133,17 +133,14 @@ class Given:
     def parameters(self) -> list[Parameter]:
         """Return the parameters of a command."""
         panel = _PANELS.get(self.kind)
-        return [
-            _option(name, declared_field, self.shown, panel)
-            for name, declared_field in self.fields.items()
-        ]
+        return [_option(name, item, self.shown, panel) for name, item in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
         """Return these options with values, which are removed from `options` of a command."""
         given = {name: options.pop(name) for name in self.fields}
         values = {
-            declared_field.name: declared_field.from_option(_flag(name), given[name])
-            for name, declared_field in self.fields.items()
+            item.name: item.from_option(_flag(name), given[name])
+            for name, item in self.fields.items()
             if given[name] is not None and given[name] != []
         }
         return replace(self, values=values)
@@ -163,41 +160,37 @@ class Given:
         only_with(
             needed,
             **{
-                name: self.values.get(declared_field.name)
-                for name, declared_field in self.fields.items()
-                if not names or declared_field.name in names
+                name: self.values.get(item.name)
+                for name, item in self.fields.items()
+                if not names or item.name in names
             },
         )
 
 
-def _parameter(declared_field: Declared) -> str:
+def _parameter(item: Field) -> str:
     """Return the parameter's name of a field, from its option or from its name and unit."""
-    if declared_field.option and "/" not in declared_field.option:
-        name = declared_field.option.strip("-").replace("-", "_")
+    if item.option and "/" not in item.option:
+        name = item.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
-    return declared_field.name + (
-        optional_unit(declared_field.kind)[0] if declared_field.numeric else ""
-    )
+    return item.name + (optional_unit(item.kind)[0] if item.numeric else "")
 
 
 def _flag(parameter: str) -> str:
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
-def _option(
-    name: str, declared_field: Declared, shown: Mapping[str, str], panel: str | None
-) -> Parameter:
+def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None) -> Parameter:
     """Return the option of a field, with its help, its default and its panel of the help."""
     kinds = {"text": str, "flag": bool, "count": int}
-    kind: Any = kinds.get(declared_field.kind, float)
-    default = shown.get(declared_field.name, declared_field.shown)
-    if not default and declared_field.default is not None:
-        factor = optional_unit(declared_field.kind)[2] if declared_field.numeric else None
-        given = declared_field.default if declared_field.many else (declared_field.default,)
+    kind: Any = kinds.get(item.kind, float)
+    default = shown.get(item.name, item.shown)
+    if not default and item.default is not None:
+        factor = optional_unit(item.kind)[2] if item.numeric else None
+        given = item.default if item.many else (item.default,)
         default = " and ".join(f"{value / factor:g}" if factor else str(value) for value in given)
     said = typer.Option(
-        *([declared_field.option] if declared_field.option else []),
-        help=help_line(declared_field),
+        *([item.option] if item.option else []),
+        help=help_line(item),
         show_default=default or False,
         rich_help_panel=panel,
     )
@@ -205,7 +198,7 @@ def _option(
         name,
         Parameter.POSITIONAL_OR_KEYWORD,
         default=None,
-        annotation=Annotated[(list[kind] if declared_field.many else kind) | None, said],
+        annotation=Annotated[(list[kind] if item.many else kind) | None, said],
     )
 
 

@@ -10,8 +10,8 @@ from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.case import FROZEN, Case
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import InputError, between, directions, fraction, instance, nonzero, one_of
+from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
 

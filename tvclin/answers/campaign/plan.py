@@ -15,7 +15,6 @@ from tvclin.answers.campaign.dispersions import (
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.case import Case
 from tvclin.answers.encountered_requirement import directions_of, own_sign
-from tvclin.base.declared import count, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
     between,
@@ -28,6 +27,7 @@ from tvclin.base.errors import (
     single,
     whole_number,
 )
+from tvclin.base.fields import count, file_table, quantity, word
 from tvclin.boundary.limit_shapes import STOPS
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
@@ -241,9 +241,9 @@ def checkpoints(chunks: int) -> Iterator[int]:
 CAMPAIGN_TABLE = file_table(
     "[campaign]",
     Campaign,
-    "until model plane sign cases seed method chunk",
+    ("until", "model", "plane", "sign", "cases", "seed", "method", "chunk"),
     words=("vehicle",),
     quantities={"time": "time"},
 )
-OUTPUTS_TABLE = file_table("[outputs]", Campaign, "law dead_bands", lists=("names",))
-QUESTION_TABLE = file_table("[question]", Campaign, "probability confidence")
+OUTPUTS_TABLE = file_table("[outputs]", Campaign, ("law", "dead_bands"), lists=("names",))
+QUESTION_TABLE = file_table("[question]", Campaign, ("probability", "confidence"))

@@ -23,7 +23,6 @@ from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
 from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.declared import checked, file_table, flag, quantity, text, word
 from tvclin.base.errors import (
     InputError,
     NotKnownError,
@@ -39,6 +38,7 @@ from tvclin.base.errors import (
     positive,
     small_angle,
 )
+from tvclin.base.fields import checked, file_table, flag, quantity, text, word
 from tvclin.control.laws.registry import LAWS
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

@@ -10,8 +10,8 @@ from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.case_requirement import pulse_of
 from tvclin.answers.document import Document
 from tvclin.answers.study import Study
-from tvclin.base.declared import count, quantity, word
 from tvclin.base.errors import InputError, between, fraction, instance
+from tvclin.base.fields import count, quantity, word
 from tvclin.linear.deflections import SWITCHES
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind

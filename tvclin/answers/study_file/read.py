@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.base.declared import completed
 from tvclin.base.errors import InputError, instance, naming, path
+from tvclin.base.fields import completed
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.vehicle.linear_vehicle import load_any_vehicle

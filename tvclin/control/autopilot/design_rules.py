@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from tvclin.base.declared import checked, file_table, quantity, word
 from tvclin.base.errors import (
     InputError,
     each,
@@ -23,6 +22,7 @@ from tvclin.base.errors import (
     shown,
     single,
 )
+from tvclin.base.fields import checked, file_table, quantity, word
 from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot

@@ -1,7 +1,8 @@
-"""A field that is declared once: its check, its keys, its option, its line of the template."""
+"""Specification of a field: check, keys, option and template; document, card and table row."""
 
-from dataclasses import dataclass, replace
-from math import radians
+import re
+from dataclasses import dataclass, field, replace
+from math import pi, radians
 
 import numpy as np
 import pytest
@@ -12,19 +13,23 @@ from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.sizing.request import SIZE_TABLE, SizingRequest
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import example
-from tvclin.base.declared import (
-    Declared,
+from tvclin.base.cards import Record
+from tvclin.base.errors import InputError, between, positive, small_angle
+from tvclin.base.fields import (
+    Field,
     checked,
     completed,
-    declared,
+    document,
     file_table,
     help_line,
+    parameters,
     quantity,
+    rows,
     text,
     word,
 )
-from tvclin.base.errors import InputError, between, positive, small_angle
 from tvclin.base.files import tables_of
+from tvclin.base.lines import text as as_text
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 
 EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
@@ -85,7 +90,7 @@ def test_a_file_has_its_keys_in_all_units_of_its_kind() -> None:
 
 
 def test_an_option_is_in_its_own_unit_and_says_so() -> None:
-    turn, bands, way = (declared(Asked)[name] for name in ("turn", "bands", "way"))
+    turn, bands, way = (parameters(Asked)[name] for name in ("turn", "bands", "way"))
     assert help_line(turn) == "Angle of the turn, in deg; as seen from above."
     assert help_line(way) == "Which way: left or right."
     assert turn.from_option("--turn-deg", 5.0) == radians(5.0)
@@ -107,14 +112,14 @@ def test_a_template_names_the_keys_that_it_leaves_out() -> None:
 
 @pytest.mark.parametrize("kind", EACH)
 def test_what_is_declared_has_a_line_of_help(kind: type) -> None:
-    for name, one in declared(kind).items():
+    for name, one in parameters(kind).items():
         said = help_line(one)
         assert said[:1].isupper() or said[:1] in "'", name
         assert said.endswith((".", "?")), name
         assert "[" not in said, name
 
 
-def _complaint(one: Declared, name: str, value: object) -> str:
+def _complaint(one: Field, name: str, value: object) -> str:
     """What is said of a value of a field; its name where nothing is."""
     try:
         one.checked(name, value)
@@ -125,7 +130,7 @@ def _complaint(one: Declared, name: str, value: object) -> str:
 
 @pytest.mark.parametrize("kind", EACH)
 def test_a_field_takes_a_value_or_says_in_one_sentence_what_is_wrong(kind: type) -> None:
-    for name, one in declared(kind).items():
+    for name, one in parameters(kind).items():
         for value in hostile().values():
             said = _complaint(one, name, value)
             assert name in said
@@ -139,3 +144,75 @@ def test_the_study_file_of_init_names_every_key_of_a_sizing() -> None:
         assert name in written
     added = replace(SIZE_TABLE, quantities=SIZE_TABLE.quantities | {"turn": "angle"})
     assert added.spelled("turn") == "turn_rad or turn_deg"
+
+
+@dataclass(frozen=True)
+class Flown(Record):
+    """Record of a test; `lag` [rad], `rate` [rad/s], `inertia` [kg m^2]."""
+
+    lag: float = -pi / 4
+    rate: float = pi
+    gain: float = 10.0
+    inertia: float = 1.23456e5
+    each: dict[int, float | None] = field(default_factory=lambda: {1: pi, 2: None})
+    peak: float | None = None
+    status: str = "ok"
+    request: Asked = Asked(turn=0.25)
+
+    fields = (
+        Field("lag", "angle", label="largest lag"),
+        Field("size", "angle", of=lambda flown: abs(flown.lag), card=False),
+        Field("rate", "angular rate", digits=1),
+        Field("gain", "gain", document=False),
+        Field("inertia", "inertia"),
+        Field("each", "angle"),
+        Field("peak", "angle"),
+        Field("turn", of="request.turn", key="turn_rad"),
+        Field("status"),
+    )
+
+
+def test_a_document_has_each_field_in_the_unit_of_its_key() -> None:
+    assert Flown().as_dict() == {
+        "lag_deg": -45.0,
+        "size_deg": 45.0,
+        "rate_deg_per_s": 180.0,
+        "inertia_kg_m2": 1.23456e5,
+        "each_deg": {"1": 180.0, "2": None},
+        "peak_deg": None,
+        "turn_rad": 0.25,
+        "status": "ok",
+    }
+
+
+def test_a_card_has_the_same_fields_with_label_and_unit() -> None:
+    shown = re.findall("<t[hd].*?>(.*?)</t[hd]>", Flown()._repr_html_())
+    rows_of_card = dict(zip(shown[::3], zip(shown[1::3], shown[2::3], strict=True), strict=True))
+    assert rows_of_card == {
+        "largest lag": ("-45.000", "deg"),
+        "rate": ("180", "deg/s"),
+        "gain": ("20", "dB"),
+        "inertia": ("123456", "kg m²"),
+        "each, 1": ("180.000", "deg"),
+        "turn": ("0.25", ""),
+        "status": ("ok", ""),
+    }
+
+
+def test_a_row_of_a_table_has_label_digits_unit_and_the_full_number() -> None:
+    record = Flown(each={})
+    shown = dict(rows(record, Flown.fields[:5], "flown"))
+    assert {label: as_text(line) for label, line in shown.items()} == {
+        "largest lag": "-45.000 deg",
+        "size": "45.000 deg",
+        "rate": "180.0 deg/s",
+        "gain": "20.000 dB",
+        "inertia": "1.235·10⁵ kg m²",
+    }
+    number = shown["rate"][0]
+    assert (number.name, number.value) == ("flown.rate_deg_per_s", 180.0)
+
+
+def test_a_field_of_nothing_is_a_fault_of_the_package() -> None:
+    with pytest.raises(AttributeError, match="height"):
+        document(Flown(), (Field("height", "length"),))

@@ -1,0 +1,323 @@
+"""Fields of records, each specified once: name, kind of unit, label, digits, check and help.
+
+A `Field` names an attribute of a record. What shows a record is made of the fields that its class
+lists in `fields`: the document for JSON, the card of a notebook (`base/cards`), the rows of a table
+and the columns of a CSV (`base/columns`). A key ends with the unit of its value.
+
+A parameter of a request is a field of a frozen dataclass, made with `quantity`, `word`, `text`,
+`flag` or `count`; its line of help is that of the docstring. Its specification makes the check
+(`checked`), the keys of a table of a file in all units (`file_table`), and the option of a command
+(`cli/options`).
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache, partial
+from operator import attrgetter
+from textwrap import wrap
+from typing import Any
+
+from tvclin.base import lines
+from tvclin.base.documents import decibels, degrees
+from tvclin.base.errors import InputError, different, finite, one_of, whole_number
+from tvclin.base.errors import flag as true_or_false
+from tvclin.base.errors import number as one_number
+from tvclin.base.errors import text as printable
+from tvclin.base.lines import listed
+from tvclin.base.tables import FileTable
+from tvclin.base.units import UNITS, document_unit, optional_unit, si_unit, written
+
+_SPECIFICATION = "field"
+_CONVERSIONS: dict[str, Callable[[Any], Any]] = {
+    "deg": degrees,
+    "deg_per_s": degrees,
+    "deg_per_s2": degrees,
+    "dB": decibels,
+}
+"""Functions from SI units to those units of documents that are not SI units."""
+_ANGLE_DIGITS = 3
+"""Decimals of an angle in tables."""
+_EXPONENTS = str.maketrans("23", "²³")
+_TEMPLATE_WIDTH = 96
+"""Characters per line of a template."""
+_UNIT = re.compile(r" \[[^\]]+\]")
+_CLAUSE = re.compile(r"[;:.](?=\s|$)|$")
+_ENTRY = re.compile(r"(?m)^(\w[\w, ]*) ?:?[^\n]*\n((?:    .*\n?|\n(?=    ))+)")
+
+
+@dataclass(frozen=True)
+class Field:
+    """Specification of a field of a record.
+
+    `name`: name in the record and, with its unit, in documents and columns. `kind`: of a number
+    with a unit, a kind of `UNITS`, or "gain" for a factor that is shown in dB; of a parameter also
+    "text", "flag" or "count". `of`: the attribute, also a nested one as "vehicle.name", or a
+    function of the record, where that is not the attribute `name`. `label`: name in tables.
+    `digits`: decimals in tables; without, three for an angle, and four significant digits for
+    another number. `card`, `document`: whether notebooks, and JSON, show the field. `key`: name in
+    a file, or in a document with its unit, where it differs; None for a parameter without key.
+
+    Of a parameter: `check`: function from a name and a value to the value, or its `InputError`; of
+    numbers from a unit too. `many`: whether the field holds one or more values. `option`: its
+    option, where it differs from the name; None for no option. `shown`: text in place of the
+    default in the help of its option. `choices`: possible words. `help`: line of the docstring.
+    """
+
+    name: str = ""
+    kind: str = ""
+    of: str | Callable[[Any], Any] = ""
+    label: str = ""
+    digits: int | None = None
+    card: bool = True
+    document: bool = True
+    key: str | None = ""
+    check: Callable[..., Any] = finite
+    many: bool = False
+    option: str | None = ""
+    shown: str = ""
+    choices: tuple[str, ...] = ()
+    default: Any = None
+    help: str = ""
+
+    @property
+    def called(self) -> str:
+        """Name in a file."""
+        return self.key or self.name
+
+    @property
+    def title(self) -> str:
+        """Label in tables."""
+        return self.label or self.name.replace("_", " ")
+
+    @property
+    def suffix(self) -> str:
+        """Unit at the end of the key of a document; empty without a unit."""
+        return document_unit(self.kind)
+
+    @property
+    def unit(self) -> str:
+        """Unit in tables; empty without a unit."""
+        return written(self.suffix).translate(_EXPONENTS)
+
+    @property
+    def document_key(self) -> str:
+        """Key in a document, with its unit."""
+        return self.key or (f"{self.name}_{self.suffix}" if self.suffix else self.name)
+
+    def value(self, record: Any) -> Any:
+        """Return the value of a record in the unit of documents: angles in degrees, gains in dB."""
+        source = self.of or self.name
+        value = source(record) if callable(source) else attrgetter(source)(record)
+        convert = _CONVERSIONS.get(self.suffix)
+        return value if convert is None else _converted(value, convert)
+
+    def line(self, record: Any, prefix: str) -> lines.Line:
+        """Return the value of a record as the cell of a table, with its unit.
+
+        `prefix`: first part of the name of the number, as in "optimum.peak_deg".
+        """
+        value, name = self.value(record), f"{prefix}.{self.document_key}"
+        if value is None or isinstance(value, str):
+            return (value or "none",)
+        if self.digits is None and self.suffix not in _CONVERSIONS:
+            return lines.significant(name, value, unit=self.unit)
+        digits = _ANGLE_DIGITS if self.digits is None else self.digits
+        return lines.number(name, value, digits, self.unit)
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the field is a quantity, with a unit."""
+        return self.kind in UNITS
+
+    def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
+        """Return a value that passes the check; `unit`: its unit, by default the SI unit."""
+        if self.many:
+            return self._each(name, value)
+        if not self.numeric:
+            return self.check(name, value)
+        return one_number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
+
+    def _each(self, name: str, values: Any) -> tuple[Any, ...]:
+        """Return several values that all pass the check."""
+        if not self.numeric:
+            return tuple(self.check(name, one) for one in different(name, values))
+        given = finite(name, values)
+        if given.ndim != 1 or not given.size:
+            raise InputError(f"{name} must hold one number or more")
+        return tuple(self.check(name, given).tolist())
+
+    def from_option(self, name: str, value: Any) -> Any:
+        """Return the value of an option, which is in its own unit, as the field has it."""
+        if not self.numeric:
+            return self._each(name, tuple(value)) if self.many else self.check(name, value)
+        _, unit, factor = optional_unit(self.kind)
+        if self.many:
+            return tuple(factor * one_number(name, one, self.check, unit) for one in value)
+        return factor * one_number(name, value, self.check, unit)
+
+
+def document(record: Any, specified: Iterable[Field]) -> dict[str, Any]:
+    """Return the values of fields of a record by the keys of a document, in the units of these."""
+    values = {item.document_key: item.value(record) for item in specified}
+    return {
+        key: {str(name): entry for name, entry in value.items()}
+        if isinstance(value, dict)
+        else value
+        for key, value in values.items()
+    }
+
+
+def rows(record: Any, specified: Iterable[Field], prefix: str) -> list[lines.Row]:
+    """Return labels and values of fields of a record for a table, except missing values.
+
+    `prefix`: as in `Field.line`.
+    """
+    return [
+        (item.title, item.line(record, prefix))
+        for item in specified
+        if item.value(record) is not None
+    ]
+
+
+def _converted(value: Any, convert: Callable[[Any], Any]) -> Any:
+    """Return a converted value, also in a mapping; None stays None."""
+    if isinstance(value, dict):
+        return {name: _converted(entry, convert) for name, entry in value.items()}
+    return None if value is None else convert(value)
+
+
+def quantity(
+    kind: str, default: Any = MISSING, check: Callable[..., Any] = finite, **more: Any
+) -> Any:
+    """Return the parameter of a number in SI units, of a kind of `UNITS`; `more` as in `Field`."""
+    return _field(Field(kind=kind, check=check, **more), default)
+
+
+def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
+    """Return the parameter of a word from given choices."""
+    allowed = tuple(choices)
+    check = partial(one_of, choices=allowed)
+    return _field(Field(kind="text", check=check, choices=allowed, **more), default)
+
+
+def text(default: Any = MISSING, **more: Any) -> Any:
+    """Return the parameter of a text of printable characters."""
+    return _field(Field(kind="text", check=printable, **more), default)
+
+
+def flag(default: Any = MISSING, **more: Any) -> Any:
+    """Return the parameter of a truth value."""
+    return _field(Field(kind="flag", check=true_or_false, **more), default)
+
+
+def count(default: Any = MISSING, check: Callable[..., Any] = whole_number, **more: Any) -> Any:
+    """Return the parameter of an integer."""
+    return _field(Field(kind="count", check=check, **more), default)
+
+
+def _field(item: Field, default: Any) -> Any:
+    return field(default=default, metadata={_SPECIFICATION: item})
+
+
+@cache
+def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
+    """Return the specifications of the parameters of a dataclass, by name."""
+    helps: dict[str, str] = {}
+    for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
+        helps |= _helps(item)
+    return {
+        item.name: replace(
+            item.metadata[_SPECIFICATION],
+            name=item.name,
+            default=None if item.default is MISSING else item.default,
+            help=helps.get(item.name, ""),
+        )
+        for item in fields(kind)  # type: ignore[arg-type]
+        if _SPECIFICATION in item.metadata
+    }
+
+
+def checked(record: Any) -> None:
+    """Check each parameter of a record, and set it to the checked value.
+
+    None passes where it is the default.
+    """
+    kind: Any = type(record)
+    for name, item in parameters(kind).items():
+        value = getattr(record, name)
+        if value is not None or item.default is not None:
+            object.__setattr__(record, name, item.checked(name, value))
+
+
+def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any) -> FileTable:
+    """Return the table of a file for parameters, by default all that have a key.
+
+    `more`: further words, lists and quantities of the table, as in `FileTable`.
+    """
+    specified = [parameters(kind)[name] for name in names] or _keyed(kind)
+    single = [item for item in specified if not item.many]
+    return replace(
+        FileTable(heading, **more),
+        quantities={item.called: item.kind for item in single if item.numeric}
+        | more.get("quantities", {}),
+        words=(
+            *(item.called for item in single if not item.numeric),
+            *more.get("words", ()),
+        ),
+        lists=(
+            *(item.called for item in specified if item.many),
+            *more.get("lists", ()),
+        ),
+        fields={item.key: item.name for item in specified if item.key},
+    )
+
+
+def _keyed(kind: type) -> list[Field]:
+    """Return the parameters that have a key in files."""
+    return [item for item in parameters(kind).values() if item.key is not None]
+
+
+def completed(text: str, table: FileTable, kind: type) -> str:
+    """Return a template whose table names every key of its fields, the others in comments.
+
+    `text`: the template, in which the table ends with an empty line.
+    """
+    start = text.index(f"\n{table.heading}\n")
+    end = text.find("\n\n", start + 1) % len(text)
+    written = text[start:end]
+    missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.called}(_|\b)", written)]
+    keys = [table.spelled(item.called).split(" or ")[0] for item in missing]
+    remarks = [
+        f"also {k}: {_UNIT.sub('', item.help)}" for k, item in zip(keys, missing, strict=True)
+    ]
+    lines = [
+        line for remark in remarks for line in wrap(remark, _TEMPLATE_WIDTH, subsequent_indent="  ")
+    ]
+    return text[:end] + "".join(f"\n# {line}" for line in lines) + text[end:]
+
+
+def _helps(kind: type) -> dict[str, str]:
+    """Return the lines of help in the docstring of a class, by attribute."""
+    doc = inspect.cleandoc(kind.__doc__ or "")
+    _, _, attributes = doc.partition("Attributes\n----------\n")
+    helps: dict[str, str] = {}
+    for names, description in _ENTRY.findall(re.split(r"\n\n(?=\w)", attributes)[0] + "\n"):
+        helps |= dict.fromkeys(names.split(", "), " ".join(description.split()))
+    return {name.strip(): description for name, description in helps.items()}
+
+
+def help_line(item: Field) -> str:
+    """Return the help of an option: the line of its field, in the unit of the option."""
+    help_text = item.help.replace("`", "")
+    if item.numeric and _UNIT.search(help_text):
+        unit = optional_unit(item.kind)[1]
+        help_text = _UNIT.sub("", help_text, count=1)
+        help_text = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", help_text, count=1)
+    if not all(choice in help_text for choice in item.choices):
+        all_choices = listed(item.choices, "or")
+        help_text = _CLAUSE.sub(lambda end: f": {all_choices}{end[0]}", help_text, count=1)
+    return help_text
