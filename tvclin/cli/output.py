@@ -95,7 +95,10 @@ def print_tables(*tables: "Table") -> None:
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print labels and sentences to the left, and numbers to the right.
 
-    Words stay in one piece where the terminal is wide enough for all of them.
+    Words stay in one piece where the terminal is wide enough for all of them. rich alone takes room
+    from the widest columns first and breaks their words: of 17 tables of the commands it breaks a
+    number or a word of three at 80 columns (of one with `min_width`, whose last column may be cut),
+    and of six at 70; these widths break none and four.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
