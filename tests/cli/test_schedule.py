@@ -143,7 +143,7 @@ DAMAGED: dict[str, tuple[list[str], str]] = {
     "a column twice": (twice("Mass (g)", 5), "the column Mass is there 2 times; keep one"),
     "unit unknown": (
         [line.replace("CG location (cm)", "CG location (furlong)") for line in LINES],
-        r"unit of the column 'CG location \(furlong\)' is not known; export it in mm, cm, m",
+        r"unit of the column 'CG location \(furlong\)' is not known; export it in m, ft, in, mm",
     ),
     "unit lost": (
         [line.replace("Mass (g)", "Mass (?)") for line in LINES],
@@ -151,7 +151,7 @@ DAMAGED: dict[str, tuple[list[str], str]] = {
     ),
     "no parentheses": (
         [line.replace("Thrust (N)", "Thrust") for line in LINES],
-        "unit of the column 'Thrust' is not known; export it in N, kN, lbf, kgf",
+        "unit of the column 'Thrust' is not known; export it in N, kN, MN, lbf, kgf",
     ),
     "decimal commas beside points": (
         damaged([line.replace(",", ";") for line in LINES], "3;", {"196.503": "196,503"}),

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipkinc
 
-from tvclin.base.units import FOOT, POUND_FORCE
+from tvclin.base.units import FOOT, SLUG
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.model import mass_balance
 
 pytest.importorskip("jsbsim")
 
-SLUG = POUND_FORCE / FOOT
 EARTH_RATE = 7.292115e-5  # rad/s
 BRICK = (0.00189422, 0.006211019, 0.007194665)  # slug ft^2
 BALL_AREA, BALL_DRAG = 0.1963495, 0.1  # ft^2, C_D

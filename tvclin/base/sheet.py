@@ -1,7 +1,7 @@
 """Tables of other programs: a line of column names, and rows of cells below it.
 
 One reader for winds, soundings and schedules: any separator, decimal commas, quoted cells, comments
-and lines of other text above the names. Units are those of `written_units`.
+and lines of other text above the names. Units are those of `units`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.text import Text, read_lines
-from tvclin.base.written_units import WRITTEN, Unit, unit_of
+from tvclin.base.units import WRITTEN, Unit, unit_of
 
 Cells = tuple[str, ...]
 

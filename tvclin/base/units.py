@@ -1,5 +1,11 @@
-"""Units of keys: the suffixes that keys of files may carry, and their factors to SI."""
+"""Units: suffixes of keys with their factors to SI, and units as other programs write them.
 
+Other programs write units after a column's name, also with damaged characters; they may have all
+units of keys and some more.
+"""
+
+import re
+from dataclasses import dataclass
 from math import pi
 
 POUND = 0.45359237
@@ -8,12 +14,14 @@ FOOT = 0.3048
 """m, exact (international foot)."""
 POUND_FORCE = POUND * 9.80665
 """N, exact."""
+SLUG = POUND_FORCE / FOOT
+"""kg."""
 DEGREE = pi / 180
 
 UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE},
     "inertia": {"kg_m2": 1.0, "slug_ft2": POUND_FORCE * FOOT, "lb_ft2": POUND * FOOT**2},
-    "mass": {"kg": 1.0, "lb": POUND, "slug": POUND_FORCE / FOOT},
+    "mass": {"kg": 1.0, "lb": POUND, "slug": SLUG},
     "force slope": {
         "N_per_rad": 1.0,
         "kN_per_rad": 1e3,
@@ -106,3 +114,127 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
 def document_unit(kind: str) -> str:
     """Return the unit at the end of a key of a document; "" for what has no unit."""
     return _DOCUMENT_UNITS.get(kind) or next(iter(UNITS.get(kind, ("",))))
+
+
+_INCH = FOOT / 12
+_MILE, _OUNCE = 5280 * FOOT, POUND / 16
+_OTHER_UNITS: dict[str, dict[str, float]] = {
+    "time": {"ms": 1e-3, "min": 60.0},
+    "length": {
+        **{"mm": 1e-3, "cm": 1e-2, "km": 1e3},
+        **{"in/64": _INCH / 64, "yd": 3 * FOOT, "mi": _MILE, "nmi": 1852.0},
+    },
+    "mass": {"g": 1e-3, "t": 1e3, "oz": _OUNCE},
+    "inertia": {
+        **{"kg cm2": 1e-4, "oz in2": _OUNCE * _INCH**2, "lb in2": POUND * _INCH**2},
+        **{"lbf ft s2": POUND_FORCE * FOOT},
+    },
+    "force": {"kgf": 9.80665},
+    "speed": {"km/h": 1 / 3.6, "mph": _MILE / 3600},
+    "area": {"mm2": 1e-6, "cm2": 1e-4, "in2": _INCH**2},
+    "angle": {"°": DEGREE, "arcmin": DEGREE / 60},
+    "pressure": {
+        **{"hPa": 100.0, "mbar": 100.0, "bar": 1e5, "atm": 101_325.0},
+        **{"mmHg": 133.322, "inHg": 3386.39, "psi": POUND_FORCE / _INCH**2},
+    },
+    "density": {
+        **{"g/cm3": 1e3, "kg/dm3": 1e3, "kg/m3": 1.0},
+        **{"oz/in3": _OUNCE / _INCH**3, "lb/ft3": POUND / FOOT**3, "slug/ft3": SLUG / FOOT**3},
+    },
+    "damping moment": {"kg m2/s": 1.0, "N m s": 1.0, "lbf ft s": POUND_FORCE * FOOT},
+    "per angle": {"": 1.0, "per rad": 1.0, "per deg": 1.0 / DEGREE},
+    "temperature": {"K": 1.0, "°C": 1.0, "°F": 5.0 / 9.0},
+}
+"""Units that only other programs write, by kind of quantity; `lb` is a mass."""
+WRITTEN = {
+    kind: {written(suffix): factor for suffix, factor in UNITS.get(kind, {}).items()}
+    | _OTHER_UNITS.get(kind, {})
+    for kind in {**UNITS, **_OTHER_UNITS}
+}
+"""Known units of each kind of quantity as other programs write them, and their factors to SI."""
+_WORDS = {
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+    **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
+    **dict.fromkeys(("kilometer", "kilometers", "kilometre", "kilometres"), "km"),
+    **dict.fromkeys(("foot", "feet"), "ft"),
+    **dict.fromkeys(("inch", "inches"), "in"),
+    **dict.fromkeys(("mile", "miles"), "mi"),
+    **dict.fromkeys(("kn", "kts", "knot", "knots"), "kt"),
+    **dict.fromkeys(("degree", "degrees", "degs"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("pound", "pounds", "lbs"), "lb"),
+    **{"mps": "m/s", "fps": "ft/s", "kph": "km/h", "kmh": "km/h", "kmph": "km/h"},
+}
+"""Alternative spellings of components of a unit."""
+_SPEEDS = {"ms1": "m/s", "fts1": "ft/s", "kmh1": "km/h", "kms1": "km/s", "mi/h": "mph"}
+"""Alternative spellings of complete units, without signs: of m s-1."""
+_ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
+"""Zero points in SI of units with an offset."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Recognised unit.
+
+    `factor`: to SI. `spelling`: its correct spelling. `mangled`: whether characters were damaged,
+    and the unit was identified by the quantity.
+    """
+
+    factor: float
+    spelling: str
+    mangled: bool
+
+    @property
+    def zero(self) -> float:
+        """Zero point of the unit in SI."""
+        return _ZERO.get(self.spelling, 0.0)
+
+
+def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
+    """Return the unit of a text; None where no candidate fits, or two do.
+
+    All but letters, digits and strokes is ignored, since other encodings damage it; then
+    alternative spellings of its components are tried: m/sec, feet, m s-1, m_per_s. If none fits,
+    powers are ignored as well: within a quantity the remainder identifies the unit.
+    """
+    written = written.translate(_SIGNS)
+    key = _key(written)
+    respelled = _respelled(written)
+    for spelling, factor in candidates.items():
+        if key == _key(spelling):
+            return Unit(factor, spelling, _bare(written) != _bare(spelling))
+    for spelling, factor in candidates.items():
+        if respelled == _key(spelling):
+            return Unit(factor, spelling, False)
+    fits = [
+        Unit(factor, spelling, True)
+        for spelling, factor in candidates.items()
+        if _powerless(key) == _powerless(_key(spelling))
+    ]
+    return fits[0] if len(fits) == 1 else None
+
+
+_SIGNS = str.maketrans("¹²³⁻\u2212º˚", "123--°°")
+
+
+def _key(unit: str) -> str:
+    ascii_characters = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
+    return "".join(c for c in ascii_characters if c.isalnum() or c == "/")
+
+
+def _respelled(unit: str) -> str:
+    """Return the key of a unit whose components have their usual spelling."""
+    text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
+    words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
+    key = _key("".join(words))
+    return _SPEEDS.get(key, key)
+
+
+def _powerless(key: str) -> str:
+    return "".join(c for c in key if not c.isdigit())
+
+
+def _bare(unit: str) -> str:
+    """Return a unit without separators of its components: kg m^2 equals kg·m²."""
+    return "".join(c for c in unit.translate(_SIGNS).lower() if c not in " *^._-·")

@@ -10,8 +10,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import shown
 from tvclin.base.sheet import Heading, Headings, Sheet, sheet_in
 from tvclin.base.text import read_lines
-from tvclin.base.units import UNITS
-from tvclin.base.written_units import WRITTEN, unit_of
+from tvclin.base.units import UNITS, WRITTEN, unit_of
 
 
 def read_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray]:

@@ -18,8 +18,7 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.tables import FileTable
-from tvclin.base.units import POUND_FORCE, UNITS
-from tvclin.base.written_units import WRITTEN, unit_of
+from tvclin.base.units import POUND_FORCE, UNITS, WRITTEN, unit_of
 
 QUANTITIES = {
     "time": "time",

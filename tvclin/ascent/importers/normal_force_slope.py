@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
 from tvclin.base.sheet import Heading, Headings, Sheet, letters, read_sheet
+from tvclin.base.units import DEGREE
 
 MIN_SLOPE = 0.5
 """A slope below this [1/rad] is taken for one per degree: slender bodies have 2 per radian."""
@@ -89,7 +90,7 @@ def _potential(sheet: Sheet, heading: Heading) -> SlopeOverMach:
     if angle is None:
         raise InputError(f"{sheet.text.source} has no column Alpha beside {heading.text}")
     mach = sheet.numbers(_mach_of(sheet), "number").values
-    alpha = sheet.numbers(angle, "angle", {"": np.pi / 180}).values
+    alpha = sheet.numbers(angle, "angle", {"": DEGREE}).values
     force = sheet.numbers(heading, "number").values
     least = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
     first = np.array([alpha[i] == least.get(mach[i]) for i in range(mach.size)])

@@ -33,7 +33,7 @@ from tvclin.base.files import called, write_rows
 from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.text import Text
-from tvclin.base.written_units import WRITTEN, unit_of
+from tvclin.base.units import WRITTEN, unit_of
 from tvclin.winds.pulses import SampledWind
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.wind_angles import angle_in_plane

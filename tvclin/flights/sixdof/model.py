@@ -13,7 +13,7 @@ from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.ascent.nominal_flight import nominal_flight
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import directions, finite, number, within
-from tvclin.base.units import FOOT, POUND_FORCE
+from tvclin.base.units import FOOT, POUND_FORCE, SLUG
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 
@@ -109,7 +109,6 @@ DEFLECTIONS = {
 }
 """JSBSim properties of the deflections. Positive ones push the tail up, and to the right."""
 
-_SLUG = POUND_FORCE / FOOT
 _POUNDS_PER_SLUG = 32.174049
 """JSBSim's ratio of pounds to slugs."""
 _INERTIA_OVER_ROLL_INERTIA = 20.0
@@ -169,8 +168,8 @@ def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float
     """Return the new element of a mass [kg] and its moments of inertia [kg m^2] about x, y, z."""
     balance = SubElement(root, "mass_balance")
     for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
-        _text(balance, name, inertia / (_SLUG * FOOT**2), unit="SLUG*FT2")
-    _text(balance, "emptywt", mass / _SLUG * _POUNDS_PER_SLUG, unit="LBS")
+        _text(balance, name, inertia / (SLUG * FOOT**2), unit="SLUG*FT2")
+    _text(balance, "emptywt", mass / SLUG * _POUNDS_PER_SLUG, unit="LBS")
     _place(balance, 0.0, name="CG")
     return balance
 
@@ -181,7 +180,7 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     _text(burnt, "weight", 0.0, unit="LBS")
     _place(burnt, 0.0)
     channel = SubElement(SubElement(root, "system", name="burning"), "channel", name="burning")
-    flow = -departure.mass_flow / _SLUG * _POUNDS_PER_SLUG
+    flow = -departure.mass_flow / SLUG * _POUNDS_PER_SLUG
     function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
     _function(function, ("product", flow, "simulation/sim-time-sec"))
     _text(function, "output", "inertia/pointmass-weight-lbs")

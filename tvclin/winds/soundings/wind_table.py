@@ -19,8 +19,7 @@ from tvclin.base.files import called
 from tvclin.base.lines import listed
 from tvclin.base.sheet import Heading, Headings, Sheet, head_of, sheet_in
 from tvclin.base.text import Text
-from tvclin.base.units import DEGREE
-from tvclin.base.written_units import WRITTEN, unit_of
+from tvclin.base.units import DEGREE, WRITTEN, unit_of
 from tvclin.winds.soundings.levels import Levels, SoundingEntry, wind_components
 
 _NAMES = {
