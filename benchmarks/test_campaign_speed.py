@@ -71,7 +71,7 @@ def test_a_campaign_with_a_dead_band(benchmark: Any, tmp_path: Any, model: str) 
         peer_name="required_deflection and the minimum, called in a loop",
         per=10_000,
         peer_per=FEW,
-        floor="a march of each case, and the weighted median of each step of its dual",
+        floor="both marches of each case in head and tail wind, and its dual",
         clock=PROCESSOR,
     )
 

@@ -263,17 +263,13 @@ def varying_requirement(
     trim = found.largest_trim
     no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
     minimum = np.where(no_real_mode, 0.0, np.abs(found.demand[:, 0, 0]))
-    nominal_column = equations.nominal[:, -1, 2, :, -2]
+    march = _columns(equations, times, wind, ratio, None)[:6]
     after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
     for modes in equations.modes:
         cases = modes.cases if len(equations.nominal) > 1 else np.arange(len(trim))
         peaks = minimum_peaks(
             modes,
-            np.broadcast_to(equations.end, (len(trim), equations.end.shape[-1]))[cases],
-            np.broadcast_to(nominal_column, (len(trim), nominal_column.shape[-1]))[cases],
-            times[cases, :, 2] - times[cases, :, 0],
-            equations.at_ratio(ratio[cases], cases),
-            wind[cases],
+            [x if len(x) == 1 else x[cases] for x in march],
             found.path[cases],
             found.of(cases).heights_over(dead_band) if 0.0 < dead_band < 1.0 else None,
         )

@@ -109,12 +109,6 @@ class Equations:
         """Whether the flight path takes part in the motion."""
         return self.nominal.shape[-2] > 2
 
-    def at_ratio(self, ratio: FloatArray, cases: IndexArray) -> FloatArray:
-        """Return the equations of cases at q/q_n ``(k, S, 3)``, ``(k, S, 3, m, m + 2)``."""
-        nominal, slopes = (x if len(x) == 1 else x[cases] for x in (self.nominal, self.slopes))
-        direct, inverse = (x[..., None, None] for x in (ratio - 1.0, 1.0 / ratio - 1.0))
-        return np.asarray(nominal + direct * slopes[..., 0, :, :] + inverse * slopes[..., 1, :, :])
-
     def of(self, cases: IndexArray) -> Equations:
         """Return the equations of some cases."""
 

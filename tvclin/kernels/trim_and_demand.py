@@ -82,7 +82,8 @@ def trim_and_demand(
         for s in range(steps - 1, begin - 1, -1):
             skipped = max(onset[case] - s, 0.0)
             equations_at_ratio(equations, slopes, c, s, ratio[case, s], skipped, matrix)
-            _backwards(matrix, wind[case, s], lengths[case, s], costate, s, state, rates)
+            costate_step(matrix, wind[case, s], lengths[case, s], costate, s, state, rates)
+            _normalise(costate[s])
         for i in range(2, m):
             path[case, begin, i - 2] = 0.0
         for s in range(begin, steps):
@@ -137,10 +138,10 @@ def equations_at_ratio(
 
 
 @bare
-def _backwards(
+def costate_step(
     matrix: Any, wind: Any, h: float, costate: Any, s: int, state: Any, rates: Any
 ) -> None:
-    """Write p, R and F at the begin of a step, from those at its end, scaled to ``|p| = 1``."""
+    """Write p, R and F at the begin of a step, from those at its end, in the same scale."""
     m = matrix.shape[1]
     for stage in range(4):
         q, part = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
@@ -153,14 +154,19 @@ def _backwards(
             for i in range(m):
                 rates[stage, j] += matrix[q, i, j] * state[0, i]
         rates[stage, m + 1] *= wind[q]
-    size = 0.0
     for j in range(m + 2):
         sums = rates[0, j] + 2.0 * (rates[1, j] + rates[2, j]) + rates[3, j]
         costate[s, j] = costate[s + 1, j] + h / 6.0 * sums
-        if j < m:
-            size += costate[s, j] * costate[s, j]
-    for j in range(m + 2):
-        costate[s, j] /= math.sqrt(size)
+
+
+@bare
+def _normalise(costate: Any) -> None:
+    """Scale p, R and F in place to ``|p| = 1``."""
+    size = 0.0
+    for i in range(costate.size - 2):
+        size += costate[i] * costate[i]
+    for i in range(costate.size):
+        costate[i] /= math.sqrt(size)
 
 
 @bare

@@ -1,0 +1,250 @@
+"""Minimum peak of any control over all unstable modes of vehicles whose equations vary.
+
+With the costates p_i of the unstable modes, p' = -A^T p integrated backwards from the end of the
+wind, a deflection delta brings all unstable components to zero if
+
+    integral of p_i.b delta dt = -d_i,    d_i = p_i.x + integral of p_i.w alpha_w dt,
+
+and the minimum peak of all delta that do is, by the dual of appendix C with varying weights,
+
+    maximum over lambda of |lambda.d| / J(lambda),    J = integral |lambda.h| dt,    h_i = p_i.b.
+
+Backwards all costates turn to that of the fastest mode, so that they are made orthogonal again
+every few steps, with the integrals in their coordinates. With lambda.d = 1, J is a convex function
+of one variable less than there are modes. Its minimum is where two of its tangents cross, which
+are moved until it is known (Kelley's cutting planes); of two variables the tangents of the
+minimum over the first are mixed from those that cross there.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.trim_and_demand import costate_step, equations_at_ratio
+
+PLAIN, COMPILED = 6e-5, 2e-7
+"""Seconds per step and mode of the costates, in plain Python and as machine code."""
+CELL_PLAIN, CELL_COMPILED = 5e-7, 1e-9
+"""Seconds per step or cell of a sum of J, plain and as machine code."""
+_STEPS_PER_ORTHOGONALISATION = 4
+"""Steps between two orthogonalisations, the same for all cases so that none depends on others."""
+TANGENTS, _MAX_TANGENTS = 15, 60
+"""Usual and largest number of tangents of a minimum."""
+_RELATIVE_GAP = 1e-9
+"""Distance of J from the crossing of its tangents, over J, at which the minimum is known."""
+
+
+@kernel
+def minimum_peaks(
+    lengths: Any,
+    equations: Any,
+    slopes: Any,
+    ratio: Any,
+    wind: Any,
+    costates: Any,
+    reaches: Any,
+    poles: Any,
+    cells: Any,
+    path: Any,
+    heights: Any,
+    peaks: Any,
+    first: int,
+    last: int,
+) -> None:
+    """Write the minimum peaks [rad] of all control from the begin of steps on.
+
+    Parameters
+    ----------
+    lengths, equations, slopes, ratio, wind : ndarray
+        As in `trim_and_demand`.
+    costates : ndarray
+        Of the unstable modes at the end of the last step, the fastest first, ``(n, k, m)``, k up to
+        three.
+    reaches, poles : ndarray
+        Integrals of h after the end, and poles [1/s], of two real modes at most, ``(n, 2)``; zero
+        where they are in the cells.
+    cells : ndarray
+        Integrals of h after the end over cells in which the deflection is constant,
+        ``(n, k, cells)``.
+    path : ndarray
+        States beyond attitude and rate that trim has led to at the ends of steps,
+        ``(n, S + 1, m - 2)``.
+    heights : ndarray
+        Limits [rad] at the ends of steps, ``(n, S + 1)``. Backwards up to the first below its
+        minimum peak, peaks are written where there is one that is not NaN.
+    peaks : ndarray
+        Written: minimum peaks [rad], ``(n, S + 1)``; always at the begin of the first step.
+    first, last : int
+        Cases from the first up to the last are computed.
+    """
+    steps, m, modes = lengths.shape[1], equations.shape[3], costates.shape[1]
+    size = steps + cells.shape[2] + 2
+    matrix, rates, state = np.empty((3, m, m + 2)), np.empty((4, m + 2)), np.empty((2, m + 2))
+    costate, weights = np.empty((modes, 2, m + 2)), np.empty((modes, size))
+    d, sums = np.empty(3), np.empty((3, size))
+    for case in range(first, last):
+        c = case if equations.shape[0] > 1 else 0
+        _begin_at_end(costates[case], reaches[case], cells[case], costate, weights)
+        known = False
+        for s in range(steps, -1, -1):
+            if s < steps:
+                equations_at_ratio(equations, slopes, c, s, ratio[case, s], 0.0, matrix)
+                for k in range(modes):
+                    h = lengths[case, s]
+                    costate_step(matrix, wind[case, s], h, costate[k], 0, state, rates)
+                    weights[k, s] = costate[k, 0, m]
+                    costate[k, 1] = costate[k, 0]
+                    costate[k, 1, m] = 0.0
+            if s == 0 or (steps - s) % _STEPS_PER_ORTHOGONALISATION == 0:
+                _orthogonalise(costate, weights, s)
+            if s == 0 or not (known or math.isnan(heights[case, s])):
+                _unstable_components(costate, path[case, s], d)
+                peaks[case, s] = _dual_value(weights, s, d, poles[case], sums)
+                known = known or heights[case, s] < peaks[case, s]
+
+
+@bare
+def _begin_at_end(costates: Any, reaches: Any, cells: Any, costate: Any, weights: Any) -> None:
+    """Write costates and weights after the end of the wind, where the march begins."""
+    modes, m = costates.shape
+    size, count = weights.shape[1], cells.shape[1]
+    for k in range(modes):
+        for i in range(m):
+            costate[k, 1, i] = costates[k, i]
+        costate[k, 1, m], costate[k, 1, m + 1] = 0.0, 0.0
+        for j in range(count):
+            weights[k, size - 2 - count + j] = cells[k, j]
+        for j in range(2):
+            weights[k, size - 2 + j] = reaches[j] if j == k else 0.0
+
+
+@bare
+def _unstable_components(costate: Any, path: Any, d: Any) -> None:
+    """Write d, the unstable components at the end without a deflection from here on."""
+    for k in range(costate.shape[0]):
+        d[k] = costate[k, 1, path.size + 3]
+        for i in range(path.size):
+            d[k] += costate[k, 1, i + 2] * path[i]
+
+
+@bare
+def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
+    """Make costates orthonormal in place, with the integrals and the weights from a step on."""
+    modes, m = costate.shape[0], costate.shape[2] - 2
+    for k in range(modes):
+        for j in range(k + 1):
+            product = 0.0
+            for i in range(m):
+                product += costate[k, 1, i] * costate[j, 1, i]
+            if j == k:
+                scale, part = 1.0 / math.sqrt(product), 0.0
+            else:
+                scale, part = 1.0, product
+            for i in range(m + 2):
+                costate[k, 1, i] = scale * (costate[k, 1, i] - part * costate[j, 1, i])
+            for i in range(s, weights.shape[1]):
+                weights[k, i] = scale * (weights[k, i] - part * weights[j, i])
+
+
+@bare
+def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
+    """Return the largest ``|lambda.d|/J`` over lambda, from a step on.
+
+    J is that of a + u b + v c, the rows of `sums`, with lambda.d = 1.
+    """
+    modes, cells = weights.shape
+    largest, row = 0, 0
+    for k in range(modes):
+        if abs(d[k]) > abs(d[largest]):
+            largest = k
+    if d[largest] == 0.0:
+        return 0.0
+    for i in range(s, cells):
+        sums[0, i], sums[1, i], sums[2, i] = weights[largest, i] / d[largest], 0.0, 0.0
+    for k in range(modes):
+        if k != largest:
+            row += 1
+            for i in range(s, cells):
+                sums[row, i] = weights[k, i] - d[k] * sums[0, i]
+    if modes == 1:
+        return 1.0 / _derivatives(sums, s, 1.0, 0.0, 0.0, poles)[0]
+    if modes == 2:
+        return 1.0 / _minimum(sums, s, 1.0, 0.0, poles)[0]
+    return 1.0 / _minimum_over_both(sums, s, poles)
+
+
+@bare
+def _minimum_over_both(sums: Any, s: int, poles: Any) -> float:
+    """Return the minimum of J over u and v."""
+    minimum, a_high, c_high = _minimum(sums, s, 0.0, 1.0, poles)
+    a_low, c_low = -a_high, -c_high
+    if c_high == 0.0:
+        return _minimum(sums, s, 1.0, 0.0, poles)[0]
+    for _ in range(_MAX_TANGENTS):
+        v = (a_low - a_high) / (c_high - c_low)
+        minimum, a, c = _minimum(sums, s, 1.0, v, poles)
+        if minimum - (a_high + c_high * v) <= _RELATIVE_GAP * minimum:
+            break
+        if c > 0.0:
+            a_high, c_high = a, c
+        else:
+            a_low, c_low = a, c
+    return minimum
+
+
+@bare
+def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, float, float]:
+    """Return the minimum over u of J of t a + u b + v c, and its derivatives by t and v.
+
+    J is nowhere below a tangent, t J_t + u J_u + v J_v; the first two are those of large u.
+    """
+    a_high, b_high, c_high = _derivatives(sums, s, 0.0, 1.0, 0.0, poles)
+    a_low, b_low, c_low = -a_high, -b_high, -c_high
+    minimum = 0.0
+    if b_high == 0.0:
+        a_high, b_high, c_high = _derivatives(sums, s, t, 0.0, v, poles)
+        return t * a_high + v * c_high, a_high, c_high
+    for _ in range(_MAX_TANGENTS):
+        u = (t * (a_low - a_high) + v * (c_low - c_high)) / (b_high - b_low)
+        a, b, c = _derivatives(sums, s, t, u, v, poles)
+        minimum = t * a + u * b + v * c
+        if minimum - (t * a_high + u * b_high + v * c_high) <= _RELATIVE_GAP * minimum:
+            break
+        if b > 0.0:
+            a_high, b_high, c_high = a, b, c
+        else:
+            a_low, b_low, c_low = a, b, c
+    part = b_high / (b_high - b_low)  # of the lower tangent, with which J_u is zero
+    return minimum, part * a_low + (1.0 - part) * a_high, part * c_low + (1.0 - part) * c_high
+
+
+@bare
+def _derivatives(
+    sums: Any, s: int, t: float, u: float, v: float, poles: Any
+) -> tuple[float, float, float]:
+    """Return the derivatives by t, u and v of J, the sum of ``|t a + u b + v c|``.
+
+    The last two numbers of each are integrals of two modes after the end: their sum turns once
+    there at most.
+    """
+    a, b, c = 0.0, 0.0, 0.0
+    cells = sums.shape[1] - 2
+    for i in range(s, cells):
+        if t * sums[0, i] + u * sums[1, i] + v * sums[2, i] < 0.0:
+            a, b, c = a - sums[0, i], b - sums[1, i], c - sums[2, i]
+        else:
+            a, b, c = a + sums[0, i], b + sums[1, i], c + sums[2, i]
+    fast = poles[0] * (t * sums[0, cells] + u * sums[1, cells] + v * sums[2, cells])
+    slow = poles[1] * (t * sums[0, cells + 1] + u * sums[1, cells + 1] + v * sums[2, cells + 1])
+    sign = 1.0 if fast + slow >= 0.0 else -1.0
+    first, second = sign, sign
+    if fast * slow < 0.0 and abs(fast) > abs(slow) and poles[0] > poles[1]:
+        turns = math.log(abs(fast) / abs(slow)) / (poles[0] - poles[1])
+        first *= 1.0 - 2.0 * math.exp(-poles[0] * turns)
+        second *= 1.0 - 2.0 * math.exp(-poles[1] * turns)
+    a += first * sums[0, cells] + second * sums[0, cells + 1]
+    b += first * sums[1, cells] + second * sums[1, cells + 1]
+    c += first * sums[2, cells] + second * sums[2, cells + 1]
+    return a, b, c
