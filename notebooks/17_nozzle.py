@@ -39,7 +39,7 @@ vehicle = tv.load_vehicle("made-up-launcher").rigid
 plant = tv.Plant.from_vehicle(vehicle)
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 limit, rate = np.radians(1.5), np.radians(5.0)
-front = tv.boundary.rate_front(plant, wind, limit=limit, rate_limit=rate)
+front = tv.boundary.rate_trade_off(plant, wind, limit=limit, rate_limit=rate)
 front
 
 # %%

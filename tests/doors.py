@@ -46,7 +46,7 @@ ANSWERS = {
     "LeastGains",
     "LeastSchedule",
     "FinalMotion",
-    "LoadFront",
+    "LoadTradeOff",
     "MarginBounds",
     "Margins",
     "ModeBand",
@@ -55,7 +55,7 @@ ANSWERS = {
     "Optimum",
     "PlaneLimit",
     "PlaneOptimum",
-    "RateFront",
+    "RateTradeOff",
     "RateLimitedOptimum",
     "RequiredDeflection",
     "RigidBand",
@@ -68,7 +68,15 @@ ANSWERS = {
 }
 """What the package alone makes, and what has no door: fields to be read."""
 
-NO_CALLS = {"CRITERIA", "CircularStop", "History", "InputError", "Law", "Stop", "list_vehicles"}
+NO_CALLS = {
+    "CRITERIA",
+    "CircularShape",
+    "History",
+    "InputError",
+    "Law",
+    "LimitShape",
+    "list_vehicles",
+}
 """A table, a stop and a function without an argument, three abstract classes, and an exception."""
 
 INSIDE = {
@@ -207,15 +215,15 @@ def doors(folder: Path) -> dict[str, Door]:
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
     veering = tv.winds.PlaneWind.veering(wind, 0.3, 0.1)
-    square, ellipse = tv.boundary.SquareStop(), tv.boundary.EllipticStop(1.0, 0.5)
-    kite = tv.boundary.PolygonStop([1.0, 1.0j, -1.0, -1.0j])
+    square, ellipse = tv.boundary.SquareShape(), tv.boundary.EllipticShape(1.0, 0.5)
+    kite = tv.boundary.PolygonShape([1.0, 1.0j, -1.0, -1.0j])
     engines = [tv.boundary.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
     three = tv.boundary.Cluster(engines)
     stops = {
-        "Stop": square,
-        "CircularStop": tv.boundary.CircularStop(),
-        "EllipticStop": ellipse,
-        "PolygonStop": kite,
+        "LimitShape": square,
+        "CircularShape": tv.boundary.CircularShape(),
+        "EllipticShape": ellipse,
+        "PolygonShape": kite,
         "Cluster": three,
     }
     drifting = {"tau_beta": 4.0, "dead_band": 0.5, "beta": 0.5, "b1": 0.02, "b2": -0.01}
@@ -275,11 +283,11 @@ def doors(folder: Path) -> dict[str, Door]:
     }
     return {
         **of_stops,
-        "Stop.reach": Door(three.reach, {"angle": [0.0, 0.5]}),
-        "Stop.inscribed": Door(square.inscribed, {"sides": 8}),
-        "EllipticStop": Door(tv.boundary.EllipticStop, {"pitch": 1.0, "yaw": 0.5}),
-        "PolygonStop": Door(tv.boundary.PolygonStop, {"corners": kite.corners}),
-        "SquareStop": Door(tv.boundary.SquareStop, {"turn": 0.3}),
+        "LimitShape.reach": Door(three.reach, {"angle": [0.0, 0.5]}),
+        "LimitShape.inscribed": Door(square.inscribed, {"sides": 8}),
+        "EllipticShape": Door(tv.boundary.EllipticShape, {"pitch": 1.0, "yaw": 0.5}),
+        "PolygonShape": Door(tv.boundary.PolygonShape, {"corners": kite.corners}),
+        "SquareShape": Door(tv.boundary.SquareShape, {"turn": 0.3}),
         "ClusterEngine": Door(
             tv.boundary.ClusterEngine,
             {"at": 1.0, "share": 1.0, "stop": ellipse, "state": "stuck", "deflection": 0.1},
@@ -1292,8 +1300,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "thrust_offset": 0.01,
             },
         ),
-        "rate_front": Door(
-            tv.boundary.rate_front,
+        "rate_trade_off": Door(
+            tv.boundary.rate_trade_off,
             {
                 **history,
                 "rates": [0.05, 0.1],
@@ -1302,8 +1310,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "acceleration_limit": 5.0,
             },
         ),
-        "load_front": Door(
-            tv.boundary.load_front,
+        "load_trade_off": Door(
+            tv.boundary.load_trade_off,
             {
                 **history,
                 "loads": [0.08, 0.09],

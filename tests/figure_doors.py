@@ -45,8 +45,8 @@ def figures(folder: Path) -> dict[str, Door]:
     )
     gains = hasty(tv.least_deflection_gains)(plant=plant, winds=wind, actuator=tv.Actuator())
     least = hasty(tv.answers.least_gains_front)(found=gains, disk_margin=[0.1, 0.2])
-    load = tv.boundary.load_front(plant, wind, limit=0.014, load=0.05)
-    rate = tv.boundary.rate_front(plant, wind, limit=0.014, rate_limit=0.05)
+    load = tv.boundary.load_trade_off(plant, wind, limit=0.014, load=0.05)
+    rate = tv.boundary.rate_trade_off(plant, wind, limit=0.014, rate_limit=0.05)
     compared = tv.compare_with_trim(plant, autopilot, wind)
     curves = plots.flight_curves(beside, 0.01, "fly", "few")
     loop: dict[str, Any] = {"autopilot": lagging, "plant": plant}
@@ -139,8 +139,8 @@ def figures(folder: Path) -> dict[str, Door]:
             },
         ),
         "least_gains_chart": Door(plots.least_gains_chart, {"fronts": [least]}),
-        "load_chart": Door(plots.load_chart, {"front": load, "flown": (), "title": "a"}),
-        "load_curves": Door(plots.load_curves, {"front": load, "flown": ()}),
+        "load_chart": Door(plots.load_chart, {"trade_off": load, "flown": (), "title": "a"}),
+        "load_curves": Door(plots.load_curves, {"trade_off": load, "flown": ()}),
         "nichols_chart": Door(plots.nichols_chart, {**loop, "criteria": tv.CRITERIA["classic"]}),
         "nyquist_chart": Door(plots.nyquist_chart, loop),
         "plane_chart": Door(
@@ -154,8 +154,8 @@ def figures(folder: Path) -> dict[str, Door]:
             },
         ),
         "pole_map": Door(plots.pole_map, {"coefficients": coefficients, "models": ("drift",)}),
-        "rate_chart": Door(plots.rate_chart, {"front": rate, "title": "a"}),
-        "rate_curves": Door(plots.rate_curves, {"front": rate}),
+        "rate_chart": Door(plots.rate_chart, {"trade_off": rate, "title": "a"}),
+        "rate_curves": Door(plots.rate_curves, {"trade_off": rate}),
         "response_chart": Door(
             plots.response_chart, {"response": response, "title": "a", "limit": 0.01, "across": 2}
         ),

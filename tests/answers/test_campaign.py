@@ -21,7 +21,7 @@ from tvclin.answers.campaign.statistics import (
 )
 from tvclin.answers.case import Case
 from tvclin.answers.planes import rectangle, vector_need
-from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.cli.app import app
 
 
@@ -184,7 +184,7 @@ def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
         plants = [tv.Plant.from_vehicle(vehicle, "fixed-path", plane) for plane in ("pitch", "yaw")]
         if not both:
             return abs(float(tv.required_deflection(plants[0], wind).deflection))
-        winds, stop = (wind.pitch, wind.yaw), stop_of("square")
+        winds, stop = (wind.pitch, wind.yaw), limit_shape_of("square")
         alone = [
             abs(float(tv.required_deflection(plant, one).deflection))
             for plant, one in zip(plants, winds, strict=True)

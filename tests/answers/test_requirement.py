@@ -15,7 +15,7 @@ import tvclin as tv
 from tests.turns import drawn
 from tvclin.answers.time_varying import batch_requirements
 from tvclin.answers.varying_equations import Equations
-from tvclin.boundary.limit import PAIR
+from tvclin.boundary.limit import PAIRED_POLES
 from tvclin.boundary.open_loop import (
     Reason,
     with_larger_requirements,
@@ -201,7 +201,7 @@ def test_a_complex_pair_needs_trim_without_a_limit_and_never_nothing(configurati
     most = abs(float(tv.trim_deflection(plant, wind).peak))
     found = tv.boundary_limit(plant, wind, [1.0, 0.5, 0.0])
     assert np.abs(found.deflection) == pytest.approx([most, 2.0 * most, np.inf])
-    assert set(found.status) == {PAIR}
+    assert set(found.status) == {PAIRED_POLES}
     assert tv.is_sufficient(plant, wind, 1e-6) is False
     assert tv.is_sufficient(plant, wind, 1.01 * most) is True
     assert tv.is_sufficient(plant, wind, 100.0 * most, 0.0) is False
@@ -228,7 +228,7 @@ def test_two_poles_that_are_together_count_as_a_pair(configuration_i):
     r = (-2.0 * c.C1 + np.sqrt(4.0 * c.C1**2 + 12.0 * c.mu_alpha)) / 6.0
     double = tv.Plant(c.replace(C2=-(r**3 + c.C1 * r**2 - c.mu_alpha * r)), "drift-exact")
     found = tv.required_deflection(double, triangle(15.0))
-    assert found.status == PAIR
+    assert found.status == PAIRED_POLES
     assert found.limit == pytest.approx(abs(tv.trim_deflection(double, triangle(15.0)).peak)
                                         / abs(c.B * PEAK))  # fmt: skip
 
@@ -236,7 +236,7 @@ def test_two_poles_that_are_together_count_as_a_pair(configuration_i):
 def test_a_slow_real_pole_does_not_hide_a_faster_pair(configuration_i):
     plant = tv.Plant.from_vehicle(slow(configuration_i, 100.0), "drift-and-speed")
     assert np.iscomplexobj(tv.unstable_modes(plant).poles)
-    assert tv.boundary_limit(plant, triangle(15.0)).status == PAIR
+    assert tv.boundary_limit(plant, triangle(15.0)).status == PAIRED_POLES
 
 
 def test_a_stable_vehicle_needs_nothing():
@@ -444,7 +444,7 @@ def test_frozen_and_varying_requirements_are_the_same(seed, model):
     """With K = 1 of all models, winds and both arms; the bound without a forecast stands alone."""
     march, found = agreement(seed, model, 1.0)
     march = np.where(found.governs == Reason.NO_FORECAST, np.maximum(march, found.limit), march)
-    pair = found.status == PAIR  # which requires the largest trim, the summit of a parabola
+    pair = found.status == PAIRED_POLES  # which requires the largest trim, the summit of a parabola
     known = pair & np.isfinite(found.limit)  # trim of some grows without end after the wind
     np.testing.assert_allclose(march[known], found.limit[known], rtol=1e-5)
     assert march[~pair] == pytest.approx(found.limit[~pair], abs=1e-6, rel=1e-6)

@@ -94,7 +94,7 @@ def test_the_rectangle_is_the_least_that_holds_its_corners() -> None:
     cross = tv.boundary.Cluster([tv.boundary.ClusterEngine(at=1, state="centred")] + [
         tv.boundary.ClusterEngine(at=at) for at in (1j, -1, -1j)
     ])  # fmt: skip
-    for stop in (tv.boundary.EllipticStop(1.0, 0.6), tv.boundary.SquareStop(0.3), cross):
+    for stop in (tv.boundary.EllipticShape(1.0, 0.6), tv.boundary.SquareShape(0.3), cross):
         corners = np.array([0.3 + 0.2j, 0.3 - 0.2j, -0.3 + 0.2j, -0.3 - 0.2j])
         around = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 7201))
 

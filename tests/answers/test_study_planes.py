@@ -13,7 +13,7 @@ from tvclin.answers.planes import missing_part, rectangle
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.boundary.limit_shapes import CircularStop, PolygonStop
+from tvclin.boundary.limit_shapes import CircularShape, PolygonShape
 from tvclin.cli.app import app
 
 HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")
@@ -48,15 +48,15 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
     ]
     pitch, yaw = (tv.TriangularWind(peak=part, duration=7.5) for part in parts)
     for stop, shape in (
-        ("round", tv.boundary.CircularStop()),
-        ("square", tv.boundary.SquareStop()),
+        ("round", tv.boundary.CircularShape()),
+        ("square", tv.boundary.SquareShape()),
     ):
         exact = tv.plane_limit(plant, tv.winds.PlaneWind(pitch=pitch, yaw=yaw), shape)
         found = json.loads(run("study", *JET, "--sign", "frozen", "--stop", stop, "--json").stdout)
         needed = np.radians(found["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
         alone = np.radians(found["planes"]["alone_deg"]["pitch"])
-        assert alone == pytest.approx(exact.pitch_alone, rel=1e-8)
+        assert alone == pytest.approx(exact.pitch_only, rel=1e-8)
 
 
 def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
@@ -182,11 +182,11 @@ def test_a_rectangle_is_inside_every_edge_of_its_stop(turns):
     )  # of edges n . v = 1
     x, y = np.array([0.2, 0.0, 0.3, -0.2]), np.array([0.1, 0.4, 0.0, 0.1])
     expected = (np.abs(normals) * np.abs([x, y])).sum(axis=1).max(axis=0)
-    np.testing.assert_allclose(rectangle(PolygonStop(corners), x, y), expected, rtol=1e-14)
+    np.testing.assert_allclose(rectangle(PolygonShape(corners), x, y), expected, rtol=1e-14)
 
 
 def test_where_a_plane_has_no_limit_neither_has_the_rectangle():
-    found = rectangle(CircularStop(), [3.0, np.inf, 1.0, np.nan], [4.0, 1.0, np.inf, 1.0])
+    found = rectangle(CircularShape(), [3.0, np.inf, 1.0, np.nan], [4.0, 1.0, np.inf, 1.0])
     np.testing.assert_array_equal(found, [5.0, np.inf, np.inf, np.nan])
 
 

@@ -92,21 +92,21 @@ def bisected(survives, low=0.0, high=2.0):
 def test_the_triangle_has_the_closed_form_and_the_published_row(tau_beta, published):
     found = tv.forecast_free_limit(plant_of(), triangle(tau_beta))
     half = np.exp(-tau_beta / 2.0)
-    foresight = 2.0 / tau_beta * (1.0 - half) ** 2
-    expected = max(foresight, 0.5 - np.log(2.0 - half) / tau_beta)
+    wind_known = 2.0 / tau_beta * (1.0 - half) ** 2
+    expected = max(wind_known, 0.5 - np.log(2.0 - half) / tau_beta)
     assert found.limit == pytest.approx(expected, rel=1e-12)
     assert found.limit == pytest.approx(published, abs=5e-5)
-    assert found.foresight == pytest.approx(foresight, rel=1e-12)
+    assert found.wind_known == pytest.approx(wind_known, rel=1e-12)
     # Sup W is where W is the wind itself, on the way up.
     instant = (tau_beta / 2.0 - np.log(2.0 - half)) / BETA
-    assert found.worst_stop == pytest.approx(instant, rel=1e-9)
+    assert found.worst_stop_time == pytest.approx(instant, rel=1e-9)
     assert found.kind == EXACT == "exact"
 
 
 def test_the_two_branches_of_the_triangle_meet():
     short, long = (tv.forecast_free_limit(plant_of(), triangle(tb)) for tb in (4.46, 4.47))
-    assert short.limit == short.foresight
-    assert long.limit > long.foresight
+    assert short.limit == short.wind_known
+    assert long.limit > long.wind_known
 
 
 @pytest.mark.parametrize("tau_beta", [0.3, 1.0, 5.0, 30.0])
@@ -116,7 +116,7 @@ def test_nothing_is_gained_in_a_rectangle(tau_beta):
     found = tv.forecast_free_limit(plant_of(), wind)
     assert found.limit == pytest.approx(-np.expm1(-tau_beta), rel=1e-12)
     assert found.limit == pytest.approx(rectangular_limit(tau_beta), rel=1e-12)
-    assert found.worst_stop == 0.0
+    assert found.worst_stop_time == 0.0
 
 
 SMOOTH = (
@@ -129,9 +129,9 @@ SMOOTH = (
 @pytest.mark.parametrize("wind", [*(random_wind(seed) for seed in range(12)), *SMOOTH])
 def test_any_wind_against_quadrature(wind):
     found = tv.forecast_free_limit(plant_of(), wind)
-    assert found.foresight == pytest.approx(ahead(wind, float(wind.onset)), rel=1e-9)
-    worst = ahead(wind, found.worst_stop)
-    assert found.limit == pytest.approx(max(found.foresight, worst / 2.0), rel=1e-9)
+    assert found.wind_known == pytest.approx(ahead(wind, float(wind.onset)), rel=1e-9)
+    worst = ahead(wind, found.worst_stop_time)
+    assert found.limit == pytest.approx(max(found.wind_known, worst / 2.0), rel=1e-9)
     every = np.linspace(float(wind.onset), float(wind.end), 50)
     assert max(ahead(wind, t) for t in every) <= worst * (1.0 + 1e-9)
 
@@ -167,8 +167,8 @@ def test_foresight_is_appendix_c_and_costs_less(seed):
     plant = plant_of()
     found = tv.forecast_free_limit(plant, wind)
     least = tv.optimum_deflection(plant, wind, start=float(wind.onset)).peak
-    assert found.foresight == pytest.approx(least / (plant.coefficients.B * wind.peak), rel=1e-9)
-    assert found.limit >= found.foresight
+    assert found.wind_known == pytest.approx(least / (plant.coefficients.B * wind.peak), rel=1e-9)
+    assert found.limit >= found.wind_known
     assert found.limit <= 1.0
     assert found.deflection == pytest.approx(-found.limit * plant.coefficients.B * wind.peak)
     assert limit_of(wind) <= tv.boundary_limit(plant, wind).limit * (1.0 + 1e-9)
@@ -182,7 +182,7 @@ def test_only_the_shape_counts_and_neither_its_sign_nor_its_date(seed):
         again = tv.forecast_free_limit(plant, other.shift(later))
         assert again.limit == pytest.approx(found.limit, rel=1e-9)
         assert again.deflection == pytest.approx(factor * found.deflection, rel=1e-9)
-        assert again.worst_stop == pytest.approx(found.worst_stop + later, abs=1e-6)
+        assert again.worst_stop_time == pytest.approx(found.worst_stop_time + later, abs=1e-6)
     slow = Plant.from_coefficients(Coefficients(mu_alpha=BETA**2 / 9.0, mu_delta=-2.6))
     stretched = SampledWind(time=3.0 * wind.time, angle=wind.angle)
     assert tv.forecast_free_limit(slow, stretched).limit == pytest.approx(found.limit, rel=1e-9)
@@ -207,8 +207,8 @@ def test_a_reversal_is_reserved_for(seed, reversal):
     wind = random_wind(seed)
     found = limit_of(wind, reversal=reversal)
     plain = tv.forecast_free_limit(plant_of(), wind)
-    largest = ahead(wind, plain.worst_stop)
-    expected = max(plain.foresight, (largest + reversal) / 2.0, reversal)
+    largest = ahead(wind, plain.worst_stop_time)
+    expected = max(plain.wind_known, (largest + reversal) / 2.0, reversal)
     assert found == pytest.approx(expected, rel=1e-9)
     assert bisected(lambda y: viable(wind, y, reversal)) == pytest.approx(found, abs=1e-3)
 
@@ -232,12 +232,12 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
         wind = random_wind(seed)
         found = tv.forecast_free_limit(plant, wind)
         assert found.kind == BOUND != EXACT
-        foresight = ahead(wind, float(wind.onset), pole)
-        every = [ahead(wind, t, pole) for t in (found.worst_stop, *wind.knots[:-1])]
-        expected = strength * max(foresight, every[0] / 2.0)
+        wind_known = ahead(wind, float(wind.onset), pole)
+        every = [ahead(wind, t, pole) for t in (found.worst_stop_time, *wind.knots[:-1])]
+        expected = strength * max(wind_known, every[0] / 2.0)
         assert found.limit == pytest.approx(expected, rel=1e-8)
         assert every[0] == max(every)
-        assert found.foresight == pytest.approx(strength * foresight, rel=1e-8)
+        assert found.wind_known == pytest.approx(strength * wind_known, rel=1e-8)
         assert found.deflection == pytest.approx(-found.limit * c.B * float(wind.peak))
 
 
@@ -289,7 +289,7 @@ def test_a_batch_gives_what_each_case_gives_alone():
                 one = Plant.from_vehicle(vehicle.replace(velocity=V), model)
                 wind = TriangularWind(peak=peak, duration=durations[k])
                 alone = tv.forecast_free_limit(one, wind)
-                for name in ("limit", "deflection", "foresight", "worst_stop"):
+                for name in ("limit", "deflection", "wind_known", "worst_stop_time"):
                     expected = pytest.approx(getattr(alone, name), rel=1e-12)
                     assert getattr(found, name)[i, k] == expected, (model, name)
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import tvclin
 from tvclin import Coefficients, Plant, optimum_deflection
-from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.vehicle.coefficients import NUMBERS
 
 WIND = tvclin.TriangularWind(peak=-0.1, duration=12.0)
@@ -27,7 +27,7 @@ def test_where_two_poles_merge_nothing_jumps():
     for apart in (1e-3, 1e-5, 1e-7, 0.0, 1e-7j, 1e-5j, 1e-3j):
         plant = plant_of_poles(0.2 + apart, 0.2 - apart)
         peaks.append(optimum_deflection(plant, WIND, float(WIND.onset)).peak)
-        assert least_peaks(plant, WIND) == pytest.approx(peaks[-1], rel=1e-9)
+        assert minimum_peaks(plant, WIND) == pytest.approx(peaks[-1], rel=1e-9)
     np.testing.assert_allclose(peaks[1:-1], peaks[3], rtol=1e-8)
     np.testing.assert_allclose(peaks, peaks[3], rtol=1e-4)
     assert peaks[0] < peaks[3] < peaks[-1] or peaks[0] > peaks[3] > peaks[-1]
@@ -59,22 +59,22 @@ def test_peaks_of_a_batch_are_those_of_the_certified_optimum(middle, apart, dura
     wind = tvclin.TriangularWind(peak=-0.07, duration=duration).shift(2.0)
     best = optimum_deflection(plant, wind, 2.0)
     assert best.status == "ok"
-    assert least_peaks(plant, wind) == pytest.approx(best.peak, rel=1e-8)
+    assert minimum_peaks(plant, wind) == pytest.approx(best.peak, rel=1e-8)
 
 
 def test_a_batch_of_peaks_takes_plants_of_every_kind_together():
     kinds = [(0.5, 0.013), (0.2, 0.2), (0.1 + 0.1j, 0.1 - 0.1j), (0.3, -0.1)]
     plants = [plant_of_poles(*two) for two in kinds]
     every = Coefficients(**{n: [getattr(p.coefficients, n) for p in plants] for n in NUMBERS})
-    found = least_peaks(Plant(every, "drift-exact"), WIND)
-    alone = [float(least_peaks(p, WIND)) for p in plants]
+    found = minimum_peaks(Plant(every, "drift-exact"), WIND)
+    alone = [float(minimum_peaks(p, WIND)) for p in plants]
     # Conditions of poles set apart by 2e-6 are known to rounding over that.
     np.testing.assert_allclose(found, alone, rtol=np.finfo(float).eps / 2e-6 * 4.0)
 
 
 def test_without_an_unstable_pole_nothing_is_needed():
     stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.0), "fixed-path")
-    assert least_peaks(stable, WIND).tolist() == [0.0, 0.0]
+    assert minimum_peaks(stable, WIND).tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize(
@@ -87,4 +87,4 @@ def test_without_an_unstable_pole_nothing_is_needed():
 )
 def test_winds_without_a_least_peak(wind, message):
     with pytest.raises(tvclin.InputError, match=message):
-        least_peaks(plant_of_poles(0.5, 0.1), wind)
+        minimum_peaks(plant_of_poles(0.5, 0.1), wind)

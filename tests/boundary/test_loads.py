@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.boundary import load_front
+from tvclin.boundary import load_trade_off
 
 PEAK, B, BETA = 0.1, 0.1, 0.5
 FIXED = tv.Plant(tv.Coefficients.from_beta(beta=BETA, B=B), "fixed-path")
@@ -24,9 +24,9 @@ def triangle(plant, tau_beta):
 
 def relative(plant, wind, loads, **options):
     """Limits and what is proved, over the trim deflection, at loads over the wind's peak."""
-    front = load_front(plant, wind, PEAK * np.array(loads), **options)
+    front = load_trade_off(plant, wind, PEAK * np.array(loads), **options)
     unit = plant.coefficients.B * PEAK
-    return front.limits / unit, front.proofs / unit
+    return front.limits / unit, front.lower_bounds / unit
 
 
 @pytest.mark.parametrize(
@@ -40,10 +40,10 @@ def relative(plant, wind, loads, **options):
     ],
 )
 def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, loads, expected):
-    limits, proofs = relative(plant, triangle(plant, tau_beta), loads)
+    limits, lower_bounds = relative(plant, triangle(plant, tau_beta), loads)
     assert limits == pytest.approx(expected, abs=3e-4)
-    assert np.all(proofs <= limits * (1.0 + 1e-9))
-    assert proofs == pytest.approx(limits, rel=2e-4)
+    assert np.all(lower_bounds <= limits * (1.0 + 1e-9))
+    assert lower_bounds == pytest.approx(limits, rel=2e-4)
 
 
 def test_a_curved_gust_and_rate_limits_need_it_too():
@@ -53,9 +53,9 @@ def test_a_curved_gust_and_rate_limits_need_it_too():
     assert limits == pytest.approx([0.3598, 0.4528, 0.5906], abs=3e-4)
     for rho, expected in ((1.0, 0.581), (2.0, 0.466)):
         rate = rho * plant.coefficients.beta * plant.coefficients.B * PEAK
-        limits, proofs = relative(plant, triangle(plant, 4.0), [0.7], rate_limit=rate)
+        limits, lower_bounds = relative(plant, triangle(plant, 4.0), [0.7], rate_limit=rate)
         assert limits == pytest.approx([expected], abs=5e-4)
-        assert proofs == pytest.approx(limits, rel=2e-4)
+        assert lower_bounds == pytest.approx(limits, rel=2e-4)
 
 
 def program(tau_beta, load, h, mu=0.0, rho=np.inf):
@@ -120,10 +120,12 @@ def test_states_at_even_nodes_need_the_same(options, load, tolerance):
     own = program(4.0, load, 0.02, **options)
     keys = {"rho": ("rate_limit", BETA * B * PEAK), "mu": ("moment_ratio", 1.0 / B)}
     ours = {keys[key][0]: keys[key][1] * value for key, value in options.items()}
-    limits, proofs = relative(FIXED, triangle(FIXED, 4.0), [load], **ours)
-    assert proofs[0] <= own * (1.0 + 1e-6)
+    limits, lower_bounds = relative(FIXED, triangle(FIXED, 4.0), [load], **ours)
+    assert lower_bounds[0] <= own * (1.0 + 1e-6)
     assert limits[0] == pytest.approx(own, rel=tolerance)
-    assert proofs[0] == pytest.approx(own, rel=tolerance + 1e-4)  # the gap that ends the search
+    assert lower_bounds[0] == pytest.approx(
+        own, rel=tolerance + 1e-4
+    )  # the gap that ends the search
 
 
 def test_the_turning_floor_is_its_closed_form_where_nothing_else_binds():
@@ -143,27 +145,27 @@ def test_the_front_ends_at_the_minimum_of_appendix_c_and_its_load():
     for plant in (FIXED, exact()):
         for tau_beta, load in ((4.0, 0.781), (8.0, 0.487)):
             wind = triangle(plant, tau_beta)
-            front = load_front(plant, wind, limit=0.1)
+            front = load_trade_off(plant, wind, limit=0.1)
             least = tv.optimum_deflection(plant, wind).peak
             assert front.limits[-1] == pytest.approx(least, rel=1e-12)
             if plant is not FIXED:
-                assert front.its_load / PEAK == pytest.approx(load, abs=5e-4)
+                assert front.load_of_minimum / PEAK == pytest.approx(load, abs=5e-4)
             assert np.all(np.diff(front.limits) <= 1e-9)
-            assert front.holds[-1] == "the least angle"
+            assert front.set_by[-1] == "the least angle"
 
 
 def test_the_least_load_is_the_jump_of_the_wind():
     wind = triangle(FIXED, 4.0)
-    assert load_front(FIXED, wind, [0.05]).least_load == 0.0
+    assert load_trade_off(FIXED, wind, [0.05]).minimum_load == 0.0
     box = tv.RectangularWind(peak=-PEAK, duration=8.0)
-    assert load_front(FIXED, box, [0.1]).least_load == pytest.approx(PEAK)
+    assert load_trade_off(FIXED, box, [0.1]).minimum_load == pytest.approx(PEAK)
     half = wind.before(4.0)  # it ends where it is largest
-    front = load_front(FIXED, half, [0.45 * PEAK, 0.55 * PEAK])
-    assert front.least_load == pytest.approx(PEAK / 2.0)
+    front = load_trade_off(FIXED, half, [0.45 * PEAK, 0.55 * PEAK])
+    assert front.minimum_load == pytest.approx(PEAK / 2.0)
     assert np.isinf(front.limits[0])
     assert np.isfinite(front.limits[1])
     with pytest.raises(tv.InputError, match="is the least"):
-        load_front(FIXED, half, load=0.45 * PEAK)
+        load_trade_off(FIXED, half, load=0.45 * PEAK)
 
 
 def flown_with_little_load(plant, M, most, wind, last):
@@ -193,10 +195,10 @@ def test_a_load_that_a_law_keeps_to_is_not_refused():
     widest, state = flown_with_little_load(plant, -1.18, most, wind, 60.0)
     assert np.degrees(widest) == pytest.approx(4.346, abs=1e-3)
     assert np.abs(state).max() < 1e-5
-    front = load_front(plant, wind, [most], load=most, moment_ratio=-1.18)
-    assert front.needed <= widest
-    assert front.needed >= (float(wind.peak) - most) / 1.18  # what the jump at the onset takes
-    assert front.least_load < most
+    front = load_trade_off(plant, wind, [most], load=most, moment_ratio=-1.18)
+    assert front.lower_bound <= widest
+    assert front.lower_bound >= (float(wind.peak) - most) / 1.18  # what the jump at the onset takes
+    assert front.minimum_load < most
 
 
 @pytest.mark.thorough
@@ -204,8 +206,8 @@ def test_a_load_below_what_was_computed_and_above_what_is_proved_is_not_known():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     wind, little = tv.RectangularWind(peak=np.radians(5.0), duration=7.5), np.radians(0.006)
     options = {"moment_ratio": -1.18, "load": little, "limit": np.radians(4.0)}
-    front = load_front(plant, wind, [little], **options)
-    assert np.isinf(front.needed)
+    front = load_trade_off(plant, wind, [little], **options)
+    assert np.isinf(front.lower_bound)
     assert front.verdict.startswith("NOT KNOWN")
 
 
@@ -217,28 +219,28 @@ def test_loads_far_below_the_peak_have_a_limit_too(plant):
     """
     loads = np.array([0.04, 0.06, 0.1])
     wind, unit = triangle(plant, 4.0), plant.coefficients.B * PEAK
-    limits, proofs = relative(plant, wind, loads)
+    limits, lower_bounds = relative(plant, wind, loads)
     assert np.all(np.isfinite(limits))
     assert np.all(np.diff(limits) < 0.0)
-    assert np.all(proofs <= limits)
-    assert limits == pytest.approx(proofs, rel=0.2)
+    assert np.all(lower_bounds <= limits)
+    assert limits == pytest.approx(lower_bounds, rel=0.2)
     if plant is FIXED:
         assert np.all(limits >= (loads + 0.25 / loads) / 2.0)
-    between = 0.5 * (limits[0] + proofs[0]) * unit
+    between = 0.5 * (limits[0] + lower_bounds[0]) * unit
     for limit, verdict in (
         (between, "NOT KNOWN: the lower bound is between"),
-        (proofs[0] * 0.9 * unit, "NOT SUFFICIENT"),
+        (lower_bounds[0] * 0.9 * unit, "NOT SUFFICIENT"),
     ):
-        front = load_front(plant, wind, limit=limit, load=loads[0] * PEAK)
+        front = load_trade_off(plant, wind, limit=limit, load=loads[0] * PEAK)
         assert front.verdict.startswith(verdict)
 
 
 def test_without_a_forecast_half_of_the_peak_is_left():
-    front = load_front(FIXED, triangle(FIXED, 8.0), PEAK * np.array([0.4, 0.6]), limit=0.01)
+    front = load_trade_off(FIXED, triangle(FIXED, 8.0), PEAK * np.array([0.4, 0.6]), limit=0.01)
     free = tv.forecast_free_limit(FIXED, triangle(FIXED, 8.0))
-    assert front.least_load_blind == pytest.approx(PEAK / 2.0)
-    assert np.isinf(front.bounds[0])
-    assert front.bounds[1] == pytest.approx(abs(free.deflection))
+    assert front.no_forecast_load == pytest.approx(PEAK / 2.0)
+    assert np.isinf(front.no_forecast_bounds[0])
+    assert front.no_forecast_bounds[1] == pytest.approx(abs(free.deflection))
     assert "without a forecast" in " ".join(front.notes)
 
 
@@ -246,21 +248,21 @@ def test_without_a_forecast_half_of_the_peak_is_left():
 def test_the_nozzle_s_point_is_judged_in_both_directions():
     plant, wind = exact(), triangle(exact(), 4.0)
     unit = plant.coefficients.B * PEAK
-    front = load_front(plant, wind, limit=0.45 * unit, load=0.5 * PEAK)
-    again = load_front(plant, wind, [front.needed_load])
+    front = load_trade_off(plant, wind, limit=0.45 * unit, load=0.5 * PEAK)
+    again = load_trade_off(plant, wind, [front.required_load])
     assert front.above_lower_bound is False
-    assert front.left < 0.0
-    assert front.left_load < 0.0
+    assert front.remaining < 0.0
+    assert front.remaining_load < 0.0
     assert again.limits[0] == pytest.approx(0.45 * unit, rel=3e-4)
-    assert load_front(plant, wind, limit=0.36 * unit).needed_load == np.inf
-    assert load_front(plant, wind, limit=0.5 * unit, load=0.6 * PEAK).above_lower_bound is True
+    assert load_trade_off(plant, wind, limit=0.36 * unit).required_load == np.inf
+    assert load_trade_off(plant, wind, limit=0.5 * unit, load=0.6 * PEAK).above_lower_bound is True
 
 
 def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_bears_its_load():
     wind = triangle(FIXED, 4.0)
-    front = load_front(FIXED, wind - 0.5 * wind.shift(8.0), [0.05])
-    assert front.bounds is None
+    front = load_trade_off(FIXED, wind - 0.5 * wind.shift(8.0), [0.05])
+    assert front.no_forecast_bounds is None
     assert np.isfinite(front.limits[0])
     still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0), "fixed-path")
-    front = load_front(still, wind, [0.02, 0.5])
+    front = load_trade_off(still, wind, [0.02, 0.5])
     assert front.limits[0] > front.limits[1] == 0.0

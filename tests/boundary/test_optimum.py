@@ -13,8 +13,8 @@ from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_defl
 from tvclin.boundary.optimum import minimum_peak
 from tvclin.boundary.optimum.minimum_peak import (
     NOT_CONVERGED,
+    NOT_EXCITED,
     STABLE,
-    UNTOUCHED,
     _polished,
     _solve,
     certify,
@@ -47,7 +47,7 @@ def test_the_conditions_are_those_of_their_poles():
     areas = [[quad(f, *knots[k : k + 2])[0] for k in range(3)] for f in functions]
     np.testing.assert_allclose(c.moments(np.array(knots)), areas, atol=1e-7)
     values = np.array([1.0, 2.0 - 3.0j, 4.0])
-    np.testing.assert_array_equal(c.joined(c.in_rows(values)), values)
+    np.testing.assert_array_equal(c.complex_values(c.real_rows(values)), values)
 
 
 def test_a_residual_is_the_violation_over_the_sizes_of_the_pieces_and_the_demand():
@@ -255,7 +255,7 @@ def test_nothing_is_needed_by_a_stable_vehicle_or_by_a_wind_that_excites_nothing
     assert np.all(best.deflection(np.linspace(-1.0, 9.0, 5)) == 0.0)
     tuned = Plant(Coefficients.from_beta(beta=0.5, B=0.1, b1=0.03, b2=-0.5), "drift")
     best = optimum_deflection(tuned, wind)
-    assert (best.peak, best.status) == (0.0, UNTOUCHED)
+    assert (best.peak, best.status) == (0.0, NOT_EXCITED)
     assert best.multipliers.tolist() == [0.0]
 
 

@@ -10,10 +10,10 @@ import tvclin
 from tests.optima import NAMES, plant_of, solved
 from tvclin import Coefficients, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum.two_poles import (
+    duration_without_fast_pole,
     early_switch,
     late_switch,
     longest_single_pole_duration,
-    neglecting_the_fast_pole,
     single_pole_validity,
     switch_time,
     switch_variable,
@@ -133,7 +133,7 @@ def test_the_duration_up_to_which_one_pole_decides():
         assert found * coefficients.beta == pytest.approx(tau_beta, abs=0.05)
     printed = longest_single_pole_duration(0.01, 0.5)
     assert printed == pytest.approx(30.479, abs=5e-4)
-    assert neglecting_the_fast_pole(0.01, 0.5) == pytest.approx(30.495, abs=5e-4)
+    assert duration_without_fast_pole(0.01, 0.5) == pytest.approx(30.495, abs=5e-4)
     assert printed * 0.5 == pytest.approx(15.2, abs=0.05)
     assert switching_ratio(printed, 0.01, 0.5) == pytest.approx(1.0, rel=1e-13)
     assert np.isnan(longest_single_pole_duration(0.5, 0.5))
@@ -145,7 +145,7 @@ def test_the_duration_up_to_which_one_pole_decides():
 def test_where_the_fast_pole_leaves_no_trace_its_neglect_is_exact():
     found = longest_single_pole_duration(1e-6, 1.0)  # e^(-tau beta2/2) is e^(-1000)
     assert found == pytest.approx(-2e6 * np.log1p(-1e-3), rel=1e-12)
-    assert neglecting_the_fast_pole(1e-6, 1.0) == pytest.approx(found, rel=1e-12)
+    assert duration_without_fast_pole(1e-6, 1.0) == pytest.approx(found, rel=1e-12)
 
 
 def test_the_switching_ratio_is_that_of_the_demands():
@@ -203,7 +203,7 @@ NUMBERS = {"duration": 9.0, "beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}
 
 
 @pytest.mark.parametrize(
-    "call", [switching_ratio, longest_single_pole_duration, neglecting_the_fast_pole]
+    "call", [switching_ratio, longest_single_pole_duration, duration_without_fast_pole]
 )
 @pytest.mark.parametrize("name", NUMBERS)
 def test_numbers_that_are_not_positive_or_do_not_fit_are_refused(call, name):

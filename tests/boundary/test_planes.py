@@ -12,14 +12,14 @@ from scipy.special import hyp2f1
 import tvclin as tv
 from tvclin import InputError
 from tvclin.boundary import (
-    CircularStop,
-    EllipticStop,
-    PolygonStop,
-    SquareStop,
+    CircularShape,
+    EllipticShape,
+    PolygonShape,
+    SquareShape,
     forecast_free,
     plane_bounds,
 )
-from tvclin.boundary.plane_bounds import Pair, unforeseen
+from tvclin.boundary.plane_bounds import PlanePair, no_forecast_bound
 from tvclin.winds import PlaneWind
 from tvclin.winds.wind_angles import angle_from_speed
 
@@ -28,7 +28,7 @@ PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=0.107)
 BOOSTER = tv.load_vehicle("configuration-i")
 EXACT = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
 EPS = np.finfo(float).eps
-KITE = PolygonStop([1.0, 0.6j, -0.5, -0.8j])
+KITE = PolygonShape([1.0, 0.6j, -0.5, -0.8j])
 
 
 def triangle(tau_beta, beta=BETA, peak=0.08):
@@ -66,12 +66,12 @@ def test_along_an_axis_it_is_the_scalar_limit_to_the_last_digit(plant, K, quarte
     found = tv.plane_limit(plant, PlaneWind.towards(gust, quarter * np.pi / 2), dead_band=K)
     assert found.limit == scalar.limit
     assert found.deflection == abs(scalar.deflection)
-    assert found.leaving_time == scalar.switch_time
+    assert found.switch_time == scalar.switch_time
     assert found.notes == ()
-    held = found.in_plane, found.across
+    held = found.pitch, found.yaw
     assert held[quarter % 2] == scalar.deflection * (1.0, 1.0, -1.0, -1.0)[quarter]
     assert held[(quarter + 1) % 2] == 0.0
-    assert found.underestimate == (1.0, 0.0)[quarter % 2]
+    assert found.pitch_only_ratio == (1.0, 0.0)[quarter % 2]
 
 
 @pytest.mark.parametrize("angle", [0.3, 1.0, 2.5])
@@ -80,9 +80,9 @@ def test_of_one_direction_the_size_counts_and_pitch_alone_is_too_good(angle):
     scalar = abs(tv.boundary_limit(PLANT, gust).deflection)
     found = tv.plane_limit(PLANT, PlaneWind.towards(gust, angle))
     assert found.deflection == pytest.approx(scalar, rel=1e-12)
-    assert found.pitch_alone == pytest.approx(scalar * abs(np.cos(angle)), rel=1e-12)
-    assert found.underestimate == pytest.approx(abs(np.cos(angle)), rel=1e-12)
-    square = tv.plane_limit(PLANT, PlaneWind.towards(gust, angle), SquareStop())
+    assert found.pitch_only == pytest.approx(scalar * abs(np.cos(angle)), rel=1e-12)
+    assert found.pitch_only_ratio == pytest.approx(abs(np.cos(angle)), rel=1e-12)
+    square = tv.plane_limit(PLANT, PlaneWind.towards(gust, angle), SquareShape())
     most = max(abs(np.cos(angle)), abs(np.sin(angle)))
     assert square.deflection == pytest.approx(scalar * most, rel=1e-12)
 
@@ -98,7 +98,7 @@ def test_a_west_jet_across_a_slanting_flight():
     pitch, yaw = (triangle(7.5, 1.0, part) for part in parts)
     wind = PlaneWind(pitch=pitch, yaw=yaw)
     assert np.degrees(wind.peak) == pytest.approx(4.60275, abs=5.1e-6)
-    stops = CircularStop(), CircularStop().each_plane(), SquareStop()
+    stops = CircularShape(), CircularShape().each_plane(), SquareShape()
     published = {
         "fixed-path": (0.19522, 0.33889, 0.39175, 0.27701),
         "drift-exact": (0.18602, 0.32291, 0.37328, 0.26395),
@@ -107,10 +107,10 @@ def test_a_west_jet_across_a_slanting_flight():
         plant = tv.Plant.from_vehicle(BOOSTER, model)
         found = [tv.plane_limit(plant, wind, stop) for stop in stops]
         assert np.degrees([f.deflection for f in found]) == pytest.approx(shared, abs=5.1e-6)
-        assert np.degrees(found[0].pitch_alone) == pytest.approx(alone, abs=5.1e-6)
+        assert np.degrees(found[0].pitch_only) == pytest.approx(alone, abs=5.1e-6)
         # sines of small angles stand for angles: some 1e-3 of the square
         ratio = 1.0 / np.sqrt(1.0 + (np.tan(psi) / np.sin(BOOSTER.attitude)) ** 2)
-        assert found[0].underestimate == pytest.approx(ratio, abs=1e-3)
+        assert found[0].pitch_only_ratio == pytest.approx(ratio, abs=1e-3)
 
 
 # Winds that turn: the verdict, the closed form, another solver.
@@ -124,16 +124,16 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
     plant = tv.Plant.from_vehicle(BOOSTER, model)
     wind = veering(5.0, 120.0, angle=0.4)
     found = tv.plane_limit(plant, wind, dead_band=K, switch=switch)
-    held = {"pitch": found.in_plane, "yaw": found.across}
+    held = {"pitch": found.pitch, "yaw": found.yaw}
     for plane, constant in held.items():
         blown = getattr(wind, plane)
-        trim = tv.trim_deflection(plant, blown).before(found.leaving_time)
-        control = trim + tv.linear.ConstantDeflection(limit=constant, start=found.leaving_time)
+        trim = tv.trim_deflection(plant, blown).before(found.switch_time)
+        control = trim + tv.linear.ConstantDeflection(limit=constant, start=found.switch_time)
         left, size = (tv.residues(plant, control, one)[0] for one in (blown, 0.0 * blown))
         assert abs(left) <= 1e-12 * abs(size)
 
 
-@pytest.mark.parametrize("stop", [CircularStop(), EllipticStop(1.0, 0.5), SquareStop(0.3), KITE])
+@pytest.mark.parametrize("stop", [CircularShape(), EllipticShape(1.0, 0.5), SquareShape(0.3), KITE])
 @pytest.mark.parametrize("K", [0.3, 1.0])
 def test_the_dead_band_is_left_where_quadrature_says(stop, K):
     wind = veering(4.0, 100.0, angle=0.2)
@@ -155,7 +155,7 @@ def test_the_dead_band_is_left_where_quadrature_says(stop, K):
     middle = float(wind.end) / 2.0
     a = brentq(spare, 1e-3, middle, xtol=1e-12)
     # quad: 1e-8 of the size for the kink at the peak; the root moves by as much over its slope
-    assert found.leaving_time == pytest.approx(a, abs=1e-6)
+    assert found.switch_time == pytest.approx(a, abs=1e-6)
     assert found.deflection == pytest.approx(float(stop.gauge(mean(a))), rel=1e-6)
 
 
@@ -174,7 +174,7 @@ TABLE = {
 @pytest.mark.parametrize("case", TABLE)
 def test_the_table_of_veering_triangles(case):
     found = limits(*case)
-    numbers = [*(one.limit for one in found), found[-1].without_forecast]
+    numbers = [*(one.limit for one in found), found[-1].no_forecast_bound]
     assert numbers == pytest.approx(TABLE[case], abs=5.1e-6)
 
 
@@ -185,15 +185,15 @@ def test_a_wind_that_turns_needs_less_and_says_what_it_leaves_open(degrees):
         assert other.limit < one.limit
     assert turning[0].notes == ()
     assert "deflection held presumes how" in turning[2].notes[0]
-    assert turning[2].limit >= turning[2].without_forecast
+    assert turning[2].limit >= turning[2].no_forecast_bound
 
 
 def test_with_one_dead_band_it_is_never_below_the_bound_without_a_forecast():
     """So far a turn that the formula for K = 1 alone would promise less."""
     found = [tv.plane_limit(PLANT, veering(4, turn)) for turn in (450.0, 720.0, 1500.0)]
     for one in found:
-        assert one.limit >= one.without_forecast
-    assert found[-1].limit == found[-1].without_forecast
+        assert one.limit >= one.no_forecast_bound
+    assert found[-1].limit == found[-1].no_forecast_bound
     assert "without a forecast is larger" in found[-1].notes[-1]
 
 
@@ -204,7 +204,7 @@ def test_where_the_driver_falls_and_returns_every_larger_limit_is_sufficient():
     assert not bent.unidirectional
     found = tv.plane_limit(PLANT, bent, dead_band=0.6)
     assert found.limit == pytest.approx(line.limit, rel=1e-8)
-    assert found.leaving_time == pytest.approx(line.switch_time, abs=1e-6)
+    assert found.switch_time == pytest.approx(line.switch_time, abs=1e-6)
     assert (line.status == "ok") == (not found.notes[:-1])
 
 
@@ -218,10 +218,10 @@ def test_a_cluster_in_a_turning_wind_is_counted_from_inside():
     )
     wind = veering(4, 90)
     known = tv.plane_limit(PLANT, wind, three, dead_band=0.0)
-    held = complex(known.in_plane, known.across)
+    held = complex(known.pitch, known.yaw)
     assert known.deflection == pytest.approx(float(three.gauge(held)), rel=1e-12)
     found = tv.plane_limit(PLANT, wind, three, dead_band=0.5)
-    assert found.deflection >= float(three.gauge(complex(found.in_plane, found.across)))
+    assert found.deflection >= float(three.gauge(complex(found.pitch, found.yaw)))
     assert "polygon inside" in found.notes[-1]
 
 
@@ -298,7 +298,7 @@ def test_what_is_left_of_a_minimum_is_told(monkeypatch):
 @pytest.mark.parametrize("width", [1.0, 1e-3, 1e-6])
 def test_a_stop_may_be_thin(width):
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
-    best = tv.boundary.plane_optimum(EXACT, wind, EllipticStop(1.0, width))
+    best = tv.boundary.plane_optimum(EXACT, wind, EllipticShape(1.0, width))
     assert best.status == "ok"
     assert abs(best.certificate.gap) < 1e-5
     assert best.certificate.residual < 1e-12
@@ -308,7 +308,7 @@ def test_a_batch_is_what_each_is_alone():
     gusts = tv.TriangularWind(peak=0.08, duration=[5.0, 9.0])
     winds = PlaneWind.veering(gusts, 0.3, [[0.0], [0.15]])
     found = tv.plane_limit(PLANT, winds, dead_band=0.5)
-    assert found.limit.shape == found.leaving_time.shape == (2, 2)
+    assert found.limit.shape == found.switch_time.shape == (2, 2)
     for case in range(4):
         alone = tv.plane_limit(PLANT, winds.case(case, (2, 2)), dead_band=0.5)
         assert found.deflection.ravel()[case] == alone.deflection
@@ -367,7 +367,7 @@ def test_two_modes_in_each_plane_with_proof(case):
 
 def test_the_deflection_of_the_optimum_meets_the_condition_of_every_mode():
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
-    best = tv.boundary.plane_optimum(EXACT, wind, EllipticStop(1.0, 0.6))
+    best = tv.boundary.plane_optimum(EXACT, wind, EllipticShape(1.0, 0.6))
     steps = np.diff(best.deflections, prepend=0.0)
     for plane, part in (("pitch", np.real), ("yaw", np.imag)):
         poles = tv.unstable_modes(EXACT)
@@ -378,7 +378,7 @@ def test_the_deflection_of_the_optimum_meets_the_condition_of_every_mode():
             left = poles.deflection_residues[k] * turned + poles.wind_residues[k] * blown
             size = abs(poles.wind_residues[k]) * getattr(wind, plane).laplace_magnitude(p)
             assert abs(left) < 1e-11 * size
-    assert EllipticStop(1.0, 0.6).gauge(best.deflections).max() <= best.peak * (1.0 + 1e-12)
+    assert EllipticShape(1.0, 0.6).gauge(best.deflections).max() <= best.peak * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7])
@@ -398,7 +398,7 @@ def test_along_a_line_the_optimum_is_that_of_one_plane(angle):
 
 def test_a_square_stop_is_two_problems_of_one_plane():
     wind = veering(20, 90, beta=EXACT.coefficients.beta)
-    best = tv.boundary.plane_optimum(EXACT, wind, SquareStop())
+    best = tv.boundary.plane_optimum(EXACT, wind, SquareShape())
     each = [tv.optimum_deflection(EXACT, one).peak for one in (wind.pitch, wind.yaw)]
     assert best.certificate.dual <= max(each) * (1.0 + 1e-9)
     assert max(each) <= best.peak * (1.0 + 1e-9)
@@ -446,7 +446,7 @@ def program(wind, turned=(), sides=32, steps=64):
 def test_a_convex_program_meets_the_bound_without_a_forecast(tau_beta, degrees):
     """By a path that is told the wind and not the stop; to .004 for turns of 180 degrees."""
     wind = veering(tau_beta, degrees)
-    bound = limits(tau_beta, degrees)[2].without_forecast
+    bound = limits(tau_beta, degrees)[2].no_forecast_bound
     found = program(wind)
     room = 0.004 if degrees > 90 else 1e-5
     assert found <= bound + room
@@ -458,13 +458,13 @@ def test_a_convex_program_meets_the_bound_without_a_forecast(tau_beta, degrees):
 def test_the_bound_of_a_sudden_turn():
     found = tv.plane_limit(PLANT, sudden(4, 90), dead_band=0.0)
     assert found.limit == pytest.approx(0.30677, abs=5.1e-6)
-    assert found.without_forecast == pytest.approx(0.30677, abs=5.1e-6)
+    assert found.no_forecast_bound == pytest.approx(0.30677, abs=5.1e-6)
 
 
-@pytest.mark.parametrize("stop", [SquareStop(0.4), EllipticStop(1.0, 0.4), KITE])
+@pytest.mark.parametrize("stop", [SquareShape(0.4), EllipticShape(1.0, 0.4), KITE])
 def test_the_bound_for_other_stops_among_all_pairs_of_times(stop):
     wind = veering(8, 150)
-    found = unforeseen(Pair((PLANT, PLANT), wind), stop)
+    found = no_forecast_bound(PlanePair((PLANT, PLANT), wind), stop)
     t = np.linspace(0.0, float(wind.end), 151)
     ahead = -PLANT.coefficients.B * BETA * wind.remaining_integral(BETA, t)
     asked = ahead[:, np.newaxis] - ahead * np.exp(-BETA * np.maximum(t - t[:, np.newaxis], 0.0))
@@ -480,9 +480,9 @@ def test_the_bound_for_other_stops_among_all_pairs_of_times(stop):
 def test_a_wind_of_one_direction_has_the_scalar_bound_both_ways_of_computing():
     wind = triangle(8.0)
     scalar = abs(tv.forecast_free_limit(PLANT, wind).deflection)
-    straight = Pair((PLANT, PLANT), PlaneWind.towards(wind, 0.6))
+    straight = PlanePair((PLANT, PLANT), PlaneWind.towards(wind, 0.6))
     # five grids narrow a step of .1 s to 2e-6 s; the largest value is flat
-    assert unforeseen(straight, CircularStop()) == pytest.approx(scalar, rel=1e-9)
+    assert no_forecast_bound(straight, CircularShape()) == pytest.approx(scalar, rel=1e-9)
 
 
 # A turn instead of a stop.
@@ -519,10 +519,10 @@ def test_the_least_circle_around_what_may_come(seed):
     draw = np.random.default_rng(seed)
     phi, R, wind = draw.uniform(0.0, np.pi), draw.uniform(0.0, 1.2), triangle(draw.uniform(1, 20))
     plain = tv.forecast_free_limit(PLANT, wind)
-    S = float(BETA * wind.remaining_integral(BETA, plain.worst_stop) / wind.peak)
+    S = float(BETA * wind.remaining_integral(BETA, plain.worst_stop_time) / wind.peak)
     z = np.linspace(0.0, 1.0, 200_001)
     radius = np.max([z, np.abs(S - z), np.abs(z - R * np.exp(1j * phi))], axis=0).min()
-    expected = max(plain.foresight, radius, R)
+    expected = max(plain.wind_known, radius, R)
     found = tv.forecast_free_limit(PLANT, wind, R, phi).limit
     assert found == pytest.approx(expected, abs=5e-6)  # of the search
 
@@ -565,7 +565,7 @@ STABLE = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.3, mu_delta=2.6)
         ({"plant": PAIR}, "all real; it has the complex pair"),
         ({"yaw_plant": PAIR}, "yaw_plant must have unstable poles, all real; it has the complex"),
         ({"plant": STABLE}, "it has none"),
-        ({"stop": "round"}, "stop must be a Stop"),
+        ({"stop": "round"}, "stop must be a LimitShape"),
     ],
 )
 def test_what_has_no_limit_in_two_planes_is_refused(door, changed, message):
@@ -631,7 +631,7 @@ def test_where_trim_grows_a_turning_wind_has_no_dead_band() -> None:
     c = tv.Coefficients.from_beta(beta=0.5, B=0.1).replace(b1=-0.02, b2=0.01)
     plant, gust = tv.Plant.from_coefficients(c, "drift-exact"), triangle(4.0)
     turning = PlaneWind.veering(gust, angle=0.0, rate=0.2)
-    with pytest.raises(tv.InputError, match="needs plants with b1 of zero or more"):
+    with pytest.raises(tv.InputError, match="requires plants with b1 of zero or more"):
         tv.plane_limit(plant, turning)
     assert tv.plane_limit(plant, turning, dead_band=0.0).limit > 0.0
     straight = tv.plane_limit(plant, PlaneWind.towards(gust, 0.4))

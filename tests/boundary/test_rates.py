@@ -7,8 +7,8 @@ from scipy.integrate import quad
 from scipy.optimize import linprog
 
 import tvclin as tv
-from tvclin.boundary import optimum_with_rate_limit, rate_front
-from tvclin.boundary.rate_trade_off import ramped_deflection
+from tvclin.boundary import optimum_with_rate_limit, rate_trade_off
+from tvclin.boundary.limit_over_rate import ramped_deflection
 
 PEAK, B, BETA = 0.1, 0.1, 0.5
 FIXED = tv.Plant(tv.Coefficients.from_beta(beta=BETA, B=B), "fixed-path")
@@ -24,7 +24,7 @@ def triangle(plant, tau_beta):
 
 
 def relative(plant, wind, rates, **options):
-    front = rate_front(plant, wind, rates, **options)
+    front = rate_trade_off(plant, wind, rates, **options)
     return front.limits / (plant.coefficients.B * PEAK)
 
 
@@ -41,7 +41,7 @@ def relative(plant, wind, rates, **options):
 )
 def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, expected):
     wind = triangle(plant, tau_beta)
-    rates = MULTIPLES * rate_front(plant, wind).least_rate
+    rates = MULTIPLES * rate_trade_off(plant, wind).minimum_rate
     assert relative(plant, wind, rates) == pytest.approx(expected, abs=6e-6)
 
 
@@ -91,7 +91,7 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
         bounds=(None, None),
     )
     assert found.status == 0
-    least = rate_front(FIXED, wind, [rate], **most).limits[0]
+    least = rate_trade_off(FIXED, wind, [rate], **most).limits[0]
     assert least == pytest.approx(found.fun, rel=1e-4)
 
 
@@ -101,7 +101,7 @@ def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     for tau_beta in (2.0, 8.0, 20.0):
         wind = triangle(plant, tau_beta)
         least = tv.optimum_deflection(plant, wind).peak
-        found = rate_front(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
+        found = rate_trade_off(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
         programmed = model == "drift-and-speed" or (model == "drift-exact" and tau_beta == 20.0)
         assert found == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
     assert ramped_deflection(0.3, 0.5, np.inf) == 0.3
@@ -114,7 +114,7 @@ def test_two_poles_are_never_told_too_little():
     plant = exact()
     for tau_beta in (8.0, 13.0, 15.0, 16.0, 20.0):
         wind = triangle(plant, tau_beta)
-        front = rate_front(plant, wind, MULTIPLES * rate_front(plant, wind).least_rate)
+        front = rate_trade_off(plant, wind, MULTIPLES * rate_trade_off(plant, wind).minimum_rate)
         by_program = [optimum_with_rate_limit(plant, wind, float(r)).peak for r in front.rates]
         assert front.limits == pytest.approx(by_program, rel=1e-5)
 
@@ -125,10 +125,10 @@ def test_the_bound_without_a_forecast_is_reached_within_what_is_known_of_it():
         (4.0, [0.6, 1.0, 2.0, 5.0], [0.734, 0.514, 0.416, 0.389]),
         (8.0, [0.6, 1.0, 2.0, 5.0], [0.934, 0.636, 0.512, 0.450]),
     ):
-        front = rate_front(FIXED, triangle(FIXED, tau_beta), np.array(rho) * BETA * B * PEAK)
-        bounds = front.bounds / (B * PEAK)
+        front = rate_trade_off(FIXED, triangle(FIXED, tau_beta), np.array(rho) * BETA * B * PEAK)
+        bounds = front.no_forecast_bounds / (B * PEAK)
         assert np.all(bounds <= np.array(program) + 0.002)
-        assert np.all(front.bounds >= front.limits * (1.0 - 1e-12))
+        assert np.all(front.no_forecast_bounds >= front.limits * (1.0 - 1e-12))
     assert bounds[2] == pytest.approx(0.465, abs=6e-4)
 
 
@@ -145,52 +145,52 @@ def test_a_stop_and_the_wind_to_come_leave_no_state_below_the_bound():
 
 def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
     plant, wind = exact(), triangle(exact(), 8.0)
-    front = rate_front(plant, wind, limit=0.006, rate_limit=0.01)
-    at = rate_front(plant, wind, [0.01, front.needed_rate])
-    assert front.needed == max(at.limits[0], at.bounds[0])
+    front = rate_trade_off(plant, wind, limit=0.006, rate_limit=0.01)
+    at = rate_trade_off(plant, wind, [0.01, front.required_rate])
+    assert front.lower_bound == max(at.limits[0], at.no_forecast_bounds[0])
     assert max(at.limits[1], at.bounds[1]) == pytest.approx(0.006, rel=1e-8)
-    assert (front.left > 0.0) == (front.left_rate > 0.0) == front.above_lower_bound
-    assert rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
+    assert (front.remaining > 0.0) == (front.remaining_rate > 0.0) == front.above_lower_bound
+    assert rate_trade_off(plant, wind, limit=1e-4).required_rate == np.inf
 
 
 def test_the_verdict_says_whether_a_forecast_would_help():
     wind = triangle(FIXED, 10.0)
-    front = rate_front(FIXED, wind)
-    blind = front.needed  # at any rate, which is more than the known wind's
-    assert blind > 1.2 * front.least_deflection
+    front = rate_trade_off(FIXED, wind)
+    blind = front.lower_bound  # at any rate, which is more than the known wind's
+    assert blind > 1.2 * front.minimum_deflection
     for limit, rate, words in (
         (0.9 * blind, None, "no forecast"),
-        (0.9 * blind, 20.0 * front.least_rate, "no forecast"),
-        (0.9 * front.least_deflection, None, "wind known"),
-        (None, 1.1 * front.least_rate, "no forecast"),
-        (1.1 * front.least_deflection, 1.1 * front.least_rate, "wind known"),
+        (0.9 * blind, 20.0 * front.minimum_rate, "no forecast"),
+        (0.9 * front.minimum_deflection, None, "wind known"),
+        (None, 1.1 * front.minimum_rate, "no forecast"),
+        (1.1 * front.minimum_deflection, 1.1 * front.minimum_rate, "wind known"),
     ):
-        found = rate_front(FIXED, wind, limit=limit, rate_limit=rate)
+        found = rate_trade_off(FIXED, wind, limit=limit, rate_limit=rate)
         assert found.above_lower_bound is False
         assert found.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
 
 
 def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
     wind = triangle(FIXED, 4.0)
-    front = rate_front(FIXED, wind)
-    assert front.least_rate == pytest.approx(BETA * tv.optimum_deflection(FIXED, wind).peak)
-    with pytest.raises(tv.InputError, match=f"{front.least_rate:.6g} rad/s"):
-        rate_front(FIXED, wind, rate_limit=front.least_rate)
-    assert np.isinf(rate_front(FIXED, wind, [front.least_rate]).limits[0])
+    front = rate_trade_off(FIXED, wind)
+    assert front.minimum_rate == pytest.approx(BETA * tv.optimum_deflection(FIXED, wind).peak)
+    with pytest.raises(tv.InputError, match=f"{front.minimum_rate:.6g} rad/s"):
+        rate_trade_off(FIXED, wind, rate_limit=front.minimum_rate)
+    assert np.isinf(rate_trade_off(FIXED, wind, [front.minimum_rate]).limits[0])
     with pytest.raises(tv.InputError, match="acceleration_limit must be above"):
-        rate_front(FIXED, wind, acceleration_limit=BETA * front.least_rate)
+        rate_trade_off(FIXED, wind, acceleration_limit=BETA * front.minimum_rate)
     with pytest.raises(tv.InputError, match="one unstable pole decides"):
-        rate_front(exact(), triangle(exact(), 20.0), acceleration_limit=10.0)
+        rate_trade_off(exact(), triangle(exact(), 20.0), acceleration_limit=10.0)
 
 
 def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_needs_nothing():
     wind = triangle(FIXED, 4.0)
-    front = rate_front(FIXED, wind - 0.5 * wind.shift(8.0))
-    assert front.bounds is None
+    front = rate_trade_off(FIXED, wind - 0.5 * wind.shift(8.0))
+    assert front.no_forecast_bounds is None
     assert np.all(np.isfinite(front.limits))
     assert "changes its sign" in next(front.notes)
     still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0), "fixed-path")
-    front = rate_front(still, wind, limit=0.01, rate_limit=0.01)
+    front = rate_trade_off(still, wind, limit=0.01, rate_limit=0.01)
     assert front.above_lower_bound
     assert not np.any(front.limits)
     assert "neither" in next(front.notes)

@@ -7,18 +7,18 @@ from scipy.optimize import linprog
 import tvclin as tv
 from tvclin import InputError
 from tvclin.boundary import (
-    CircularStop,
+    CircularShape,
     Cluster,
     ClusterEngine,
-    EllipticStop,
-    PolygonStop,
-    SquareStop,
+    EllipticShape,
+    PolygonShape,
+    SquareShape,
 )
 
 CROSS = (1.0, 1.0j, -1.0, -1.0j)
 AROUND = np.exp(1j * np.radians(np.arange(0.0, 360.0, 7.5)))
-KITE = PolygonStop([1.0, 0.6j, -0.5, -0.8j])
-STOPS = (CircularStop(), SquareStop(0.3), EllipticStop(2.0, 0.7), KITE)
+KITE = PolygonShape([1.0, 0.6j, -0.5, -0.8j])
+STOPS = (CircularShape(), SquareShape(0.3), EllipticShape(2.0, 0.7), KITE)
 ROUNDING = 1e-13
 """Of the gauge by grids: 4e-15 of the bracket, which is some times the shape."""
 
@@ -28,7 +28,7 @@ def unit(degrees):
 
 
 def cluster(dead, places=CROSS, stop=None, hold_roll=True, state="centred", deflection=0.0):
-    stop = stop or CircularStop()
+    stop = stop or CircularShape()
     held = {"state": state, "deflection": deflection}
     return Cluster(
         [
@@ -48,7 +48,7 @@ def test_the_gauge_follows_from_the_support(stop):
     assert np.all(sought <= found * (1.0 + ROUNDING))
     # a corner of the polar shape is missed by a slope of at most 8 times half a step
     assert np.all(sought >= found * (1.0 - 8.0 * np.pi / 40000))
-    assert tv.boundary.Stop.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
+    assert tv.boundary.LimitShape.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
     assert stop.gauge(stop.farthest(AROUND)) == pytest.approx(1.0, rel=ROUNDING)
     reached = np.real(np.conj(AROUND) * stop.farthest(AROUND))
     assert reached == pytest.approx(stop.support(AROUND), rel=ROUNDING)
@@ -56,11 +56,11 @@ def test_the_gauge_follows_from_the_support(stop):
 
 def test_gauges_in_closed_form():
     v = np.array([3.0 + 4.0j, -1.0j, 0.0])
-    assert CircularStop().gauge(v).tolist() == [5.0, 1.0, 0.0]
-    assert SquareStop().gauge(v).tolist() == [4.0, 1.0, 0.0]
-    assert SquareStop(np.pi / 4).gauge(v[:2]) == pytest.approx([7 / 2**0.5, 0.5**0.5], rel=1e-15)
-    assert EllipticStop(3.0, 2.0).gauge(v).tolist() == [np.hypot(1.0, 2.0), 0.5, 0.0]
-    assert SquareStop().reach(np.radians(45)) == pytest.approx(2**0.5, rel=1e-15)
+    assert CircularShape().gauge(v).tolist() == [5.0, 1.0, 0.0]
+    assert SquareShape().gauge(v).tolist() == [4.0, 1.0, 0.0]
+    assert SquareShape(np.pi / 4).gauge(v[:2]) == pytest.approx([7 / 2**0.5, 0.5**0.5], rel=1e-15)
+    assert EllipticShape(3.0, 2.0).gauge(v).tolist() == [np.hypot(1.0, 2.0), 0.5, 0.0]
+    assert SquareShape().reach(np.radians(45)) == pytest.approx(2**0.5, rel=1e-15)
     assert [stop.symmetric for stop in STOPS] == [True, True, True, False]
 
 
@@ -70,10 +70,10 @@ MIDDLES = np.array([1.0, 1.0 + 1.0j, 1.0j, -1.0 + 1.0j, -1.0, -1.0 - 1.0j, -1.0j
 
 @pytest.mark.parametrize(
     "corners",
-    [KITE.corners, *(np.roll(MIDDLES, k) * unit(20.0) for k in range(3)), CircularStop()],
+    [KITE.corners, *(np.roll(MIDDLES, k) * unit(20.0) for k in range(3)), CircularShape()],
 )
 def test_a_polygon_reaches_as_far_as_its_furthest_corner_and_up_to_its_nearest_edge(corners):
-    stop = corners.inscribed() if isinstance(corners, CircularStop) else PolygonStop(corners)
+    stop = corners.inscribed() if isinstance(corners, CircularShape) else PolygonShape(corners)
     corner, after = stop.corners, np.roll(stop.corners, -1)
     normal = -1j * (after - corner)
     v = np.concatenate([AROUND, corner, normal, corner + after])[:, np.newaxis] * [1.0, 0.3]
@@ -84,12 +84,12 @@ def test_a_polygon_reaches_as_far_as_its_furthest_corner_and_up_to_its_nearest_e
 
 
 def test_each_plane_for_itself_leaves_the_square_inside():
-    inside = CircularStop().each_plane()
-    assert inside.gauge(AROUND) == pytest.approx(2**0.5 * SquareStop().gauge(AROUND), rel=1e-14)
-    assert SquareStop().each_plane().gauge(AROUND) == pytest.approx(SquareStop().gauge(AROUND))
+    inside = CircularShape().each_plane()
+    assert inside.gauge(AROUND) == pytest.approx(2**0.5 * SquareShape().gauge(AROUND), rel=1e-14)
+    assert SquareShape().each_plane().gauge(AROUND) == pytest.approx(SquareShape().gauge(AROUND))
 
 
-@pytest.mark.parametrize("stop", [*STOPS, cluster([0], stop=EllipticStop(1.0, 0.5))])
+@pytest.mark.parametrize("stop", [*STOPS, cluster([0], stop=EllipticShape(1.0, 0.5))])
 def test_an_inscribed_polygon_is_never_more_than_the_shape(stop):
     around = unit(np.arange(0.0, 360.0, 13.3))
     inside, true = stop.inscribed(90).gauge(around), stop.gauge(around)
@@ -127,7 +127,7 @@ PLACES = (1.0 + 0.2j, -0.3 + 1.1j, -1.0 + 0.0j, 0.4 - 0.8j)
 @pytest.mark.parametrize("dead", [(), (0,), (2, 3)])
 @pytest.mark.parametrize("hold_roll", [True, False])
 def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll):
-    stop = SquareStop(0.2)
+    stop = SquareShape(0.2)
     found = cluster(dead, PLACES, stop, hold_roll)
     for v in unit(np.array([10.0, 100.0, 200.0, 305.0])):
         expected = least_limit(PLACES, complex(v), stop.corners, dead, hold_roll)
@@ -153,7 +153,7 @@ def test_clusters_with_engines_that_are_centred():
     assert cluster([0], hold_roll=False).gauge(AROUND) == pytest.approx(4 / 3, rel=1e-12)
     two = cluster([0, 1]).gauge(unit(np.array([0.0, 90.0, 45.0])))
     assert two == pytest.approx([8**0.5, 8**0.5, 2.0], rel=1e-12)
-    square = cluster([0], stop=SquareStop()).gauge(unit(np.array([0.0, 45.0])))
+    square = cluster([0], stop=SquareShape()).gauge(unit(np.array([0.0, 45.0])))
     assert square == pytest.approx([4 / 3, 4 / 3 * 1.2 / 2**0.5], rel=1e-9)
     five = (*unit(np.array([45.0, 135.0, 225.0, 315.0])), 0.0)
     assert cluster([4], five).gauge(AROUND) == pytest.approx(1.25, rel=1e-12)
@@ -192,13 +192,13 @@ def test_thrusts_that_are_not_about_the_axis_must_be_trimmed():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: EllipticStop(1.0, 0.0), "yaw must be between 1e-06"),
-        (lambda: PolygonStop([1.0, 0.1 + 0.1j, 1.0j, -1.0, -1.0j]), "convex polygon"),
-        (lambda: PolygonStop([2.0, 3.0, 2.0 + 1.0j]), "has zero inside"),
-        (lambda: PolygonStop(unit(np.arange(5) * 144.0)), "once around"),
-        (lambda: PolygonStop([1.0, 1.0j]), "3 to 10000"),
-        (lambda: SquareStop(np.inf), "turn must be finite"),
-        (lambda: CircularStop().gauge("x"), "vector must be numbers"),
+        (lambda: EllipticShape(1.0, 0.0), "yaw must be between 1e-06"),
+        (lambda: PolygonShape([1.0, 0.1 + 0.1j, 1.0j, -1.0, -1.0j]), "convex polygon"),
+        (lambda: PolygonShape([2.0, 3.0, 2.0 + 1.0j]), "has zero inside"),
+        (lambda: PolygonShape(unit(np.arange(5) * 144.0)), "once around"),
+        (lambda: PolygonShape([1.0, 1.0j]), "3 to 10000"),
+        (lambda: SquareShape(np.inf), "turn must be finite"),
+        (lambda: CircularShape().gauge("x"), "vector must be numbers"),
         (lambda: ClusterEngine(at=1.0, deflection=0.5), 'or state "stuck"'),
         (lambda: ClusterEngine(at=1.0, state="stuck", deflection=1.1), "within the stop"),
         (lambda: Cluster([ClusterEngine(at=1.0, state="centred")]), "one of them moving"),
@@ -228,7 +228,7 @@ def test_corners_that_nearly_coincide_or_lie_on_an_edge_hide_no_other(apart: flo
         more = np.insert(corners, 3, near)
         more = np.insert(more, 1, 0.5 * (corners[0] + corners[1]))
         try:
-            stop = tv.boundary.PolygonStop(more)
+            stop = tv.boundary.PolygonShape(more)
         except tv.InputError:  # zero is outside, or the edge between them turns back
             continue
         tried += 1

@@ -16,7 +16,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin.base.files import write_text
-from tvclin.boundary.limit_shapes import STOPS
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.cli.app import NAMES, app
 from tvclin.vehicle.vehicle_file import template
 
@@ -49,7 +49,7 @@ def test_a_help_names_what_there_is_to_choose() -> None:
     for wind in tv.answers.standard_winds(0.1, 7.0):
         assert wind in helps("laws")
     for command in ("study", "size"):
-        for stop in STOPS:
+        for stop in LIMIT_SHAPES:
             assert stop in helps(command)
 
 

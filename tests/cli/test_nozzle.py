@@ -17,18 +17,22 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["nozzle", *arguments])
 
 
-def front(vehicle: tv.Vehicle | None = None, **nozzle: float) -> tv.boundary.RateFront:
+def front(vehicle: tv.Vehicle | None = None, **nozzle: float) -> tv.boundary.RateTradeOff:
     plant = tv.Plant.from_vehicle(vehicle or tv.load_vehicle("configuration-i"), "drift-exact")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-    return tv.boundary.rate_front(plant, wind, **{key: np.radians(x) for key, x in nozzle.items()})
+    return tv.boundary.rate_trade_off(
+        plant, wind, **{key: np.radians(x) for key, x in nozzle.items()}
+    )
 
 
 def test_json_equals_the_library() -> None:
     found = json.loads(run("--limit-deg", "0.35", "--rate-limit-deg", "2", "--json").stdout)
     expected = front(limit=0.35, rate_limit=2.0)
-    assert found["front"]["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
-    assert found["front"]["needed_deg"] == pytest.approx(np.degrees(expected.needed), rel=1e-12)
-    assert found["front"]["above_lower_bound"] is True
+    assert found["trade_off"]["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
+    assert found["trade_off"]["lower_bound_deg"] == pytest.approx(
+        np.degrees(expected.lower_bound), rel=1e-12
+    )
+    assert found["trade_off"]["above_lower_bound"] is True
     assert found["flown"] is None
 
 
@@ -174,7 +178,7 @@ def test_a_study_judges_limit_and_rate_together_by_their_lower_bounds(tmp_path, 
         axial_force=vehicle.axial_force * more,
     )
     calm, needed = (
-        np.degrees(front(one, limit=limit, rate_limit=rate).needed_rate)
+        np.degrees(front(one, limit=limit, rate_limit=rate).required_rate)
         for one in (vehicle, denser)
     )
     if limit == 0.3:  # as in docs/limits.md

@@ -86,7 +86,7 @@ def test_what_a_turning_wind_asks_of_a_flight(name, degrees, lost, saved) -> Non
     wind = veering(degrees)
     assert flown(LAWS[name], wind, [lost, saved]).status.tolist() == ["lost", "survived"]
     needed = tv.plane_limit(PLANT, wind)
-    assert saved > (needed.limit if name == "trim" else needed.without_forecast)
+    assert saved > (needed.limit if name == "trim" else needed.no_forecast_bound)
 
 
 def test_each_plane_by_itself_costs_what_the_square_inside_costs() -> None:

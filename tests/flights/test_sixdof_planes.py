@@ -20,7 +20,7 @@ EXACT = {plane: tv.Plant.from_vehicle(VEHICLE, "drift-exact", plane) for plane i
 def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -> None:
     wind = tv.winds.PlaneWind.towards(GUST, np.radians(35))
     plants = (EXACT["pitch"], EXACT["yaw"]) if drift else (FIXED, FIXED)
-    shape = tv.boundary.CircularStop() if stop == "round" else tv.boundary.SquareStop()
+    shape = tv.boundary.CircularShape() if stop == "round" else tv.boundary.SquareShape()
     # a square stop lets go of one plane first: what it takes is a law of each plane by itself
     linear = tv.plane_limit(plants[0], wind, shape, switch="literal", yaw_plant=plants[1])
     saturate = "radial" if stop == "round" else "each plane"

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 import tvclin as tv
 from tests.turns import by_turns
 from tvclin.boundary.limit import boundary_limit
-from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.kernels import excess, threads
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import SWITCHES
@@ -168,10 +168,10 @@ def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
 def test_what_is_proved_to_be_enough_for_three_poles_is_no_less_than_the_least_peak():
     rng = np.random.default_rng(2)
     plant, wind = plants(rng, "drift-and-speed", 12), winds_of(rng, "triangle", 12)
-    least = least_peaks(plant, wind)
+    least = minimum_peaks(plant, wind)
     for part in (0.9, 0.999, 1.001, 1.1, 2.0):
         given = part * least
-        taken = least_peaks(plant, wind, given)
+        taken = minimum_peaks(plant, wind, given)
         proved = taken == given
         np.testing.assert_allclose(taken[~proved], least[~proved], rtol=1e-12)
         assert not np.any(proved) if part < 1.0 else np.mean(proved) > 0.5 * (part > 1.05)

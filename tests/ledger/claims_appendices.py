@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from tests.ledger.cases import both, vehicles
 from tests.ledger.computed import Computed, Value, about, rounds_to
 from tvclin.boundary.optimum.two_poles import (
+    duration_without_fast_pole,
     early_switch,
     longest_single_pole_duration,
-    neglecting_the_fast_pole,
     single_pole_validity,
     switch_variable,
 )
@@ -101,7 +101,7 @@ def y_for_long_winds() -> Computed:
 
 def single_pole_duration() -> Computed:
     """Where y = 1: eq (C9), its logarithm to first order, and the exact poles with the K1_i."""
-    duration = float(neglecting_the_fast_pole(SLOW, FAST))
+    duration = float(duration_without_fast_pole(SLOW, FAST))
     values = (
         Value("(C9)", duration),
         Value("without its neglect", float(longest_single_pole_duration(SLOW, FAST))),
@@ -113,7 +113,7 @@ def single_pole_duration() -> Computed:
 
 def single_pole_tau_beta() -> Computed:
     """The former times the fast pole, or beta."""
-    tau_beta = FAST * float(neglecting_the_fast_pole(SLOW, FAST))
+    tau_beta = FAST * float(duration_without_fast_pole(SLOW, FAST))
     exact = both("exact roots, with the K1_i", lambda c: c.beta * single_pole_validity(c))
     return Computed((Value("(C9)", tau_beta), exact), rounds_to(14, tau_beta))
 

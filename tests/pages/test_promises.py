@@ -112,7 +112,7 @@ def test_the_page_of_a_chapter_names_what_can_be_called(chapter: str) -> None:
     named = set(re.findall(r"`(?:\w+\.)*(\w+)`", door.__doc__))
 
     assert named <= {*public(), "margins"}
-    assert set(door.__all__) - ANSWERS - INSIDE <= named | {"FinalMotion", "Stop"}
+    assert set(door.__all__) - ANSWERS - INSIDE <= named | {"FinalMotion", "LimitShape"}
 
 
 @pytest.mark.parametrize(

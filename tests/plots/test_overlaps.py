@@ -128,10 +128,12 @@ CHARTS = {
     "vehicle": lambda vehicle: plots.vehicle_chart(vehicle, np.radians(5.0)),
     "flight": flight,
     "loads": lambda vehicle: plots.load_chart(
-        tv.boundary.load_front(rigid(vehicle), WIND, limit=np.radians(0.8), load=np.radians(3.0))
+        tv.boundary.load_trade_off(
+            rigid(vehicle), WIND, limit=np.radians(0.8), load=np.radians(3.0)
+        )
     ),
     "rates": lambda vehicle: plots.rate_chart(
-        tv.boundary.rate_front(rigid(vehicle), WIND, limit=np.radians(0.8), rate_limit=0.05)
+        tv.boundary.rate_trade_off(rigid(vehicle), WIND, limit=np.radians(0.8), rate_limit=0.05)
     ),
     "planes": lambda vehicle: plots.plane_chart(
         rigid(vehicle), tv.winds.PlaneWind.veering(WIND, angle=0.4, rate=0.2), "round"

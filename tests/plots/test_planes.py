@@ -21,7 +21,7 @@ def vectors(curves, label: str) -> np.ndarray:
 def test_the_stop_meets_what_is_held_which_is_a_mean_of_the_trim_to_come(stop) -> None:
     wind = tv.winds.PlaneWind.veering(GUST, angle=0.4, rate=np.radians(120) / GUST.duration)
     drawn = curves_of(plane_chart(PLANT, wind, stop))
-    shape = tv.boundary.CircularStop() if stop == "round" else tv.boundary.SquareStop()
+    shape = tv.boundary.CircularShape() if stop == "round" else tv.boundary.SquareShape()
     limit = tv.plane_limit(PLANT, wind, shape).deflection
     assert shape.gauge(vectors(drawn, STOP)) == pytest.approx(limit, rel=1e-12)
     _, held = vectors(drawn, HELD)
@@ -37,7 +37,7 @@ def test_of_a_study_it_is_that_of_its_wind() -> None:
     study = tv.Study.from_vehicle(vehicle, **options, heading=4.0, stop="square")
     drawn = curves_of(study_planes_chart(study))
     assert study.planes is not None
-    assert tv.boundary.SquareStop().gauge(vectors(drawn, STOP)) == pytest.approx(
+    assert tv.boundary.SquareShape().gauge(vectors(drawn, STOP)) == pytest.approx(
         study.planes.deflection, rel=1e-9
     )
     with pytest.raises(tv.InputError, match="a wind with a direction"):

@@ -14,7 +14,7 @@ from tvclin.answers.planes import PlanesNeeded, of_heading, rectangle
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.errors import InputError, between, number, positive, single, within
 from tvclin.base.quantities import NOMINAL
-from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import Reason
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -224,7 +224,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
-    stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
+    stop = None if case.nozzle.stop is None else limit_shape_of(case.nozzle.stop)
     in_plane, planes = case.wind_in_plane_at(K), None
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.request import SizingRequest
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawsRequest, LawTrial
-    from tvclin.boundary.load_trade_off import LoadFront
-    from tvclin.boundary.rate_trade_off import RateFront
+    from tvclin.boundary.limit_over_load import LoadTradeOff
+    from tvclin.boundary.limit_over_rate import RateTradeOff
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -66,7 +66,7 @@ class HeadWind:
     """
 
     stop: ClosedLoopBoundary | None
-    rates: RateFront | None
+    rates: RateTradeOff | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +95,8 @@ class Findings:
     flight: tuple[Sizing, DeflectionTotal] | None
     card: FlightCard | None
     availability: Availability | None
-    rates: RateFront | None
-    loads: LoadFront | None
+    rates: RateTradeOff | None
+    loads: LoadTradeOff | None
     head: HeadWind | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
@@ -346,12 +346,12 @@ def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
     return flight_card(plan, request, str(request.card), progress=told)
 
 
-def _rates(plan: StudyPlan, study: Study, limit: float) -> RateFront:
-    from tvclin.boundary.rate_trade_off import rate_front
+def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
+    from tvclin.boundary.limit_over_rate import rate_trade_off
 
     limit /= study.of_both  # of this plane
     rate = plan.nozzle.rate_limit
-    return rate_front(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
+    return rate_trade_off(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
 
 
 def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:

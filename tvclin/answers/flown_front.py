@@ -25,7 +25,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.lines import Line, Table, degrees
-from tvclin.boundary.rate_trade_off import RateFront, rate_front
+from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.control.laws.registry import LAWS
 from tvclin.flights.closed_loop.survival_limit import (
     ABOVE,
@@ -56,7 +56,7 @@ class FlownFront(Shown):
     was tried above one that survives survives as well.
     """
 
-    front: RateFront
+    front: RateTradeOff
     limits: dict[str, FloatArray]
     monotone: dict[str, BoolArray]
     cuts: int
@@ -82,7 +82,7 @@ class FlownFront(Shown):
 
     def tables(self) -> tuple[Table, ...]:
         """Return the limit of each law at each rate, with the bound without a forecast."""
-        bounds, rates = self.front.bounds, self.front.rates
+        bounds, rates = self.front.no_forecast_bounds, self.front.rates
         lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
@@ -139,8 +139,8 @@ def flown_fronts(
     Raises
     ------
     InputError
-        As `rate_front` and `closed_loop_boundary`, for unknown names, and for flights of more than
-        2e9 samples in all.
+        As `rate_trade_off` and `closed_loop_boundary`, for unknown names, and for flights of more
+        than 2e9 samples in all.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def flown_fronts(
         advanced(0, 1)
         return boundary
 
-    def answer(case: Case, front: RateFront) -> FlownFront:
+    def answer(case: Case, front: RateTradeOff) -> FlownFront:
         boundaries = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
         return FlownFront(
             front=front,
@@ -195,7 +195,9 @@ def flown_fronts(
     return {key: answer(case, fronts[key]) for key, case in cases.items()}
 
 
-def _check_samples(cases: Mapping[str, Case], fronts: Mapping[str, RateFront], winds: int) -> None:
+def _check_samples(
+    cases: Mapping[str, Case], fronts: Mapping[str, RateTradeOff], winds: int
+) -> None:
     """Raise `InputError` for more samples in so many winds with each rate than can be flown."""
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
@@ -210,13 +212,13 @@ def _check_samples(cases: Mapping[str, Case], fronts: Mapping[str, RateFront], w
         )
 
 
-def _front(case: Case, rates: ArrayLike | None) -> RateFront:
+def _front(case: Case, rates: ArrayLike | None) -> RateTradeOff:
     """Return the trade-off curve of theory at the rates, or multiples of its minimum rate."""
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
-    theory = partial(rate_front, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
+    theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
     if rates is None:
         usual = theory()
-        least_rate = usual.least_rate or usual.needed_rate
+        least_rate = usual.minimum_rate or usual.required_rate
         rates = _RATES_OVER_MINIMUM * least_rate if least_rate > 0.0 else usual.rates
     if nozzle.rate_limit is not None:
         rates = np.unique(np.append(rates, nozzle.rate_limit))

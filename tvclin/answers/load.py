@@ -12,7 +12,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
 from tvclin.base.fields import checked, file_table, quantity
-from tvclin.boundary.load_trade_off import LoadFront, load_front
+from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly_nozzle
 from tvclin.flights.closed_loop.fly_many import SURVIVED
@@ -80,12 +80,12 @@ class LoadBound:
         """Ratio of moment slopes M_delta/M_alpha."""
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
-    def front(self, case: Case, part: float = 1.0) -> LoadFront:
+    def front(self, case: Case, part: float = 1.0) -> LoadTradeOff:
         """Return the trade-off curve of limit over load, with the fraction `part` of the limit."""
         instance("case", case, Case, "of a wind and a nozzle")
         part = number("part", part, between(1e-9, 1.0))
         limit = case.nozzle.limit
-        return load_front(
+        return load_trade_off(
             case.plant.rigid,
             case.history,
             limit=None if limit is None else limit * part,

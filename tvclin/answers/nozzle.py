@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.base.fields import checked, file_table, quantity
-from tvclin.boundary.limit_shapes import Stop, stop_of
+from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.control.autopilot.actuator import Actuator, positive_in_range
 from tvclin.vehicle.structure import Engine
 
@@ -73,7 +73,7 @@ class Nozzle:
     ----------
     limit : float, optional
         Deflection limit [rad]; is it sufficient?
-    stop : Stop or str, optional
+    stop : LimitShape or str, optional
         What it can do in both planes over its limit, or a word: "round", "round-each-plane" (each
         plane limited by itself within it), "square", "square-45" (turned by 45 degrees). With it
         both planes are judged, which share it.
@@ -101,7 +101,7 @@ class Nozzle:
     """
 
     limit: float | None = quantity("angle", None, small_angle("a deflection", positive))
-    stop: Stop | str | None = None
+    stop: LimitShape | str | None = None
     rate_limit: float | None = quantity("angular rate", None, positive)
     actuator: Actuator | None = USUAL_ACTUATOR
     data: NozzleData | None = None
@@ -113,7 +113,7 @@ class Nozzle:
     def __post_init__(self) -> None:
         checked(self)
         if self.stop is not None:
-            stop_of(self.stop)
+            limit_shape_of(self.stop)
         if self.actuator is not None:
             instance("actuator", self.actuator, Actuator, "or None")
         if self.data is not None:

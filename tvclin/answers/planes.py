@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, plain
-from tvclin.boundary.limit_shapes import CircularStop, Stop
+from tvclin.boundary.limit_shapes import CircularShape, LimitShape
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -47,19 +47,19 @@ class VectorNeed:
 
 
 def vector_need(
-    pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
+    pitch: Plant, yaw: Plant, wind: PlaneWind, stop: LimitShape, dead_bands: FloatArray
 ) -> VectorNeed:
     """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
-    from tvclin.boundary.plane_bounds import Pair, checked
-    from tvclin.boundary.plane_limits import needed
+    from tvclin.boundary.plane_bounds import PlanePair, checked_batch
+    from tvclin.boundary.plane_limits import plane_requirements
 
-    pair = Pair((pitch, yaw), wind)
+    pair = PlanePair((pitch, yaw), wind)
     try:
-        checked(pitch, wind, stop, yaw)
-        limits = needed(pair, stop, dead_bands.tolist(), literal=True)
+        checked_batch(pitch, wind, stop, yaw)
+        limits = plane_requirements(pair, stop, dead_bands.tolist(), literal=True)
     except InputError as error:
         return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
-    if isinstance(stop, CircularStop):
+    if isinstance(stop, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:
         trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
@@ -72,7 +72,7 @@ def vector_need(
     )
 
 
-def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+def rectangle(stop: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
     """Return the minimum limit whose shape contains -x to x in pitch and -y to y in yaw [rad].
 
     Infinite and NaN where one of the deflections is.
@@ -92,7 +92,7 @@ class PlanesNeeded:
     plane by itself.
     """
 
-    stop: Stop
+    stop: LimitShape
     wind: PlaneWind
     deflection: Any
     alone: dict[str, Any]
@@ -123,7 +123,7 @@ class PlanesNeeded:
 
 
 def planes_needed(
-    plants: dict[str, Plant], wind: PlaneWind, stop: Stop, dead_band: float
+    plants: dict[str, Plant], wind: PlaneWind, stop: LimitShape, dead_band: float
 ) -> PlanesNeeded:
     """Return the requirement of both planes; `InputError` as `required_deflection`.
 
@@ -163,21 +163,21 @@ def _has_onset(wind: History) -> bool:
 def _vector(
     plants: dict[str, Plant],
     wind: PlaneWind,
-    stop: Stop,
+    stop: LimitShape,
     dead_band: float,
     by_planes: float,
     case: int,
     shape: tuple[int, ...],
 ) -> float:
     """Return the required limit [rad] of one wind vector of a batch, at least `by_planes`."""
-    from tvclin.boundary.plane_bounds import Pair, checked
-    from tvclin.boundary.plane_limits import in_vectors
+    from tvclin.boundary.plane_bounds import PlanePair, checked_batch
+    from tvclin.boundary.plane_limits import vector_requirement
 
     pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
-    pair = Pair((pitch, yaw), wind.case(case, shape))
+    pair = PlanePair((pitch, yaw), wind.case(case, shape))
     try:
-        checked(pitch, pair.wind, stop, yaw)
-        return in_vectors(pair, stop, dead_band, by_planes)
+        checked_batch(pitch, pair.wind, stop, yaw)
+        return vector_requirement(pair, stop, dead_band, by_planes)
     except InputError:  # (4b) has no vector for them
         return by_planes
 
@@ -186,14 +186,14 @@ def of_heading(
     vehicle: Vehicle,
     model: str,
     wind: ShapedWind,
-    stop: Stop | None,
+    stop: LimitShape | None,
     dead_band: float,
 ) -> PlanesNeeded:
     """Return the requirement of both planes in a wind with a heading; the default stop is round."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
     plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
-    return planes_needed(plants, plane_wind, stop or CircularStop(), dead_band)
+    return planes_needed(plants, plane_wind, stop or CircularShape(), dead_band)
 
 
 def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:

@@ -204,15 +204,15 @@ def _rate(findings: Findings) -> Question:
     if front is None:
         return Question(name, None, (_reason(findings, "rates"),))
     line: Line = ("the least rate with which any control survives with this limit",)
-    if np.isinf(front.needed_rate):
+    if np.isinf(front.required_rate):
         line = ("with this limit no rate is sufficient",)
     yes = front.above_lower_bound
     if findings.head is not None and findings.head.rates is not None:
-        nominal = degrees("asked.calm_rate", front.needed_rate, unit="deg/s")
+        nominal = degrees("asked.calm_rate", front.required_rate, unit="deg/s")
         line, front = (*line, _at_peak(findings), *nominal), findings.head.rates
         yes = _also(yes, front.above_lower_bound)
-    required = front.needed * findings.study.of_both
-    measure = _of_angles(front.needed_rate, front.rate_limit or np.nan, "deg/s")
+    required = front.lower_bound * findings.study.of_both
+    measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
     return Question(name, yes, line, required, "at this rate any control requires", measure)
 
 
@@ -222,9 +222,12 @@ def _load(findings: Findings) -> Question:
     if front is None:
         return Question(name, None, (_reason(findings, "loads"),))
     line: Line = ("for this load, of a control that knows the wind",)
-    if front.above_lower_bound and front.takes_a_forecast:
+    if front.above_lower_bound and front.requires_forecast:
         line = (*line, "; a law that does not know when it stops bears more")
-    required, whose = front.needed * findings.study.of_both, "within this load any control requires"
+    required, whose = (
+        front.lower_bound * findings.study.of_both,
+        "within this load any control requires",
+    )
     return Question(name, front.above_lower_bound, line, required, whose)
 
 

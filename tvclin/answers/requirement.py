@@ -30,7 +30,7 @@ from tvclin.boundary.open_loop import (
     Reason,
     open_loop_requirements,
 )
-from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -134,7 +134,7 @@ def required_deflection(
                 f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
             )
         law_wind = whole
-        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], least_peaks(plant, whole))
+        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, whole))
     open_loop = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)

@@ -30,7 +30,7 @@ from tvclin.base.errors import InputError, instance, one_of
 from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.boundary.open_loop import ROUNDING, with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -125,7 +125,7 @@ class Study(CaseRequirement, Shown):
         gust: History | None = None,
         gust_at: float | None = None,
         heading: float | None = None,
-        stop: Stop | str | None = None,
+        stop: LimitShape | str | None = None,
     ) -> Self:
         """Return the study of a vehicle in a wind, and the verdict on a limit.
 

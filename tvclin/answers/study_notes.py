@@ -13,7 +13,7 @@ from tvclin.answers.case_requirement import CaseRequirement
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.forecast_free import ForecastFreeLimit
-from tvclin.boundary.limit import PAIR
+from tvclin.boundary.limit import PAIRED_POLES
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.modes import Modes
@@ -90,7 +90,7 @@ def slow_or_paired(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
     """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory."""
-    if required.status == PAIR:
+    if required.status == PAIRED_POLES:
         yield (
             "two unstable poles are a pair or equal here, and no limit meets the condition (4b) of"
             " both: required is the largest trim deflection over K, so that the dead band is never"

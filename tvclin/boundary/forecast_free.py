@@ -52,7 +52,7 @@ from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.numerics.pieces import kernel_arrays
 from tvclin.winds.histories import History
 
-MOST_MODES = 2
+MAX_MODES = 2
 """Unstable modes for which the set is known in closed form."""
 EXACT = "exact"
 BOUND = "bound of the fast mode"
@@ -110,7 +110,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     instance("plant", plant, Plant, PLANT_HINT)
     single("plant", plant.batch)
     poles = unstable_poles(plant)
-    if not poles.size or np.iscomplexobj(poles) or poles.size > MOST_MODES:
+    if not poles.size or np.iscomplexobj(poles) or poles.size > MAX_MODES:
         raise InputError(
             "plant must have one or two real unstable poles, as the models fixed-path, drift and"
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
@@ -129,7 +129,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
 
 
-def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
+def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
     """Return the reach [rad] on whose edge the coordinates of two real modes lie.
 
     It is the least peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
@@ -157,9 +157,9 @@ class ForecastFreeLimit(Shown):
     kind : str
         "exact", or for models with drift "bound of the fast mode": no law needs less. With a turn
         of less than about a right angle it is a bound as well, and says so.
-    foresight : float or ndarray
+    wind_known : float or ndarray
         W(onset), normalised by the peak: the requirement when the whole wind is known.
-    worst_stop : float or ndarray
+    worst_stop_time : float or ndarray
         Instant [s] of the largest remaining wind integral W, at which the state must be W - y* at
         least.
     """
@@ -167,12 +167,12 @@ class ForecastFreeLimit(Shown):
     limit: Any
     deflection: Any
     kind: str
-    foresight: Any
-    worst_stop: Any
+    wind_known: Any
+    worst_stop_time: Any
 
     as_dict = keyed("limit deflection_deg=|deflection| kind")
 
-    _keys = "limit_over_trim=limit deflection_deg kind foresight worst_stop_s"
+    _keys = "limit_over_trim=limit deflection_deg kind wind_known worst_stop_time_s"
 
 
 def forecast_free_limit(
@@ -227,7 +227,7 @@ def forecast_free_limit(
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
     >>> bound = tv.forecast_free_limit(plant, tv.TriangularWind(peak=0.1, duration=40.0))
-    >>> round(bound.limit, 4), round(bound.foresight, 4)
+    >>> round(bound.limit, 4), round(bound.wind_known, 4)
     (0.4653, 0.1)
     >>> wind = tv.TriangularWind(peak=0.1, duration=16.0)
     >>> for turn in (0.5, 1.0, 1.5, 3.0):
@@ -267,11 +267,13 @@ def forecast_free_limit(
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), results)
     run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)
-    foresight, largest, when = np.moveaxis(results.reshape(*shape, 3), -1, 0)
+    wind_known, largest, when = np.moveaxis(results.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     denominator = np.where(largest - R * turn_cosine > 0.0, largest - R * turn_cosine, np.inf)
     excess = R * np.maximum((R - largest * turn_cosine) / denominator, 0.0)
-    limit = strength * np.maximum(foresight, np.maximum((largest + np.minimum(excess, R)) / 2.0, R))
+    limit = strength * np.maximum(
+        wind_known, np.maximum((largest + np.minimum(excess, R)) / 2.0, R)
+    )
     kind = EXACT if plant.model == "fixed-path" else BOUND
     if kind == EXACT and R > 0.0 and np.any(turn_cosine > -R / 2.0 / np.maximum(limit, R)):
         kind = BEFORE_THE_END
@@ -279,6 +281,6 @@ def forecast_free_limit(
         plain(limit),
         plain(-limit * np.asarray(plant.coefficients.B) * peak),
         kind,
-        plain(strength * foresight),
+        plain(strength * wind_known),
         plain(np.asarray(when)),
     )

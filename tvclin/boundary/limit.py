@@ -51,16 +51,16 @@ _MIN_POLE_SEPARATION = 1e-4
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
-PAIR = (
+PAIRED_POLES = (
     "two unstable poles are a pair or equal, and each has its own condition (4b), which no limit"
     " meets for both; this limit is so large that the dead band is never left"
 )
-NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b); this is the largest trim"
+NO_EXIT = "trim never saturates: a lower limit does not meet (4b); this is the largest trim"
 JUMP = "no limit meets (4b) exactly: every limit above this one is more than it demands"
 
 
 @dataclass(frozen=True)
-class Switch:
+class DeadBandExit:
     """Exit of the dead band: time and demand, and two flags of cases without a solution.
 
     `time`: of the exit [s], ``(...)``. `demand`: constant deflection from that time on that
@@ -76,7 +76,7 @@ class Switch:
 
 
 @dataclass(frozen=True)
-class Problem:
+class ExitProblem:
     """A plant in a wind, with the unstable pole and the dead band of condition (4b).
 
     `plant`, `wind`: batches; the wind ends. `pole`: the growth rate [1/s] whose condition (4b) is
@@ -89,13 +89,13 @@ class Problem:
     dead_band: FloatArray
     shape: tuple[int, ...]
 
-    def solve(self, literal: bool) -> Switch:
+    def solve(self, literal: bool) -> DeadBandExit:
         """Return the solution for the driver B alpha_w, or where `literal` for trim itself."""
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
         self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
         time, demand, status = out.reshape(3, *self.shape)
-        return Switch(time, demand, status == switches.JUMP, status == switches.UNREACHED)
+        return DeadBandExit(time, demand, status == switches.JUMP, status == switches.UNREACHED)
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim of cases, normalised by B alpha_w,max; zero for the others."""
@@ -237,7 +237,7 @@ def boundary_limit(
         )
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)
-    problem = Problem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
+    problem = ExitProblem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
     unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
     at_onset = unstable & (K == 0.0)
     solved = problem.solve(switch == "literal")
@@ -249,7 +249,7 @@ def boundary_limit(
             limit = np.where(paired, largest_trim / K, np.where(never, largest_trim, limit))
     statuses = [~unstable, paired, never, solved.jumps & ~at_onset]
     word = np.select(statuses, range(1, 1 + len(statuses)), 0)
-    status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
+    status = np.array([OK, STABLE, PAIRED_POLES, NO_EXIT, JUMP][: word.max(initial=0) + 1])[word]
     return BoundaryLimit(
         plain(limit),
         plain(np.asarray(limit * scale)),

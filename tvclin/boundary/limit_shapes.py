@@ -79,12 +79,12 @@ def vectors(name: str, value: ArrayLike) -> Vectors:
     return array
 
 
-def along(direction: ArrayLike, vector: ArrayLike) -> FloatArray:
+def scalar_product(direction: ArrayLike, vector: ArrayLike) -> FloatArray:
     """Return the scalar product of vectors as complex numbers."""
     return np.asarray(np.real(np.conj(direction) * vector))
 
 
-class Stop(ABC):
+class LimitShape(ABC):
     """The shape of the deflections that a nozzle can reach, over its limit."""
 
     @abstractmethod
@@ -119,7 +119,7 @@ class Stop(ABC):
         return np.asarray(size / smallest)
 
     @property
-    def inside(self) -> Stop:
+    def inside(self) -> LimitShape:
         """Shape itself, or where its gauge is slow, a polygon inside it of almost its size."""
         return self
 
@@ -127,15 +127,15 @@ class Stop(ABC):
         """Return the largest deflection of a unit limit in directions [rad], a ratio."""
         return 1.0 / self.gauge(unit_vector(directions("angle", angle)))
 
-    def each_plane(self) -> PolygonStop:
+    def each_plane(self) -> PolygonShape:
         """Return the square inside the shape, for planes that are limited separately.
 
         For a round shape it is 1/sqrt(2) in each plane, so up to 1.41 times the limit is required.
         """
         corners = np.array([1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j, 1.0 - 1.0j])
-        return PolygonStop(corners / self.gauge(corners).max())
+        return PolygonShape(corners / self.gauge(corners).max())
 
-    def inscribed(self, sides: int = _SIDES) -> PolygonStop:
+    def inscribed(self, sides: int = _SIDES) -> PolygonShape:
         """Return a polygon inside, with its corners on the edge: never more than the shape.
 
         It misses 1 - cos(pi/sides) of a circle, and up to pi/sides of a corner.
@@ -153,11 +153,11 @@ class Stop(ABC):
         if not 4 <= whole_number("sides", sides) <= _MAX_CORNERS:
             raise InputError(f"sides must be 4 to {_MAX_CORNERS}; got {shown(sides)}")
         around = unit_vector(2.0 * np.pi * np.arange(sides) / sides)
-        return PolygonStop(around * self.reach(np.angle(around)))
+        return PolygonShape(around * self.reach(np.angle(around)))
 
 
 @dataclass(frozen=True)
-class CircularStop(Stop):
+class CircularShape(LimitShape):
     """A stop that is the same in all directions: the limit is its radius."""
 
     @property
@@ -181,7 +181,7 @@ class CircularStop(Stop):
 
 
 @dataclass(frozen=True)
-class EllipticStop(Stop):
+class EllipticShape(LimitShape):
     """A stop of two half axes, over the limit.
 
     Parameters
@@ -227,7 +227,7 @@ class EllipticStop(Stop):
 
 
 @dataclass(frozen=True, eq=False)
-class PolygonStop(Stop):
+class PolygonShape(LimitShape):
     """A stop of straight edges.
 
     Parameters
@@ -253,11 +253,11 @@ class PolygonStop(Stop):
                 f" array of shape {c.shape}"
             )
         size = within("the largest of corners", np.abs(c).max(), _MIN_RATIO, _MAX_RATIO)
-        c = c if along(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
+        c = c if scalar_product(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
         edges = (np.roll(c, -1) - c) / size
-        turns = along(1j * edges, np.roll(edges, -1))
+        turns = scalar_product(1j * edges, np.roll(edges, -1))
         around = np.angle(np.roll(edges, -1) * np.conj(edges)).sum()
-        inside = along(-1j * edges, c) > _ROUNDING * size * np.abs(edges)
+        inside = scalar_product(-1j * edges, c) > _ROUNDING * size * np.abs(edges)
         if np.any(turns < -_ROUNDING) or not np.isclose(around, 2.0 * np.pi) or not np.all(inside):
             raise InputError(
                 "corners must go once around a convex polygon that has zero inside; got"
@@ -274,16 +274,16 @@ class PolygonStop(Stop):
     def _normals(self) -> Vectors:
         """Normals of the edges, divided by their distance from zero, ``(n,)``."""
         outward = -1j * (np.roll(self.corners, -1) - self.corners)
-        return np.asarray(outward / along(outward, self.corners))
+        return np.asarray(outward / scalar_product(outward, self.corners))
 
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support function of the polygon along vectors."""
-        return along(direction, self.farthest(direction))
+        return scalar_product(direction, self.farthest(direction))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the gauge of vectors: the scale of the polygon that just contains each."""
         v = vectors("vector", vector)
-        return along(self._normals[_sector(self.corners, v)], v)
+        return scalar_product(self._normals[_sector(self.corners, v)], v)
 
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return the corner that is furthest along vectors."""
@@ -310,7 +310,7 @@ def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
     return np.searchsorted(angles, beyond_first, side="right") - 1
 
 
-class SquareStop(PolygonStop):
+class SquareShape(PolygonShape):
     """Two actuators at right angles, each with the limit for itself.
 
     Parameters
@@ -321,28 +321,30 @@ class SquareStop(PolygonStop):
 
     def __init__(self, turn: float = 0.0) -> None:
         angle = number("turn", turn, directions, "rad")
-        PolygonStop.__init__(
+        PolygonShape.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
         )
 
 
-_SHAPES: dict[str, Callable[[], Stop]] = {
-    "round": CircularStop,
-    "round-each-plane": lambda: CircularStop().each_plane(),
-    "square": SquareStop,
-    "square-45": lambda: SquareStop(np.pi / 4.0),
+_SHAPES: dict[str, Callable[[], LimitShape]] = {
+    "round": CircularShape,
+    "round-each-plane": lambda: CircularShape().each_plane(),
+    "square": SquareShape,
+    "square-45": lambda: SquareShape(np.pi / 4.0),
 }
-STOPS = tuple(_SHAPES)
+LIMIT_SHAPES = tuple(_SHAPES)
 """Stops that files and options name."""
 
 
-def stop_of(stop: Stop | str) -> Stop:
-    """Return a limit shape, or the shape of a name of `STOPS`; else raise `InputError`."""
-    if isinstance(stop, Stop):
+def limit_shape_of(stop: LimitShape | str) -> LimitShape:
+    """Return a limit shape, or the shape of a name of `LIMIT_SHAPES`; else raise `InputError`."""
+    if isinstance(stop, LimitShape):
         return stop
     if not isinstance(stop, str):
-        raise InputError(f"stop must be one of {', '.join(STOPS)}, or a Stop; got {shown(stop)}")
-    return _SHAPES[one_of("stop", stop, STOPS)]()
+        raise InputError(
+            f"stop must be one of {', '.join(LIMIT_SHAPES)}, or a LimitShape; got {shown(stop)}"
+        )
+    return _SHAPES[one_of("stop", stop, LIMIT_SHAPES)]()
 
 
 @dataclass(frozen=True)
@@ -355,7 +357,7 @@ class ClusterEngine:
         Its place about the roll axis [m]: in the pitch plane + 1j in the yaw plane.
     share : float
         Its thrust, from 1e-6 to 1e9; only the ratios in a cluster count.
-    stop : Stop
+    stop : LimitShape
         What it can do, over the limit.
     state : {"moving", "centred", "stuck", "out"}
         Centred: it stays at zero. Stuck: it stays at `deflection`. Out: see `Cluster`.
@@ -371,7 +373,7 @@ class ClusterEngine:
 
     at: complex
     share: float = 1.0
-    stop: Stop = field(default_factory=CircularStop)
+    stop: LimitShape = field(default_factory=CircularShape)
     state: str = "moving"
     deflection: complex = 0.0
 
@@ -382,7 +384,7 @@ class ClusterEngine:
                 raise InputError(f"{name} must be one number within 1e9 in size, pitch + 1j*yaw")
             object.__setattr__(self, name, complex(array))
         object.__setattr__(self, "share", number("share", self.share, between(1e-6, 1e9)))
-        instance("stop", self.stop, Stop, "such as CircularStop")
+        instance("stop", self.stop, LimitShape, "such as CircularShape")
         one_of("state", self.state, STATES)
         if self.deflection and self.state != "stuck":
             raise InputError('deflection must be zero, or state "stuck"')
@@ -391,7 +393,7 @@ class ClusterEngine:
 
 
 @dataclass(frozen=True)
-class Cluster(Stop):
+class Cluster(LimitShape):
     """The mean deflections that a cluster can reach, normalised by the limit of an engine.
 
     Parameters
@@ -467,10 +469,10 @@ class Cluster(Stop):
             _, free = grid_minimum(
                 lambda rho: self._sum(column, rho) + rho * roll, -ends / sides[1], ends / sides[0]
             )
-        return np.asarray(free + along(d, bias))
+        return np.asarray(free + scalar_product(d, bias))
 
     @cached_property
-    def inside(self) -> Stop:
+    def inside(self) -> LimitShape:
         """Inscribed polygon, by `inscribed`."""
         return self.inscribed()
 
@@ -506,7 +508,8 @@ class Cluster(Stop):
         stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
         bias = sum((engine.deflection * share for engine, share in stuck), 0j)
         roll = sum(
-            share * float(along(self._arm(engine), engine.deflection)) for engine, share in stuck
+            share * float(scalar_product(self._arm(engine), engine.deflection))
+            for engine, share in stuck
         )
         return bias, roll if self.hold_roll else 0.0
 

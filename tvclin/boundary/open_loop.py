@@ -37,8 +37,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit import OK, BoundaryLimit, Problem, boundary_limit, leading_pole
-from tvclin.boundary.optimum.minimum_peak import least_peaks, peaks_of
+from tvclin.boundary.limit import OK, BoundaryLimit, ExitProblem, boundary_limit, leading_pole
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks, peaks_for_demands
 from tvclin.linear.modes import separated_poles, unstable_poles
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -61,7 +61,7 @@ ROUNDING = 1e-9
 """Relative difference up to which two requirements count as equal."""
 
 
-def limit_after_trim(problem: Problem, poles: AnyArray, lower: FloatArray) -> FloatArray:
+def limit_after_trim(problem: ExitProblem, poles: AnyArray, lower: FloatArray) -> FloatArray:
     """Return the largest limit that diverges after trim, at least `lower`; ``(...)``.
 
     `problem`: plants with a moment, and winds of one sign. `poles`: all unstable poles [1/s], the
@@ -89,7 +89,7 @@ def limit_after_trim(problem: Problem, poles: AnyArray, lower: FloatArray) -> Fl
 class _AfterTrim:
     """Dead bands ``(n,)`` and modes ``(n, m)`` of a problem, flattened."""
 
-    problem: Problem
+    problem: ExitProblem
     dead_band: FloatArray
     modes: AnyArray
 
@@ -97,7 +97,7 @@ class _AfterTrim:
         """Return m(L) of cases ``(n,)``, or `sufficient` where that is proved to be no less."""
         poles = self.modes[cases]
         z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
-        return peaks_of(poles, z / poles, sufficient)
+        return peaks_for_demands(poles, z / poles, sufficient)
 
 
 def _iterated(
@@ -195,7 +195,8 @@ def open_loop_requirements(
     boundary : BoundaryLimit
         The boundary limit of these with the literal switch, as in a flight.
     sufficient : ndarray, optional
-        Peaks [rad] in place of the minimum where they are proved to be no less, see `least_peaks`.
+        Peaks [rad] in place of the minimum where they are proved to be no less, see
+        `minimum_peaks`.
 
     Returns
     -------
@@ -212,7 +213,7 @@ def open_loop_requirements(
     )
     required = {
         Reason.BOUNDARY: size,
-        Reason.MINIMUM: np.broadcast_to(least_peaks(plant, wind, sufficient), size.shape),
+        Reason.MINIMUM: np.broadcast_to(minimum_peaks(plant, wind, sufficient), size.shape),
         Reason.NO_FORECAST: np.broadcast_to(
             np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape
         ),
@@ -257,7 +258,7 @@ def _after_trim(plant: Plant, wind: History, K: FloatArray, smallest: FloatArray
     if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
         return np.zeros(smallest.shape)
     pole, paired = leading_pole(plant)
-    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), smallest.shape)
+    problem = ExitProblem(plant, wind, pole, np.where(paired, 1.0, K), smallest.shape)
     full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
         lower = smallest / full

@@ -28,7 +28,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, ending, instance, single
-from tvclin.boundary.limit_shapes import CircularStop, Stop, Vectors
+from tvclin.boundary.limit_shapes import CircularShape, LimitShape, Vectors
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import poles_text, unstable_poles, wind_over_deflection
@@ -71,7 +71,7 @@ NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
 
 @dataclass(frozen=True)
-class Pair:
+class PlanePair:
     """A plant for each plane, and a wind that ends.
 
     `plants`: of pitch and of yaw; the same one where the planes are equal.
@@ -180,7 +180,9 @@ class Pair:
         return merged[(merged >= self.wind.onset) & (merged <= self.wind.end)]
 
 
-def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) -> tuple[int, ...]:
+def checked_batch(
+    plant: Plant, wind: PlaneWind, stop: LimitShape, yaw_plant: Plant | None
+) -> tuple[int, ...]:
     """Return the shape of the batch; `InputError` for what has no limit in two planes."""
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     if isinstance(wind, History):
@@ -189,7 +191,7 @@ def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) 
             " history"
         )
     instance("wind", wind, PlaneWind, "see PlaneWind.towards")
-    instance("stop", stop, Stop, "such as CircularStop")
+    instance("stop", stop, LimitShape, "such as CircularShape")
     plants = {"plant": plant}
     if yaw_plant is not None:
         instance("yaw_plant", yaw_plant, Plant, "see Plant.from_vehicle")
@@ -211,7 +213,7 @@ def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) 
     )
 
 
-def _difference_gauge(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
+def _difference_gauge(stop: LimitShape) -> Callable[[ComplexArray], FloatArray]:
     """Return the gauge of S - S, from its supports in some directions: a lower bound of it."""
     if stop.symmetric:
         return lambda vector: stop.gauge(vector) / 2.0
@@ -223,7 +225,7 @@ def _difference_gauge(stop: Stop) -> Callable[[ComplexArray], FloatArray]:
     )
 
 
-def unforeseen(pair: Pair, stop: Stop) -> float:
+def no_forecast_bound(pair: PlanePair, stop: LimitShape) -> float:
     """Return the bound [rad] of the fast modes for laws that know the wind, but not when it stops.
 
     With planes that differ, it is computed for states that a constant vector returns from: up to
@@ -254,7 +256,7 @@ def unforeseen(pair: Pair, stop: Stop) -> float:
     )
 
 
-def _between(pair: Pair, s: FloatArray, T: FloatArray) -> ComplexArray:
+def _between(pair: PlanePair, s: FloatArray, T: FloatArray) -> ComplexArray:
     """Return the demand [rad] of the wind from s to T, zero where T is before s; they broadcast."""
     demand = pair.wind_demand(s) - pair.decayed(pair.wind_demand(T), np.maximum(T - s, 0.0))
     return np.where(T > s, demand, 0.0)
@@ -312,7 +314,7 @@ class PlaneOptimum(Shown):
 
 
 def plane_optimum(
-    plant: Plant, wind: PlaneWind, stop: Stop | None = None, yaw_plant: Plant | None = None
+    plant: Plant, wind: PlaneWind, stop: LimitShape | None = None, yaw_plant: Plant | None = None
 ) -> PlaneOptimum:
     """Return the deflection of least limit in both planes that cancels every unstable mode.
 
@@ -320,7 +322,7 @@ def plane_optimum(
     ----------
     plant, wind, stop, yaw_plant
         Parameters of `plane_limit`, but one plant and one wind. A cluster counts as the polygon
-        `Stop.inscribed`, which is a little smaller.
+        `LimitShape.inscribed`, which is a little smaller.
 
     Returns
     -------
@@ -342,13 +344,15 @@ def plane_optimum(
     >>> round(tv.boundary.plane_optimum(plant, wind).limit, 4)
     0.3122
     """
-    stop = CircularStop() if stop is None else stop
-    single("plant, wind", checked(plant, wind, stop, yaw_plant))
-    pair = Pair((plant, yaw_plant or plant), wind)
+    stop = CircularShape() if stop is None else stop
+    single("plant, wind", checked_batch(plant, wind, stop, yaw_plant))
+    pair = PlanePair((plant, yaw_plant or plant), wind)
     return minimum_in_planes(pair, stop.inside)
 
 
-def minimum_in_planes(pair: Pair, stop: Stop, exit_time: float | None = None) -> PlaneOptimum:
+def minimum_in_planes(
+    pair: PlanePair, stop: LimitShape, exit_time: float | None = None
+) -> PlaneOptimum:
     """Return `plane_optimum` of checked arguments, after trim up to `exit_time` [s].
 
     Without `exit_time` it is from the onset of the wind on.
@@ -356,7 +360,7 @@ def minimum_in_planes(pair: Pair, stop: Stop, exit_time: float | None = None) ->
     if exit_time is not None:
         demands = np.concatenate([pair.demands_after_trim(plane, exit_time) for plane in (0, 1)])
         return _optimum(pair, *_solved(_Moments(pair, stop, demands), exit_time))
-    if pair.equal and pair.wind.unidirectional and isinstance(stop, CircularStop):
+    if pair.equal and pair.wind.unidirectional and isinstance(stop, CircularShape):
         return _along_a_line(pair)
     start = np.asarray([float(pair.wind.onset)])
     moments = _Moments(
@@ -369,7 +373,7 @@ def minimum_in_planes(pair: Pair, stop: Stop, exit_time: float | None = None) ->
     return _optimum(pair, *_solved(moments, float(start[0])))
 
 
-def _along_a_line(pair: Pair) -> PlaneOptimum:
+def _along_a_line(pair: PlanePair) -> PlaneOptimum:
     """Return the scalar optimum, which no deflection across it improves in a round limit shape."""
     direction = pair.wind.direction
     onset = float(pair.wind.onset)
@@ -379,7 +383,7 @@ def _along_a_line(pair: Pair) -> PlaneOptimum:
 
 
 def _optimum(
-    pair: Pair, times: FloatArray, deflections: Vectors, proof: Certificate
+    pair: PlanePair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
     """Return the record of deflections [rad] from `times` [s] on, with their certificate."""
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
@@ -394,8 +398,8 @@ class _Moments:
     `demands`: of every mode of pitch and then of yaw [rad] from the start of the control, ``(k,)``.
     """
 
-    pair: Pair
-    stop: Stop
+    pair: PlanePair
+    stop: LimitShape
     demands: FloatArray
 
     @cached_property

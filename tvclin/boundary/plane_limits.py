@@ -22,15 +22,20 @@ from numpy.typing import ArrayLike
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, one_of, within
-from tvclin.boundary.limit import JUMP, NEVER_LEFT, OK, boundary_limit
-from tvclin.boundary.limit_shapes import CircularStop, Stop
+from tvclin.boundary.limit import JUMP, NO_EXIT, OK, boundary_limit
+from tvclin.boundary.limit_shapes import CircularShape, LimitShape
 from tvclin.boundary.open_loop import (
     ROUNDING,
     Reason,
     open_loop_requirements,
 )
-from tvclin.boundary.optimum.minimum_peak import peaks_of
-from tvclin.boundary.plane_bounds import Pair, checked, minimum_in_planes, unforeseen
+from tvclin.boundary.optimum.minimum_peak import peaks_for_demands
+from tvclin.boundary.plane_bounds import (
+    PlanePair,
+    checked_batch,
+    minimum_in_planes,
+    no_forecast_bound,
+)
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -59,7 +64,7 @@ POLYGON = (
 
 
 @dataclass(frozen=True)
-class Needed:
+class PlaneRequirement:
     """Requirement of one wind at one dead band.
 
     `limit`: required limit [rad]. `deflection`: constant deflection after the exit of the dead band
@@ -77,28 +82,30 @@ class Needed:
     y: float | None = None
 
 
-def in_vectors(pair: Pair, stop: Stop, K: float, separate: float) -> float:
+def vector_requirement(pair: PlanePair, stop: LimitShape, K: float, separate: float) -> float:
     """Return the limit [rad] of the control in both planes with exit on trim, or `separate`.
 
     `separate`: limit [rad] of the rectangle of both planes' separate requirements, returned if it
     is larger. The minimum of both and their bound without a forecast do not exceed it, and are not
     computed. `InputError` where `plane_limit` raises it.
     """
-    if _line(pair) is not None:  # the planes are one along it
+    if _scalar_case(pair) is not None:  # the planes are one along it
         return separate
     _check_turning(pair, K)
     shape = stop if K == 0.0 else stop.inside
-    limit = max(separate, float(shape.gauge(_exit(pair, shape, K, literal=True)[0])))
+    limit = max(separate, float(shape.gauge(_dead_band_exit(pair, shape, K, literal=True)[0])))
     if K in (0.0, 1.0) or max(poles.size for poles in pair.poles) == 1:
         return limit
     return _requirement_after_trim(pair, stop.inside, K, True, limit)
 
 
-def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> list[Needed]:
+def plane_requirements(
+    pair: PlanePair, stop: LimitShape, bands: Sequence[float], literal: bool
+) -> list[PlaneRequirement]:
     """Return the requirement of one wind in two planes, for each dead band K."""
-    line = _line(pair)
+    line = _scalar_case(pair)
     if line is not None:
-        return [_unidirectional(pair, *line, stop, K, literal) for K in bands]
+        return [_unidirectional_requirement(pair, *line, stop, K, literal) for K in bands]
     _check_turning(pair, max(bands))
     minimum = float(stop.inside.gauge(pair.wind_demand(np.asarray([float(pair.wind.onset)])))[0])
     warning = ""
@@ -109,47 +116,53 @@ def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> lis
             warning = (
                 f"the minimum is not solved: at most {100.0 * optimum.certificate.gap:.2g}% less"
             )
-    bound = unforeseen(pair, stop.inside)
-    return [_turning(pair, stop, K, literal, minimum, bound, warning) for K in bands]
+    bound = no_forecast_bound(pair, stop.inside)
+    return [_turning_requirement(pair, stop, K, literal, minimum, bound, warning) for K in bands]
 
 
-def _check_turning(pair: Pair, K: float) -> None:
+def _check_turning(pair: PlanePair, K: float) -> None:
     """Raise `InputError` for a wind that turns where b1 is below zero."""
     falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
     if any(falling) and K > 0.0 and not pair.wind.unidirectional:
         raise InputError(
-            "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
+            "a wind that turns requires plants with b1 of zero or more, for with b1 < 0 trim grows"
             " when the wind is over; take dead_band=0, or what each plane requires by itself"
         )
 
 
-def _turning(
-    pair: Pair, stop: Stop, K: float, literal: bool, minimum: float, bound: float, warning: str
-) -> Needed:
+def _turning_requirement(
+    pair: PlanePair,
+    stop: LimitShape,
+    K: float,
+    literal: bool,
+    minimum: float,
+    bound: float,
+    warning: str,
+) -> PlaneRequirement:
     """Return the requirement of a wind that turns, or of planes that differ."""
     shape = stop if K == 0.0 else stop.inside
-    deflection, time, status = _exit(pair, shape, K, literal)
+    deflection, time, status = _dead_band_exit(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
         notes += [] if pair.wind.unidirectional else [TURNS]
         notes += [] if shape is stop else [POLYGON]
     modes = max(poles.size for poles in pair.poles)
-    needs = {
+    requirements = {
         Reason.BOUNDARY: float(shape.gauge(deflection)),
         Reason.MINIMUM: minimum if modes > 1 else 0.0,
         Reason.NO_FORECAST: bound if K == 1.0 else 0.0,
     }
     if modes > 1 and 0.0 < K < 1.0:
-        needs[Reason.AFTER_TRIM] = _requirement_after_trim(
-            pair, stop.inside, K, literal, max(needs.values())
+        requirements[Reason.AFTER_TRIM] = _requirement_after_trim(
+            pair, stop.inside, K, literal, max(requirements.values())
         )
-    limit, more = _largest(needs)
-    notes += [warning] if warning and limit == needs[Reason.MINIMUM] else []
-    return Needed(limit, deflection, time, bound, minimum, (*notes, *more))
+    limit, more = _governing_requirement(requirements)
+    notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
+    return PlaneRequirement(limit, deflection, time, bound, minimum, (*notes, *more))
 
 
 def _requirement_after_trim(
-    pair: Pair, stop: Stop, K: float, literal: bool, minimum: float
+    pair: PlanePair, stop: LimitShape, K: float, literal: bool, minimum: float
 ) -> float:
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
@@ -177,7 +190,7 @@ def _requirement_after_trim(
         separate = []  # the least peak of each plane separately
         for plane in (0, 1):
             poles, z = pair.poles[plane][np.newaxis], pair.demands_after_trim(plane, t)[np.newaxis]
-            separate.append(float(peaks_of(poles, z / poles)[0]))
+            separate.append(float(peaks_for_demands(poles, z / poles)[0]))
         corners = [complex(separate[0], sign * separate[1]) for sign in (1.0, -1.0)]
         rectangle = float(np.max(stop.gauge([*corners, *(-corner for corner in corners)])))
         return (
@@ -200,14 +213,16 @@ def _requirement_after_trim(
     return max(limit, minimum)
 
 
-def _largest(needs: dict[Reason, float]) -> tuple[float, list[str]]:
+def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, list[str]]:
     """Return the largest requirement [rad], and the note if it is not that of the control."""
-    governs = max(needs, key=lambda name: needs[name])
-    more = needs[governs] > needs[Reason.BOUNDARY] * (1.0 + ROUNDING)
-    return (needs[governs], [governs.larger]) if more else (needs[Reason.BOUNDARY], [])
+    governs = max(requirements, key=lambda name: requirements[name])
+    more = requirements[governs] > requirements[Reason.BOUNDARY] * (1.0 + ROUNDING)
+    return (
+        (requirements[governs], [governs.larger]) if more else (requirements[Reason.BOUNDARY], [])
+    )
 
 
-def _line(pair: Pair) -> tuple[Plant, History] | None:
+def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
     """Return plant and scalar wind of a wind of one direction and sign; None for all others."""
     if not pair.wind.unidirectional:
         return None
@@ -221,39 +236,41 @@ def _line(pair: Pair) -> tuple[Plant, History] | None:
     return pair.plants[1 if zero_wind[1] and not pair.equal else 0], scalar
 
 
-def _unidirectional(
-    pair: Pair, plant: Plant, wind: History, stop: Stop, K: float, literal: bool
-) -> Needed:
+def _unidirectional_requirement(
+    pair: PlanePair, plant: Plant, wind: History, stop: LimitShape, K: float, literal: bool
+) -> PlaneRequirement:
     """Return the scalar requirement along the direction of the wind."""
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
     required = open_loop_requirements(plant, wind, 1.0, boundary)
-    needs = {name: float(size) for name, size in required.items()}
+    requirements = {name: float(size) for name, size in required.items()}
     direction = complex(unit_vector(pair.wind.direction))
     deflection = boundary.deflection * direction
     gauges = stop.gauge([direction, -direction])
     gauge, largest_gauge = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
-    bound = needs[Reason.NO_FORECAST] * largest_gauge
-    after = needs[Reason.AFTER_TRIM]
+    bound = requirements[Reason.NO_FORECAST] * largest_gauge
+    after = requirements[Reason.AFTER_TRIM]
     if 0.0 < K < 1.0:
         flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
         after = float(open_loop_requirements(plant, wind, K, flown)[Reason.AFTER_TRIM])
-    limit, more = _largest(
+    limit, more = _governing_requirement(
         {
-            Reason.BOUNDARY: needs[Reason.BOUNDARY] * gauge,
-            Reason.MINIMUM: needs[Reason.MINIMUM] * largest_gauge,
+            Reason.BOUNDARY: requirements[Reason.BOUNDARY] * gauge,
+            Reason.MINIMUM: requirements[Reason.MINIMUM] * largest_gauge,
             Reason.AFTER_TRIM: after * largest_gauge,
             Reason.NO_FORECAST: bound if K == 1.0 else 0.0,
         }
     )
     notes = [] if boundary.status == OK else [str(boundary.status)]
     y = None if more or not pair.equal else boundary.limit * gauge
-    minimum = needs[Reason.MINIMUM] * largest_gauge
-    return Needed(
+    minimum = requirements[Reason.MINIMUM] * largest_gauge
+    return PlaneRequirement(
         limit, deflection, float(boundary.switch_time), bound, minimum, (*notes, *more), y
     )
 
 
-def _exit(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, float, str]:
+def _dead_band_exit(
+    pair: PlanePair, stop: LimitShape, K: float, literal: bool
+) -> tuple[complex, float, str]:
     """Return constant deflection [rad] after the exit of the dead band, exit time [s] and status.
 
     Only new maxima of the driver's gauge are exits; of several solutions the last is returned.
@@ -276,7 +293,7 @@ def _exit(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, flo
         return complex(pair.required_constant(times[:1])[0]), float(times[0]), OK
     if short[-1] == records.size - 1:
         trims = pair.trim(times)
-        return complex(trims[np.argmax(stop.gauge(trims))]), np.nan, NEVER_LEFT
+        return complex(trims[np.argmax(stop.gauge(trims))]), np.nan, NO_EXIT
     first, last = records[short[-1]], records[short[-1] + 1]
     floor, span = float(heights[first]), times[first : last + 1]
     for _ in range(_GRID_REFINEMENTS):  # the last rise through zero, in steps between each two
@@ -301,16 +318,16 @@ class PlaneLimit(Shown):
         the half width of a square.
     direction : float or ndarray
         Angle [rad] from the pitch plane of the constant deflection after trim.
-    in_plane, across : float or ndarray
+    pitch, yaw : float or ndarray
         Components of that deflection in pitch and in yaw [rad], with their signs.
-    pitch_alone : float or ndarray
+    pitch_only : float or ndarray
         Limit [rad] for the pitch component of the wind alone.
-    underestimate : float or ndarray
-        Ratio of `pitch_alone` to `deflection`.
-    without_forecast : float or ndarray
+    pitch_only_ratio : float or ndarray
+        Ratio of `pitch_only` to `deflection`.
+    no_forecast_bound : float or ndarray
         Lower bound of every law without a forecast, normalised as `limit`; at K = 1 the limit is
         never below it.
-    leaving_time : float or ndarray
+    switch_time : float or ndarray
         Exit time of the dead band [s]; NaN without an exit.
     notes : tuple of str
         Warnings and reasons; for a batch, of any case.
@@ -319,24 +336,24 @@ class PlaneLimit(Shown):
     limit: Any
     deflection: Any
     direction: Any
-    in_plane: Any
-    across: Any
-    pitch_alone: Any
-    underestimate: Any
-    without_forecast: Any
-    leaving_time: Any
+    pitch: Any
+    yaw: Any
+    pitch_only: Any
+    pitch_only_ratio: Any
+    no_forecast_bound: Any
+    switch_time: Any
     notes: tuple[str, ...]
 
     _keys = (
-        "limit_over_trim=limit deflection_deg pitch_alone_deg direction_deg without_forecast"
-        " leaving_time_s notes"
+        "limit_over_trim=limit deflection_deg pitch_only_deg direction_deg no_forecast_bound"
+        " switch_time_s notes"
     )
 
 
 def plane_limit(
     plant: Plant,
     wind: PlaneWind,
-    stop: Stop | None = None,
+    stop: LimitShape | None = None,
     dead_band: ArrayLike = 1.0,
     switch: str = "report",
     yaw_plant: Plant | None = None,
@@ -349,9 +366,9 @@ def plane_limit(
         One plant or a batch, whose unstable poles are real.
     wind : PlaneWind
         One wind that ends, or a batch; batches broadcast, and are solved case by case.
-    stop : Stop, optional
-        Limit shape of the nozzle; round by default. `Stop.each_plane` is the square inside it, for
-        planes that are limited separately.
+    stop : LimitShape, optional
+        Limit shape of the nozzle; round by default. `LimitShape.each_plane` is the square
+        inside it, for planes that are limited separately.
     dead_band : array_like
         K, the fraction of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
@@ -387,21 +404,21 @@ def plane_limit(
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     >>> limit = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, np.radians(55)))
-    >>> np.degrees([limit.deflection, limit.pitch_alone]).round(3)
+    >>> np.degrees([limit.deflection, limit.pitch_only]).round(3)
     array([0.351, 0.201])
     """
-    stop = CircularStop() if stop is None else stop
+    stop = CircularShape() if stop is None else stop
     one_of("switch", switch, SWITCHES)
     K = within("dead_band", dead_band, 0.0, 1.0)
-    shape = broadcast(dead_band=K.shape, plants=checked(plant, wind, stop, yaw_plant))
+    shape = broadcast(dead_band=K.shape, plants=checked_batch(plant, wind, stop, yaw_plant))
     if not shape:
-        return _case_limit(Pair((plant, yaw_plant or plant), wind), stop, float(K), switch)
+        return _case_limit(PlanePair((plant, yaw_plant or plant), wind), stop, float(K), switch)
     dead_bands = np.broadcast_to(K, shape).ravel()
     limits = []
     for case in range(dead_bands.size):
         first = plant.case(case, shape)
         plants = first, yaw_plant.case(case, shape) if yaw_plant else first
-        pair = Pair(plants, wind.case(case, shape))
+        pair = PlanePair(plants, wind.case(case, shape))
         limits.append(_case_limit(pair, stop, float(dead_bands[case]), switch))
     names = [field.name for field in fields(PlaneLimit)][:-1]
     numbers = {n: np.reshape([getattr(limit, n) for limit in limits], shape) for n in names}
@@ -409,26 +426,28 @@ def plane_limit(
     return PlaneLimit(**numbers, notes=notes)
 
 
-def _case_limit(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
+def _case_limit(pair: PlanePair, stop: LimitShape, K: float, switch: str) -> PlaneLimit:
     """Return the limit of one case at dead band K."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    requirement = needed(pair, stop, (K,), literal)[0]
-    pitch_alone = requirement.limit
+    requirement = plane_requirements(pair, stop, (K,), literal)[0]
+    pitch_only = requirement.limit
     if np.isfinite(pair.wind.yaw.onset):
-        pitch_alone = 0.0
+        pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):
             flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
-            pitch_alone = needed(Pair(pair.plants, flat), stop, (K,), literal)[0].limit
+            pitch_only = plane_requirements(PlanePair(pair.plants, flat), stop, (K,), literal)[
+                0
+            ].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
         limit=requirement.limit / scale if requirement.y is None else requirement.y,
         deflection=requirement.limit,
         direction=float(np.angle(requirement.deflection)),
-        in_plane=requirement.deflection.real,
-        across=requirement.deflection.imag,
-        pitch_alone=pitch_alone,
-        underestimate=pitch_alone / requirement.limit if requirement.limit > 0.0 else 1.0,
-        without_forecast=requirement.bound / scale,
-        leaving_time=requirement.time,
+        pitch=requirement.deflection.real,
+        yaw=requirement.deflection.imag,
+        pitch_only=pitch_only,
+        pitch_only_ratio=pitch_only / requirement.limit if requirement.limit > 0.0 else 1.0,
+        no_forecast_bound=requirement.bound / scale,
+        switch_time=requirement.time,
         notes=requirement.notes,
     )

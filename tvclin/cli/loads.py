@@ -8,7 +8,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
-from tvclin.boundary.load_trade_off import LoadFront, load_front
+from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
@@ -77,23 +77,23 @@ def loads(
     required = study_requirement(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case, required) | {"front": front, "flown": flown},
+        lambda: blows.document(case, required) | {"trade_off": front, "flown": flown},
         lambda: _print(title, front, flown, required),
         (front.limit is None or not front.verdict) and all(item.survives_within for item in flown),
     )
 
 
-def _front(case: StudyPlan) -> LoadFront:
+def _front(case: StudyPlan) -> LoadTradeOff:
     """Return the front of the load of a file, or of the angle of attack."""
     if case.load is not None:
         return case.load.front(case)
     limit, rate = case.nozzle.limit, case.nozzle.rate_limit
     fastest = np.inf if rate is None else rate
-    return load_front(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
+    return load_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
 
 
 def _print(
-    title: str, front: LoadFront, flown: list[FlownLoad], required: CaseRequirement | None
+    title: str, front: LoadTradeOff, flown: list[FlownLoad], required: CaseRequirement | None
 ) -> None:
     say(title)
     print_tables(*front.tables())

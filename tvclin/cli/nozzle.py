@@ -7,7 +7,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
-from tvclin.boundary.rate_trade_off import RateFront, rate_front
+from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
@@ -90,15 +90,15 @@ def nozzle(
     note_nominal_pressure(case)
     answer(
         shown.as_json,
-        lambda: blows.document(case, required) | {"front": front, "flown": flown} | more,
+        lambda: blows.document(case, required) | {"trade_off": front, "flown": flown} | more,
         lambda: _print(title, front, needed, flown, required),
         not (limited and front.verdict) and (flown is None or bool(flown.verdict.met)),
     )
 
 
-def _front(case: StudyPlan) -> RateFront:
+def _front(case: StudyPlan) -> RateTradeOff:
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
-    return rate_front(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
+    return rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
 
 
 def _flown(case: StudyPlan, law: str | None) -> FlownCard | None:
@@ -118,7 +118,7 @@ def _needed(case: StudyPlan) -> FlownFront:
 
 def _print(
     title: str,
-    front: RateFront,
+    front: RateTradeOff,
     needed: FlownFront | None,
     flown: FlownCard | None,
     required: CaseRequirement | None,

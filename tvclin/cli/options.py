@@ -16,7 +16,7 @@ from tvclin.base.fields import Field, help_line, parameters
 from tvclin.base.files import place_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
-from tvclin.boundary.limit_shapes import STOPS
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import draw
 from tvclin.winds.shaped import SHAPES
@@ -54,7 +54,7 @@ AT_HELP = (
     " table flight."
 )
 At = Annotated[float | None, typer.Option("--at", help=AT_HELP)]
-STOPS_HELP = f"{listed(STOPS, 'or')}."
+LIMIT_SHAPES_HELP = f"{listed(LIMIT_SHAPES, 'or')}."
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]

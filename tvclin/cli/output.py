@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from tvclin.answers.case_requirement import CaseRequirement
     from tvclin.base.lines import Line, Table
-    from tvclin.boundary.load_trade_off import LoadFront
-    from tvclin.boundary.rate_trade_off import RateFront
+    from tvclin.boundary.limit_over_load import LoadTradeOff
+    from tvclin.boundary.limit_over_rate import RateTradeOff
 
 
 _MAX_COLUMN_PADDING = 3
@@ -56,10 +56,10 @@ def say_required(required: "CaseRequirement | None") -> None:
         say(f"{required.see_study[0].upper()}{required.see_study[1:]}.")
 
 
-def say_bound(front: "RateFront | LoadFront", required: "CaseRequirement | None") -> None:
+def say_bound(front: "RateTradeOff | LoadTradeOff", required: "CaseRequirement | None") -> None:
     """Print a lower bound with the required deflection, and that a limit is below the bound."""
     if not front.beyond:
-        words = "; ".join([front.bound_words, *([] if required is None else [required.see_study])])
+        words = "; ".join([front.bound_text, *([] if required is None else [required.see_study])])
         say(f"{words[0].upper()}{words[1:]}.")
     if front.verdict:
         say(f"Verdict: {front.verdict}.")

@@ -26,15 +26,15 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
+    LIMIT_SHAPES_HELP,
     MODEL,
     SIGN,
-    STOPS_HELP,
     TIME_HELP,
     AsJson,
     Given,
@@ -130,7 +130,7 @@ class PlaneOptions:
         "Plane of the motion: pitch, yaw, or both with one stop.", shown="pitch"
     )
     stop: str | None = asked(
-        f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+        f"Shape of the stop of the nozzle, with --plane both: {LIMIT_SHAPES_HELP}",
         shown="round",
         metavar="SHAPE",
     )
@@ -141,7 +141,7 @@ class PlaneOptions:
         stop = self._stop(plan.nozzle.stop)
         return replace(plan, nozzle=replace(plan.nozzle, stop=stop))
 
-    def _stop(self, own: Stop | str | None) -> Stop | str | None:
+    def _stop(self, own: LimitShape | str | None) -> LimitShape | str | None:
         """Return the limit shape of both planes; None for a single plane."""
         if self.plane not in (None, BOTH) or (own is None and self.plane is None):
             only_with(f"--plane {BOTH}", stop=self.stop)

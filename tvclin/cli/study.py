@@ -21,7 +21,7 @@ from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
-    STOPS_HELP,
+    LIMIT_SHAPES_HELP,
     STUDY,
     AsJson,
     At,
@@ -65,7 +65,7 @@ def study(
     question: Given = Given(STUDY, "dead_band switch sign model plane"),
     limit: Given = LIMIT,
     stop: str | None = asked(
-        f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
+        f"Judge both planes with one stop of the nozzle: {LIMIT_SHAPES_HELP} The peak that the"
         " limit survives is then that of the wind's vector; without, that of its part in"
         " --plane. Needs --wind-direction-deg.",
         metavar="SHAPE",

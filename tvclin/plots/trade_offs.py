@@ -30,12 +30,12 @@ from tvclin.base.errors import (
 from tvclin.base.lines import plural
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit_shapes import Stop, stop_of
-from tvclin.boundary.load_trade_off import LoadFront
+from tvclin.boundary.limit_over_load import LoadTradeOff
+from tvclin.boundary.limit_over_rate import RateTradeOff
+from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.boundary.plane_bounds import Pair, checked
+from tvclin.boundary.plane_bounds import PlanePair, checked_batch
 from tvclin.boundary.plane_limits import plane_limit
-from tvclin.boundary.rate_trade_off import RateFront
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import LAWS
 from tvclin.linear.flexible import AnyPlant, check_plant
@@ -76,65 +76,65 @@ _MARGINS: dict[str, Style] = {
 _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
-def rate_curves(front: RateFront | FlownFront) -> Curves:
+def rate_curves(trade_off: RateTradeOff | FlownFront) -> Curves:
     """Return the curves of `rate_chart`; NaN where no deflection is sufficient."""
-    flown = front.limits if isinstance(front, FlownFront) else {}
-    front = front.front if isinstance(front, FlownFront) else front
-    instance("front", front, RateFront, "see rate_front")
-    values = {**flown, WIND_KNOWN: front.limits}
-    if front.bounds is not None:
-        values[NO_FORECAST] = front.bounds
-    if front.limit is not None and front.rate_limit in front.rates:
-        values[_NOZZLE] = np.where(front.rates == front.rate_limit, front.limit, np.nan)
+    flown = trade_off.limits if isinstance(trade_off, FlownFront) else {}
+    trade_off = trade_off.front if isinstance(trade_off, FlownFront) else trade_off
+    instance("trade_off", trade_off, RateTradeOff, "see rate_trade_off")
+    values = {**flown, WIND_KNOWN: trade_off.limits}
+    if trade_off.no_forecast_bounds is not None:
+        values[NO_FORECAST] = trade_off.no_forecast_bounds
+    if trade_off.limit is not None and trade_off.rate_limit in trade_off.rates:
+        values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
     columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
-    words, rates = "least deflection over the rate limit", np.degrees(front.rates)
+    words, rates = "least deflection over the rate limit", np.degrees(trade_off.rates)
     return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))
 
 
 def rate_chart(
-    front: RateFront | FlownFront, title: str = "Least deflection over rate"
+    trade_off: RateTradeOff | FlownFront, title: str = "Least deflection over rate"
 ) -> ControlPlot:
     """Draw the minimum deflection over the rate limit, and the nozzle if its rate is in the range.
 
     Parameters
     ----------
-    front : RateFront or FlownFront
-        Result of `rate_front`, or of `flown_fronts` with a curve of each law.
+    trade_off : RateTradeOff or FlownFront
+        Result of `rate_trade_off`, or of `flown_fronts` with a curve of each law.
     title : str
         Title of the figure.
     """
-    curves = rate_curves(front)
+    curves = rate_curves(trade_off)
     plot = draw(curves, Look(title, "deflection [deg]", _RATES))
     plot.axes.flat[0].set_xlim(0.0, 1.03 * float(curves.abscissa.max()))
     return plot
 
 
-def load_curves(front: LoadFront, flown: Sequence[FlownLoad] = ()) -> Curves:
+def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Curves:
     """Return the curves of `load_chart`; NaN where no deflection is sufficient."""
-    instance("front", front, LoadFront, "see load_front")
+    instance("trade_off", trade_off, LoadTradeOff, "see load_trade_off")
     flown = each("flown", flown, FlownLoad, "one for each law")
     points = {}
-    if front.limit is not None:
-        if front.load is not None:
-            points[_NOZZLE] = front.load
+    if trade_off.limit is not None:
+        if trade_off.load is not None:
+            points[_NOZZLE] = trade_off.load
         points |= {flight.law: flight.load for flight in flown if np.isfinite(flight.load)}
-    loads = np.unique(np.concatenate([front.loads, list(points.values())]))
+    loads = np.unique(np.concatenate([trade_off.loads, list(points.values())]))
 
     def interpolated(values: FloatArray) -> FloatArray:
-        return np.interp(loads, front.loads, _broken(values), left=np.nan)
+        return np.interp(loads, trade_off.loads, _broken(values), left=np.nan)
 
-    values = {WIND_KNOWN: interpolated(front.limits)}
-    if front.bounds is not None:
-        values[NO_FORECAST] = interpolated(front.bounds)
+    values = {WIND_KNOWN: interpolated(trade_off.limits)}
+    if trade_off.no_forecast_bounds is not None:
+        values[NO_FORECAST] = interpolated(trade_off.no_forecast_bounds)
     for name, load in points.items():
-        values[name] = np.where(loads == load, front.limit or np.nan, np.nan)
+        values[name] = np.where(loads == load, trade_off.limit or np.nan, np.nan)
     columns = [Column(name, np.degrees(angles), "deg") for name, angles in values.items()]
     words = "least deflection over the largest load"
     return Curves("loads", words, "load [deg]", np.degrees(loads), tuple(columns))
 
 
 def load_chart(
-    front: LoadFront,
+    trade_off: LoadTradeOff,
     flown: Sequence[FlownLoad] = (),
     title: str = "Least deflection over the largest load",
 ) -> ControlPlot:
@@ -142,14 +142,14 @@ def load_chart(
 
     Parameters
     ----------
-    front : LoadFront
-        Result of `load_front`.
+    trade_off : LoadTradeOff
+        Result of `load_trade_off`.
     flown : sequence of FlownLoad
-        Flights of laws with the limit of the front.
+        Flights of laws with the limit of the trade-off.
     title : str
         Title of the figure.
     """
-    curves = load_curves(front, flown)
+    curves = load_curves(trade_off, flown)
     styles = _LOADS | dict(zip([one.law for one in flown], _FLOWN, strict=False))
     plot = draw(curves, Look(title, "deflection [deg]", styles))
     axes = plot.axes.flat[0]
@@ -300,7 +300,7 @@ _FRAME_MARGIN = 0.06
 def plane_chart(
     plant: Plant,
     wind: PlaneWind,
-    stop: Stop | str = "round",
+    stop: LimitShape | str = "round",
     dead_band: float = 1.0,
     yaw_plant: Plant | None = None,
 ) -> ControlPlot:
@@ -320,18 +320,18 @@ def plane_chart(
     InputError
         In the same cases as `plane_limit`, and for batches.
     """
-    shape = stop_of(stop)
-    checked(plant, wind, shape, yaw_plant)
+    shape = limit_shape_of(stop)
+    checked_batch(plant, wind, shape, yaw_plant)
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
         single(name, plane_plant.batch)
     dead_band = number("dead_band", dead_band, between(0.0, 1.0))
     limit = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
-    pair = Pair((plant, yaw_plant or plant), wind)
+    pair = PlanePair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
     ends = float(wind.onset), float(wind.end)
     times = np.union1d(knots[(knots > ends[0]) & (knots < ends[1])], np.linspace(*ends, _TIMES))
     angles = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
-    constant = limit.in_plane + 1j * limit.across
+    constant = limit.pitch + 1j * limit.yaw
     vectors = {
         STOP: limit.deflection * shape.reach(angles) * unit_vector(angles),
         TRIMS: pair.trim(times),
@@ -347,7 +347,7 @@ def plane_chart(
         first += values.size
     words = (
         f"{plant.model}, K = {dead_band:g}, limit {np.degrees(limit.deflection):.4f} deg, pitch"
-        f" alone {np.degrees(limit.pitch_alone):.4f} deg"
+        f" alone {np.degrees(limit.pitch_only):.4f} deg"
     )
     curves = Curves("planes", words, "deflection in pitch [deg]", points.real, tuple(columns))
     title = called(plant.coefficients.name, f"Deflection that a wind needs in both planes\n{words}")

@@ -11,7 +11,7 @@ from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.planes import rectangle
 from tvclin.base.arrays import FloatArray
-from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.law import Law
@@ -58,7 +58,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     lost = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
     both = {name: np.hypot(pitch[name], yaw[name]) for name in _MOTIONS}
     both["flight_peak_deflection"] = rectangle(
-        stop_of(campaign.nozzle.stop or ""),
+        limit_shape_of(campaign.nozzle.stop or ""),
         pitch["flight_peak_deflection"],
         yaw["flight_peak_deflection"],
     )
@@ -74,7 +74,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.parts.items()}
-    stop = stop_of(campaign.nozzle.stop or "")
+    stop = limit_shape_of(campaign.nozzle.stop or "")
     total = rectangle(stop, *(peaks.get(plane, 0.0) for plane in PLANES))
     return {plane: peak / total for plane, peak in peaks.items()}
 

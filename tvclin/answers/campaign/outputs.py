@@ -17,9 +17,9 @@ from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import ROUNDING
-from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.control.margins.margins import loop_margins
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.plant import Plant
@@ -103,7 +103,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     if not batch.parts:
         nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
         return {name: at_encountered(campaign.plane, np.abs(nominal))}
-    stop = stop_of(campaign.nozzle.stop or "")
+    stop = limit_shape_of(campaign.nozzle.stop or "")
     nominal_needs = planes_needed(batch.plants, batch.vectors, stop, dead_band)
     alone = {
         plane: at_encountered(plane, np.abs(nominal_needs.alone[plane])) for plane in batch.parts
@@ -142,7 +142,7 @@ def _bound(
     """
     if not batch.parts:
         return {name: alone(batch.plant, batch.wind)}
-    stop, shape = stop_of(campaign.nozzle.stop or ""), (batch.count,)
+    stop, shape = limit_shape_of(campaign.nozzle.stop or ""), (batch.count,)
     bounds = dict.fromkeys(PLANES, 0.0)
     for plane, in_plane in batch.parts.items():
         first = in_plane.first
@@ -219,7 +219,7 @@ REGISTRY = {
     ),
     "minimum": Output(
         lambda campaign: _of_planes(campaign, {"minimum": "rad"}),
-        partial(_bound, "minimum", least_peaks, lambda need: need.minimum),
+        partial(_bound, "minimum", minimum_peaks, lambda need: need.minimum),
         lambda campaign: _slow(campaign) or campaign.planes == BOTH,
     ),
     "margins": Output(_margin_columns, _margins),

@@ -28,7 +28,7 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.base.fields import count, file_table, quantity, word
-from tvclin.boundary.limit_shapes import STOPS
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -150,7 +150,7 @@ class Campaign(Case):
                 "a stop of both planes needs a wind with a direction: give where it blows from,"
                 " and the azimuth of the flight"
             )
-        one_of("stop of a campaign", self.nozzle.stop, STOPS)
+        one_of("stop of a campaign", self.nozzle.stop, LIMIT_SHAPES)
         directions_of(self)
         if "flown" in self.outputs:
             raise InputError(

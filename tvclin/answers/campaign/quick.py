@@ -29,7 +29,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, fraction, instance, shown, whole_number
 from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.base.quantities import sufficiency
-from tvclin.boundary.limit_shapes import stop_of
+from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import complete_vehicle
@@ -312,14 +312,14 @@ def _needed(
     """Return required deflections [rad] in a wind, of both planes with each by itself, ``(n,)``."""
     if isinstance(wind, PlaneWind):
         alone = alone_needed(_plants(vehicle, case), wind, dead_band)
-        return rectangle(stop_of(case.nozzle.stop or ""), alone["pitch"], alone["yaw"])
+        return rectangle(limit_shape_of(case.nozzle.stop or ""), alone["pitch"], alone["yaw"])
     plant = Plant.from_vehicle(vehicle, case.model, case.plane)
     return np.abs(required_deflection(plant, wind, dead_band).deflection)
 
 
 def _of_vectors(vehicle: Vehicle, wind: PlaneWind, case: Case, dead_band: float) -> FloatArray:
     """Return required deflections [rad] of both planes in a wind with its vectors, ``(n,)``."""
-    stop = stop_of(case.nozzle.stop or "")
+    stop = limit_shape_of(case.nozzle.stop or "")
     return np.asarray(planes_needed(_plants(vehicle, case), wind, stop, dead_band).deflection)
 
 

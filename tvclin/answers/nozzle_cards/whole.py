@@ -40,9 +40,9 @@ from tvclin.base.errors import (
     positive,
     whole_number,
 )
-from tvclin.boundary.limit_shapes import stop_of
-from tvclin.boundary.optimum.minimum_peak import least_peaks
-from tvclin.boundary.rate_trade_off import ramp_rate, ramped_deflection
+from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
+from tvclin.boundary.limit_shapes import limit_shape_of
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.control.laws.law import FilteredLaw, NoisyLaw
 from tvclin.control.laws.registry import LAWS, design_notes
 from tvclin.flights.closed_loop.fly import fly_nozzle
@@ -221,7 +221,7 @@ class _Conditions:
             if not in_plane.calm:
                 plant = Plant.from_vehicle(vehicle, case.law_model, plane)
                 sizes[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
-        total = float(rectangle(stop_of(case.nozzle.stop or "round"), *sizes.values()))
+        total = float(rectangle(limit_shape_of(case.nozzle.stop or "round"), *sizes.values()))
         return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
 
     def _encountered(
@@ -268,7 +268,7 @@ class _Conditions:
         plant, nozzle = case.plant.rigid, case.nozzle
         poles = unstable_modes(plant).poles
         pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
-        point = replace(point, least=float(least_peaks(plant, wind)), pole=pole)
+        point = replace(point, least=float(minimum_peaks(plant, wind)), pole=pole)
         law = law_asked(case, self.law, case.hardware["rate_limit"])
         notes = tuple(design_notes(law))
         if self.noise:

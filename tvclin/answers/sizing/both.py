@@ -13,7 +13,7 @@ from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.answers.sizing.placing import PlacedWind
 from tvclin.answers.sizing.record import Sizing, beyond_one_pole
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.linear.plant import ONE_POLE, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
@@ -24,7 +24,7 @@ def in_both_planes(
     parts: dict[str, Sizing],
     vehicles: list[Vehicle],
     placed: list[list[dict[str, PlacedWind]]],
-    stop: Stop,
+    stop: LimitShape,
     counted: Callable[[Any], Any],
 ) -> Sizing:
     """Return the sizing of both planes from the sizings of each, without notes.
@@ -79,7 +79,7 @@ def _required(
     pitch: Sizing,
     yaw: Sizing,
     needs: list[list[VectorNeed]],
-    stop: Stop,
+    stop: LimitShape,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
     """Return the requirements [rad] of both planes, and where the wind vector requires more.
@@ -119,7 +119,7 @@ def _vector(
     model: str,
     wind: dict[str, PlacedWind],
     beyond: bool,
-    stop: Stop,
+    stop: LimitShape,
     bands: FloatArray,
 ) -> VectorNeed:
     """Return the requirements of the wind vector; zeros where one plane alone has wind."""

@@ -17,7 +17,7 @@ from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, gust_at
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import NotKnownError
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -46,7 +46,7 @@ def concurrent_trim(
     winds: Mapping[str, WindOf],
     placing: Mapping[str, str],
     planes: tuple[str, ...],
-    stop: Stop,
+    stop: LimitShape,
     known: BoolArray,
 ) -> ConcurrentTrim:
     """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
@@ -77,7 +77,7 @@ def _largest(
     wind: WindOf,
     vehicle: Vehicle,
     planes: tuple[str, ...],
-    stop: Stop,
+    stop: LimitShape,
     interval: tuple[float, float],
 ) -> tuple[float, float]:
     """Return the largest trim [rad] of an interval of the flight, and its time [s]."""

@@ -12,8 +12,8 @@ from tvclin.answers.requirement import required_deflection
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
-from tvclin.boundary.limit import OK, PAIR, STABLE
-from tvclin.boundary.optimum.minimum_peak import least_peaks
+from tvclin.boundary.limit import OK, PAIRED_POLES, STABLE
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
@@ -75,13 +75,13 @@ def frozen_requirement(
         limit = required_deflection(plant, wind, dead_bands, whole=whole)
         statuses = dict.fromkeys(np.ravel(limit.status).tolist())
         said.extend(status for status in statuses if status not in (OK, STABLE))
-        paired = PAIR in statuses
+        paired = PAIRED_POLES in statuses
         return np.abs(np.asarray(limit.deflection))
 
     slow = slow_mode(plant, wind)
     exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
     two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
-    minimum = value_or(lambda: float(least_peaks(two, wind)), np.nan)
+    minimum = value_or(lambda: float(minimum_peaks(two, wind)), np.nan)
     required = np.maximum(
         value_or(largest, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
     )

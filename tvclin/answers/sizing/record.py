@@ -17,7 +17,7 @@ from tvclin.base.columns import Column, Columns, Tabled
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import one_of
 from tvclin.base.lines import Table, degrees, significant
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Sizing(Tabled):
     unsigned : ndarray of bool, or None
         Where a pulse needs the same in each column of a sign because what its sign changes is not
         known there, ``(n, m)``; None where no sign was asked about.
-    stop : Stop or None
+    stop : LimitShape or None
         For both planes, what the nozzle can do; deflections are in its measure.
     arises : dict of Requirement to ndarray
         By requirement with varying parameters, for winds that meet every flight time
@@ -121,7 +121,7 @@ class Sizing(Tabled):
     said: tuple[str, ...]
     notes: tuple[str, ...]
     alone: Mapping[str, Sizing] = field(default_factory=dict)
-    stop: Stop | None = None
+    stop: LimitShape | None = None
     unsigned: BoolArray | None = None
     arises: Mapping[Requirement, FloatArray] = field(default_factory=dict)
     concurrent: ConcurrentTrim | None = None

@@ -33,7 +33,7 @@ from tvclin.answers.sizing.record import Sizing
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
-from tvclin.boundary.limit_shapes import Stop, stop_of
+from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
@@ -57,7 +57,7 @@ def size(
     window: float = 20.0,
     law: str = "bound",
     varying: bool | None = None,
-    stop: Stop | str = "round",
+    stop: LimitShape | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
     """Return the required deflection [rad] of each wind at each flight time.
@@ -94,7 +94,7 @@ def size(
     varying : bool, optional
         Whether to let parameters vary while the wind blows as well, beside the frozen ones; where
         it is not given, if they can be followed.
-    stop : Stop or str
+    stop : LimitShape or str
         For both planes what the nozzle can do, or a word: "round", "round-each-plane" (each plane
         limited by itself within it), "square", "square-45" (turned by 45 degrees).
     progress : callable, optional
@@ -133,7 +133,7 @@ def size(
         flag("varying", varying)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    shape = stop_of(stop)
+    shape = limit_shape_of(stop)
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:

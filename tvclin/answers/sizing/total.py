@@ -34,7 +34,7 @@ from tvclin.base.errors import (
 from tvclin.base.lines import Line as Cell
 from tvclin.base.lines import Table, degrees, significant
 from tvclin.base.quantities import sufficiency
-from tvclin.boundary.rate_trade_off import ramp_rate, ramped_deflection
+from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
 from tvclin.linear.modes import unstable_modes
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle

@@ -21,7 +21,13 @@ from itertools import pairwise
 import numpy as np
 
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.boundary.optimum.moments import TRUNCATED, Constraints, SignedSum, Window, even_for
+from tvclin.boundary.optimum.moments import (
+    TRUNCATED,
+    Constraints,
+    SignedSum,
+    Window,
+    decay_spaced_times,
+)
 
 _RELATIVE_LP_TOLERANCE = 1e-6
 """Size, relative to the largest, that counts as below the tolerance of a linear program."""
@@ -107,14 +113,14 @@ def _linear_program(
     return (result.x, result.eqlin.marginals) if result.status == 0 else None
 
 
-def first_cells(window: Window) -> FloatArray:
+def initial_cells(window: Window) -> FloatArray:
     """Return breakpoints [s] of cells: even in e^(-p u/4) for every pole, and in each period."""
     c = window.constraints
     last = min(window.end, TRUNCATED / c.decays.min())
     parts = [np.array([0.0, last])]
     for pole in c.poles:
         decay = np.real(pole)
-        parts.append(even_for(decay, last, 150))
+        parts.append(decay_spaced_times(decay, last, 150))
         if np.imag(pole):
             count = min(last * np.imag(pole) / np.pi * 24.0, 4000.0)
             parts.append(np.linspace(0.0, last, int(count) + 2))
@@ -122,14 +128,14 @@ def first_cells(window: Window) -> FloatArray:
     return inside if last == window.end else np.append(inside, window.end)
 
 
-def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, IndexArray]:
+def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, IndexArray]:
     """Return the times [s] at which levels change between -1 and 1, and indices of uncertain cells.
 
     A cell at neither level is uncertain: its level gives the fraction that is at each.
     """
     full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)
     times: list[float] = []
-    doubtful: list[int] = []
+    uncertain: list[int] = []
     edges = np.concatenate([[-1], full, [levels.size]])
     for before, after in pairwise(edges):
         sign_before = np.sign(levels[before]) if before >= 0 else 0.0
@@ -139,7 +145,7 @@ def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, Inde
         sign_before, sign_after = sign_before or -sign_after, sign_after or -sign_before
         start, stop = cells[before + 1], min(cells[after], cells[-1] if after else np.inf)
         if after > before + 1:
-            doubtful.extend(range(before + 1, after))
+            uncertain.extend(range(before + 1, after))
         if np.isinf(stop) or not sign_before:
             continue
         widths = np.diff(cells[before + 1 : after + 1])
@@ -149,12 +155,12 @@ def switches_in(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, Inde
             times.append(start + share)
         elif widths.size:
             times.extend([start + share / 2.0, stop - share / 2.0])
-    return np.array(times), np.array(doubtful, dtype=np.intp)
+    return np.array(times), np.array(uncertain, dtype=np.intp)
 
 
-def split(cells: FloatArray, doubtful: IndexArray) -> FloatArray:
+def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
     """Return breakpoints [s] with uncertain cells and their neighbours divided into 16."""
-    selected = np.unique(np.concatenate([doubtful - 1, doubtful, doubtful + 1]))
+    selected = np.unique(np.concatenate([uncertain - 1, uncertain, uncertain + 1]))
     selected = selected[(selected >= 0) & (selected < cells.size - 1)]
     selected = selected[np.isfinite(cells[selected + 1])]
     widths = cells[selected + 1] - cells[selected]
@@ -176,7 +182,7 @@ def best_multipliers(window: Window) -> SignedSum:
     best = _from_grid(window)
     if _misfit(window, best) < _RELATIVE_RESIDUAL:
         return best
-    last = _slowest_last(window)
+    last = _with_last_switch(window)
     if last is not None and _misfit(window, last) < _RELATIVE_RESIDUAL:
         return last
     c = window.constraints
@@ -196,7 +202,7 @@ def best_multipliers(window: Window) -> SignedSum:
     return SignedSum(slowed.multipliers, slowed.zeros, slowed.signs, slowed.norm, moments)
 
 
-def _slowest_last(window: Window) -> SignedSum | None:
+def _with_last_switch(window: Window) -> SignedSum | None:
     """Return the optimal sum without the slowest real pole, with one more switch for that pole.
 
     No deflection has a smaller peak than the faster poles require. So this is the solution if their
@@ -230,10 +236,10 @@ def _slowest_last(window: Window) -> SignedSum | None:
 
 def _from_grid(window: Window) -> SignedSum:
     """Return the sum of smallest residual by Newton's iteration from the optima on grids."""
-    cells, best = first_cells(window), None
+    cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)
-        switches, doubtful = switches_in(cells, levels)
+        switches, uncertain = switch_times_of(cells, levels)
         for guess in _scaled(window, [_vanishing_at(window, switches), prices]):
             solution = _newton(window, guess)
             if best is None or _misfit(window, solution) < _misfit(window, best):
@@ -242,7 +248,7 @@ def _from_grid(window: Window) -> SignedSum:
                 return best
         if _is_underflowing(window, prices):
             break
-        cells = split(cells, doubtful)
+        cells = split_cells(cells, uncertain)
     assert best is not None
     return best
 
@@ -332,11 +338,11 @@ def _in_logarithms(
     constraints: Constraints, multipliers: FloatArray, step: FloatArray
 ) -> FloatArray:
     """Return each multiplier times e^(step/multiplier), ``(n,)``; a pair is one complex number."""
-    size, change = constraints.joined(multipliers), constraints.joined(step)
+    size, change = constraints.complex_values(multipliers), constraints.complex_values(step)
     still = size == 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         moved = size * np.exp(change / np.where(still, 1.0, size))
-    return constraints.in_rows(np.where(still, change, moved))
+    return constraints.real_rows(np.where(still, change, moved))
 
 
 def _newton_step(window: Window, current: SignedSum) -> FloatArray:

@@ -31,7 +31,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.numerics.pieces import moments
 from tvclin.winds.histories import History
 
-Three = tuple[AnyArray, AnyArray, AnyArray]
+ConvolutionWeights = tuple[AnyArray, AnyArray, AnyArray]
 
 _NEGLIGIBLE_SHARE = 1e-12
 """Share of the load, relative to the largest, below which a stable mode is neglected."""
@@ -164,7 +164,7 @@ class LoadCase:
         return np.stack([np.ones_like(pairs), pairs], axis=-1).ravel()
 
 
-def convolution_weights(rates: ArrayLike, widths: FloatArray) -> Three:
+def convolution_weights(rates: ArrayLike, widths: FloatArray) -> ConvolutionWeights:
     """Return the decay e^(-rate width) over cells, and two weights of a line's convolution.
 
     INT_0^width e^(-rate y) line(y) dy is ``near`` line(0) + ``far`` line(width), with the distance

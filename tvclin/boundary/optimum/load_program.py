@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.boundary.optimum.load_case import LoadCase, LoadWeights, convolution_weights
-from tvclin.boundary.optimum.moments import apart
+from tvclin.boundary.optimum.moments import separate_nodes
 
 PEAK, LOAD = "peak", "load"
 _INSIDE = np.linspace(0.0, 1.0, 9)
@@ -317,7 +317,7 @@ class LoadProgram:
             parts.append(np.clip(np.abs(level_limit - first) / (rate * width), 0.0, 1.0))
             parts.append(np.clip(1.0 - np.abs(level_limit - last) / (rate * width), 0.0, 1.0))
         new_nodes = np.concatenate([self.nodes, *(start + width * x for x in parts)])
-        return apart(new_nodes, 1e-6 / self.case.fastest)
+        return separate_nodes(new_nodes, 1e-6 / self.case.fastest)
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:

@@ -21,7 +21,7 @@ from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import broadcast, instance
-from tvclin.boundary.forecast_free import least_reach
+from tvclin.boundary.forecast_free import minimum_reach
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.dual import best_multipliers
 from tvclin.boundary.optimum.moments import Constraints, Window, conditions, constraints_of
@@ -37,7 +37,7 @@ from tvclin.winds.pulses import check_end
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
-UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
+NOT_EXCITED = "the wind excites no unstable pole: no deflection is needed"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 _MAX_GAP = 1e-9
 """Largest relative gap and residual of a certificate that proves a peak; else the status says
@@ -155,15 +155,15 @@ def optimum_deflection(
     >>> round(best.peak / (0.1 * plant.coefficients.B), 4), best.switch_times.round(3)
     (0.1391, array([0.284]))
     """
-    return optimum_of(constraints_of(plant, wind, start, horizon), float(start))
+    return optimum_under(constraints_of(plant, wind, start, horizon), float(start))
 
 
-def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
+def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
     """Return the deflection of least peak that satisfies the conditions, from `start` [s] on."""
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
-        status = UNTOUCHED if conditions else STABLE
+        status = NOT_EXCITED if conditions else STABLE
         return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)
     window = Window(constraints)
     switches, multipliers = _solve(window)
@@ -282,7 +282,7 @@ def _moments(window: Window, switches: FloatArray) -> FloatArray:
     return window.constraints.moments(knots) * signs
 
 
-def least_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = None) -> FloatArray:
+def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = None) -> FloatArray:
     """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
 
     `wind`: one wind or a batch, of winds that end; batches broadcast. `sufficient`: peaks [rad],
@@ -313,10 +313,10 @@ def least_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = Non
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
     with np.errstate(invalid="ignore"):
         demands = -strength * _onset_moments(wind, poles, shape)
-    return peaks_of(poles, demands, peaks).reshape(shape)
+    return peaks_for_demands(poles, demands, peaks).reshape(shape)
 
 
-def peaks_of(
+def peaks_for_demands(
     poles: AnyArray, demands: AnyArray, sufficient: FloatArray | None = None
 ) -> FloatArray:
     """Return the least peaks [rad] that satisfy the demands of modes, ``(n,)``.
@@ -324,7 +324,7 @@ def peaks_of(
     `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN for no pole;
     a pair has both. `demands`: d_i of eq (C1) from the start of the control on [rad s],
     ``(n, m)``; infinite where the deflection does not reach a pole. `sufficient`: peaks
-    [rad] as for `least_peaks`, ``(n,)``.
+    [rad] as for `minimum_peaks`, ``(n,)``.
     """
     present = ~np.isnan(poles)
     unreachable = np.any(present & ~np.isfinite(demands), axis=-1)
@@ -337,10 +337,10 @@ def peaks_of(
     if np.any(two):
         p, d = np.real(poles[two, :2]), np.real(demands[two, :2])
         z = p * d
-        peaks[two] = least_reach(z[:, 0], z[:, 1], p[:, 1] / p[:, 0])
+        peaks[two] = minimum_reach(z[:, 0], z[:, 1], p[:, 1] / p[:, 0])
     pair &= ~unreachable
     if np.any(pair):
-        peaks[pair] = _of_pairs(poles[pair, 0], demands[pair, 0])
+        peaks[pair] = _pair_peaks(poles[pair, 0], demands[pair, 0])
     search = (number > 2) & ~unreachable
     if sufficient is not None and np.any(search):
         candidates = np.flatnonzero(search & (number == 3) & (np.imag(poles[:, 0]) == 0.0))
@@ -352,7 +352,7 @@ def peaks_of(
         case_poles, case_demands = poles[k, upper], demands[k, upper]
         if not np.any(np.imag(case_poles)):  # of a batch with pairs
             case_poles, case_demands = np.real(case_poles), np.real(case_demands)
-        peaks[k] = optimum_of(conditions(case_poles, case_demands)).peak
+        peaks[k] = optimum_under(conditions(case_poles, case_demands)).peak
     return peaks
 
 
@@ -375,10 +375,10 @@ def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> Bool
     to an interval. If at both its ends the two other poles require no more than the peak, a c of
     the interval satisfies all conditions.
     """
-    proved = _proved(poles, demands, peak, _SPANS, _bound_of_pairs)
+    proved = _proved(poles, demands, peak, _SPANS, _pair_peak_bounds)
     unproved = np.flatnonzero(~proved)
     proved[unproved] = _proved(
-        poles[unproved], demands[unproved], peak[unproved], _FINER_SPANS, _of_pairs
+        poles[unproved], demands[unproved], peak[unproved], _FINER_SPANS, _pair_peaks
     )
     return proved
 
@@ -388,9 +388,9 @@ def _proved(
     demands: AnyArray,
     peak: FloatArray,
     spans: tuple[float, ...],
-    of_pairs: Callable[[AnyArray, AnyArray], FloatArray],
+    pair_peaks: Callable[[AnyArray, AnyArray], FloatArray],
 ) -> BoolArray:
-    """Return whether a time T = span/p proves the peak, ``(n,)``; `of_pairs` bounds a pair's."""
+    """Return whether a time T = span/p proves the peak, ``(n,)``; `pair_peaks` bounds a pair's."""
     p, others = np.real(poles[:, 0]), poles[:, 1:]
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
     proved = np.zeros(p.shape, dtype=bool)
@@ -405,15 +405,15 @@ def _proved(
                 done = c[:, np.newaxis] * (1.0 - propagated) / others
                 rest = (demands[:, 1:] - done) / propagated
             z = rate * np.real(rest)
-            later = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
-            later[paired] = of_pairs(others[paired, 0], rest[paired, 0])
+            later = minimum_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
+            later[paired] = pair_peaks(others[paired, 0], rest[paired, 0])
             fits &= np.maximum(np.abs(c), later) <= peak * (1.0 + _RELATIVE_PEAK_ROUNDING)
         proved |= fits
     return proved
 
 
-def _bound_of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
-    """Return an upper bound of `_of_pairs`, ``(n,)``: the demand over a lower bound of the norms.
+def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
+    """Return an upper bound of `_pair_peaks`, ``(n,)``: the demand over a lower bound of the norms.
 
     min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
     """
@@ -421,7 +421,7 @@ def _bound_of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
     return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))
 
 
-def _of_pairs(poles: AnyArray, demands: AnyArray) -> FloatArray:
+def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return the least peaks of complex pairs ``(n,)``, by the dual.
 
     For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and

@@ -71,12 +71,12 @@ class Constraints:
 
     def basis(self, u: FloatArray) -> FloatArray:
         """Return e_i at the times ``u (k,)``, shape ``(n, k)``."""
-        return self.in_rows(np.exp(-self.poles[:, np.newaxis] * u))
+        return self.real_rows(np.exp(-self.poles[:, np.newaxis] * u))
 
     def slopes(self, u: FloatArray) -> FloatArray:
         """Return the derivatives of e_i [1/s] at the times ``u (k,)``, shape ``(n, k)``."""
         column = self.poles[:, np.newaxis]
-        return self.in_rows(-column * np.exp(-column * u))
+        return self.real_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
         """Return the integrals of e_i between the times ``(k + 1,)``, shape ``(n, k)``.
@@ -87,9 +87,9 @@ class Constraints:
         width = np.diff(knots)
         endless = np.isinf(width)
         fraction = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
-        return self.in_rows(np.exp(-column * knots[:-1]) * fraction / column)
+        return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
-    def in_rows(self, values: AnyArray) -> FloatArray:
+    def real_rows(self, values: AnyArray) -> FloatArray:
         """Return the rows ``(n, ...)`` of real conditions for values at the poles ``(m, ...)``."""
         if self.real:
             return values
@@ -97,8 +97,8 @@ class Constraints:
         wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
         return components[wanted]
 
-    def joined(self, rows: FloatArray) -> AnyArray:
-        """Return the values ``(m,)`` that `in_rows` splits into the rows ``(n,)``."""
+    def complex_values(self, rows: FloatArray) -> AnyArray:
+        """Return the values ``(m,)`` that `real_rows` splits into the rows ``(n,)``."""
         if self.real:
             return rows
         first = np.cumsum(self._rows) - self._rows
@@ -115,7 +115,7 @@ class Constraints:
 def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
     """Return the conditions of poles ``(m,)``, one per conjugate pair, with their demands."""
     bare = Constraints(poles, np.zeros(0), horizon)
-    return Constraints(poles, bare.in_rows(demands), horizon)
+    return Constraints(poles, bare.real_rows(demands), horizon)
 
 
 def constraints_of(
@@ -271,13 +271,13 @@ class SignedSum:
     moments: FloatArray
 
 
-def even_for(decay: float, last: float, count: int) -> FloatArray:
+def decay_spaced_times(decay: float, last: float, count: int) -> FloatArray:
     """Return times [s] from zero on, even in e^(-decay u/4), up to `last` or 100 decay times."""
     reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
     return -4.0 / decay * np.log1p(-np.linspace(0.0, reach, count))
 
 
-def apart(nodes: FloatArray, gap: float) -> FloatArray:
+def separate_nodes(nodes: FloatArray, gap: float) -> FloatArray:
     """Return nodes [s] in order, without those within `gap` [s] of the next; the last stays."""
     nodes = np.unique(nodes)
     return np.append(nodes[:-1][np.diff(nodes) > gap], nodes[-1])

@@ -20,13 +20,18 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, number, positive, shown
 from tvclin.boundary.optimum.minimum_peak import (
+    NOT_EXCITED,
     OK,
     STABLE,
-    UNTOUCHED,
     Optimum,
     optimum_deflection,
 )
-from tvclin.boundary.optimum.moments import Constraints, apart, constraints_of, even_for
+from tvclin.boundary.optimum.moments import (
+    Constraints,
+    constraints_of,
+    decay_spaced_times,
+    separate_nodes,
+)
 from tvclin.linear.plant import Plant
 from tvclin.numerics.pieces import moments
 from tvclin.winds.histories import History, Piecewise, linear_pieces
@@ -79,8 +84,8 @@ class RateProgram:
         column = c.poles[:, np.newaxis]
         integrals = moments(column * widths, 1)
         lead = np.exp(-column * self.nodes[:-1]) * widths
-        rising = c.in_rows(lead * integrals[..., 1])
-        falling = c.in_rows(lead * (integrals[..., 0] - integrals[..., 1]))
+        rising = c.real_rows(lead * integrals[..., 1])
+        falling = c.real_rows(lead * (integrals[..., 0] - integrals[..., 1]))
         last = c.moments(np.array([self.nodes[-1], c.horizon]))
         zero = np.zeros((last.shape[0], 1))
         return np.hstack([falling, last]) + np.hstack([zero, rising])
@@ -285,7 +290,7 @@ def optimum_with_rate_limit(
     constraints = constraints_of(plant, wind, start, horizon)
     unlimited = optimum_deflection(plant, wind, start, horizon)
     if unlimited.peak == 0.0:
-        status = UNTOUCHED if constraints.demands.size else STABLE
+        status = NOT_EXCITED if constraints.demands.size else STABLE
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
     switches = unlimited.switch_times - start
     program, peak, change = _refined(constraints, switches, rate, unlimited.peak, steps)
@@ -358,10 +363,12 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
     share = max(steps // constraints.poles.size, 8)
     parts = [np.array([0.0, last]), switches[switches < last]]
     for pole in constraints.poles:
-        parts.append(even_for(np.real(pole), last, share))
+        parts.append(decay_spaced_times(np.real(pole), last, share))
         if np.imag(pole):
             parts.append(np.linspace(0.0, last, share))
-    return apart(np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max())
+    return separate_nodes(
+        np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max()
+    )
 
 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
@@ -386,4 +393,6 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
         new.append(last - np.abs(level_limit - values[loose + 1]) / slope)
     inside = [np.where((time > first) & (time < last), time, first) for time in new]
     fastest = np.abs(program.constraints.poles).max()
-    return apart(np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope))
+    return separate_nodes(
+        np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope)
+    )

@@ -80,7 +80,7 @@ def switch_variable(y: float, ratio: float) -> float:
     >>> round(switch_variable(10.0, 0.1), 5)
     0.5441
     """
-    y, ratio = number("y", y), number("ratio", _ratios(ratio))
+    y, ratio = number("y", y), number("ratio", _checked_ratio(ratio))
     return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
 
 
@@ -91,7 +91,7 @@ def late_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 
     `InputError` for a y outside [0, 1], or a ratio not between 0 and 1.
     """
-    y, r = within("y", y, 0.0, 1.0), _ratios(ratio)
+    y, r = within("y", y, 0.0, 1.0), _checked_ratio(ratio)
     together(y=y, ratio=r)
     return plain(np.asarray(((1.0 - y) / 2.0) ** (1.0 / r)))
 
@@ -106,7 +106,7 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 
     `InputError` for a y not positive, or a ratio not between 0 and 1.
     """
-    y, r = positive("y", y), _ratios(ratio)
+    y, r = positive("y", y), _checked_ratio(ratio)
     together(y=y, ratio=r)
     return plain(np.asarray((y - 1.0 + 2.0 ** (1.0 - r)) / (2.0 * y)))
 
@@ -124,7 +124,7 @@ def switching_ratio(
     It rises with the duration from K1_ratio beta1/beta2 to K1_ratio beta2/beta1.
     """
     tau = positive("duration", duration, "s")
-    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
+    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
     together(duration=tau, beta1=b1, beta2=b2, K1_ratio=K)
     quotient = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
     return plain(np.asarray(K * b2 / b1 * quotient**2))
@@ -145,10 +145,10 @@ def longest_single_pole_duration(
     >>> round(longest_single_pole_duration(0.01, 0.5), 3)
     30.479
     """
-    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
+    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
     shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
     reached = (b1 < K * b2) & (K * b1 < b2)
-    latest = np.where(reached, neglecting_the_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
+    latest = np.where(reached, duration_without_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
     b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
@@ -159,7 +159,9 @@ def longest_single_pole_duration(
     return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))
 
 
-def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0) -> Any:
+def duration_without_fast_pole(
+    beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
+) -> Any:
     """Return the duration tau [s] at which y = 1 by eq (C9), which neglects e^(-tau beta2/2).
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
@@ -168,10 +170,10 @@ def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: Array
 
     Examples
     --------
-    >>> round(neglecting_the_fast_pole(0.01, 0.5), 3)
+    >>> round(duration_without_fast_pole(0.01, 0.5), 3)
     30.495
     """
-    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
+    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
     root = np.sqrt(b1 / (K * b2))
     reached = root < 1.0
     return plain(np.where(reached, -2.0 / b1 * np.log1p(-np.where(reached, root, 0.0)), np.nan))
@@ -213,14 +215,14 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     return plain(np.where(usable, duration, np.nan))
 
 
-def _positive_three(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
+def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
     b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
     K = positive("K1_ratio", K1_ratio)
     together(beta1=b1, beta2=b2, K1_ratio=K)
     return b1, b2, K
 
 
-def _ratios(ratio: ArrayLike) -> FloatArray:
+def _checked_ratio(ratio: ArrayLike) -> FloatArray:
     r = positive("ratio", ratio)
     if np.any(r >= 1.0):
         raise InputError(f"ratio must be below 1, slow pole over fast; got {r.max():.6g}")

@@ -13,7 +13,7 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, instance, one_of
-from tvclin.boundary.limit_shapes import PolygonStop, Stop, Vectors, stop_of
+from tvclin.boundary.limit_shapes import LimitShape, PolygonShape, Vectors, limit_shape_of
 from tvclin.control.laws.law import Law, Measurement
 
 SATURATE = ("radial", "each plane")
@@ -30,7 +30,7 @@ class LawInPlanes:
     """
 
     law: Law
-    stop: Stop | str = "round"
+    stop: LimitShape | str = "round"
     saturate: str = "radial"
 
     def __post_init__(self) -> None:
@@ -48,16 +48,16 @@ class LawInPlanes:
         return self.saturate == "radial"
 
     @cached_property
-    def shape(self) -> Stop:
+    def shape(self) -> LimitShape:
         """Limit shape, of unit limit."""
-        stop = stop_of(self.stop).inside
+        stop = limit_shape_of(self.stop).inside
         return stop if self.radial else stop.each_plane()
 
     @cached_property
     def plane_limits(self) -> FloatArray:
         """Largest pitch and yaw deflection of the limit shape, ``(2,)``."""
         shape = self.shape
-        if isinstance(shape, PolygonStop):
+        if isinstance(shape, PolygonShape):
             return np.array([np.abs(shape.corners.real).max(), np.abs(shape.corners.imag).max()])
         return shape.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
 

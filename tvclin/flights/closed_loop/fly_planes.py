@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
-from tvclin.boundary.limit_shapes import Stop, Vectors
+from tvclin.boundary.limit_shapes import LimitShape, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.both_planes import LawInPlanes
 from tvclin.control.laws.law import Law
@@ -123,7 +123,12 @@ def _both(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vector
 
 
 def _decide(
-    pair: list[Flights], stop: Stop, limit: FloatArray, outcomes: PlaneOutcomes, k: int, last: bool
+    pair: list[Flights],
+    stop: LimitShape,
+    limit: FloatArray,
+    outcomes: PlaneOutcomes,
+    k: int,
+    last: bool,
 ) -> None:
     """End the flights of which one plane is lost, or both have settled, in place."""
     pitch, yaw = (f.now.outcome for f in pair)
@@ -211,7 +216,7 @@ def fly_planes(
     wind: PlaneWind,
     *,
     deflection_limit: ArrayLike,
-    stop: Stop | str = "round",
+    stop: LimitShape | str = "round",
     saturate: str = "radial",
     rate_limit: float = np.inf,
     actuator: Actuator | None = None,
@@ -231,7 +236,7 @@ def fly_planes(
         One wind that ends.
     deflection_limit : array_like
         Limits [rad], positive, each a flight.
-    stop : Stop or str
+    stop : LimitShape or str
         Limit shape of the nozzle, of unit limit; or its name, as in `size`.
     saturate : {"radial", "each plane"}
         Whether the limited demand keeps its direction, or each component is limited by the largest
@@ -295,7 +300,7 @@ def flown_plane_limit(
     law: Law,
     wind: PlaneWind,
     *,
-    stop: Stop | str = "round",
+    stop: LimitShape | str = "round",
     saturate: str = "radial",
     sample_rate: float = 200.0,
     lowest: float = 0.02,

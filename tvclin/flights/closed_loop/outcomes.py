@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray
-from tvclin.boundary.forecast_free import MOST_MODES
+from tvclin.boundary.forecast_free import MAX_MODES
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import left_eigenvector, select_unstable
 from tvclin.linear.plant import INPUTS
@@ -68,9 +68,9 @@ def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray
     columns = np.ascontiguousarray(poles.T)
     real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
     count = np.sum(~np.isnan(columns), axis=0)
-    valid = real & (count > 0) & (count <= MOST_MODES)
-    s = np.full((MOST_MODES, len(poles)), np.nan)
-    width = min(MOST_MODES, poles.shape[-1])
+    valid = real & (count > 0) & (count <= MAX_MODES)
+    s = np.full((MAX_MODES, len(poles)), np.nan)
+    width = min(MAX_MODES, poles.shape[-1])
     s[:width] = np.real(columns[:width])
     fast, slow = np.where(valid, s[0], 1.0), np.where(valid, s[1], np.nan)
     B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, flag, instance, number, one_of, single, times_row, within
-from tvclin.boundary.limit_shapes import Stop
+from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
@@ -274,7 +274,7 @@ def planes_verdict(
     frozen: bool = True,
     drift: bool = True,
     step: float = 0.01,
-    stop: Stop | str = "round",
+    stop: LimitShape | str = "round",
     saturate: str = "radial",
 ) -> Callable[[float], bool]:
     """Return the function from a deflection limit [rad] to whether its flight survives.

@@ -14,7 +14,7 @@ from tvclin.answers.case import FROZEN, SIGNS
 from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.boundary.limit_shapes import STOPS
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.plant import MODELS
@@ -67,7 +67,11 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
     offered = {
         "vehicle": ("vehicle", vehicles, vehicles[0]),
         "plane": ("plane", [*PLANES, BOTH], plan.planes),
-        "stop": ("stop of both", list(STOPS), stop if isinstance(stop, str) else next(iter(STOPS))),
+        "stop": (
+            "stop of both",
+            list(LIMIT_SHAPES),
+            stop if isinstance(stop, str) else next(iter(LIMIT_SHAPES)),
+        ),
         "model": ("model", list(MODELS), plan.model),
         "shape": ("wind shape", list(SHAPES), plan.shape),
         "direction": ("wind blows", [IN_PLANE, FROM_SIDE], direction),

@@ -184,4 +184,4 @@ def _too_fast(findings: Findings, rate_limit: float) -> bool:
     """Return whether theory or the autopilot requires more than the rate limit [rad/s]."""
     c, front = findings.comparison, findings.rates
     turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.of_both
-    return turns > rate_limit or (front is not None and front.needed_rate > rate_limit)
+    return turns > rate_limit or (front is not None and front.required_rate > rate_limit)

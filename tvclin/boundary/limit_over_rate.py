@@ -66,12 +66,12 @@ _MAX_RATE_RATIO = 1e4
 """Largest rate over the smallest one, at which the angle is within 5e-5 of the minimum."""
 
 
-def remaining(available: float | None, required: float) -> float | None:
+def margin_of(available: float | None, required: float) -> float | None:
     """Return what remains of an available quantity; None where it is not given."""
     return None if available is None else available - required
 
 
-def lower_bound(name: str, deflection: float) -> str:
+def lower_bound_text(name: str, deflection: float) -> str:
     """Return a lower bound [rad] of the limit in words."""
     if np.isinf(deflection):
         return f"{name}: no limit is sufficient"
@@ -82,13 +82,13 @@ def point_table(title: str, *quantities: Quantity) -> Table:
     """Return the table of a nozzle's quantities, in degrees."""
     rows = []
     for label, key, required, available in quantities:
-        margin = remaining(available, required)
+        margin = margin_of(available, required)
         rows.append(
             (
                 (label,),
-                minimum_limit(degrees(f"nozzle.{key}.needed", required)),
-                degrees(f"nozzle.{key}.there", np.nan if available is None else available),
-                degrees(f"nozzle.{key}.left", np.nan if margin in (None, -np.inf) else margin),
+                minimum_limit(degrees(f"nozzle.{key}.lower_bound", required)),
+                degrees(f"nozzle.{key}.available", np.nan if available is None else available),
+                degrees(f"nozzle.{key}.remaining", np.nan if margin in (None, -np.inf) else margin),
             )
         )
     return Table(title, ("", "lower bound", "available", "remaining"), tuple(rows))
@@ -137,7 +137,7 @@ def _log1m(x: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class RateFront(Shown):
+class RateTradeOff(Shown):
     """The least deflection over the deflection rate, for one plant in one wind.
 
     Attributes
@@ -147,20 +147,20 @@ class RateFront(Shown):
     limits : ndarray
         Least deflection [rad] at each with the wind known beforehand, ``(n,)``; infinite where no
         angle is sufficient.
-    bounds : ndarray or None
+    no_forecast_bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``, of the
         rate alone; None for a wind that changes its sign.
-    least_deflection, least_rate : float
+    minimum_deflection, minimum_rate : float
         Least angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
-    least_rate_blind : float
+    no_forecast_rate : float
         Lower bound [rad/s] of the rate without a forecast.
     acceleration_limit : float
         Largest deflection acceleration [rad/s2] that the limits have; infinite if none.
     limit, rate_limit : float or None
         Limits of the nozzle [rad, rad/s].
-    needed : float
+    lower_bound : float
         The larger of limit and bound [rad], at the nozzle's rate or else at any.
-    needed_rate : float
+    required_rate : float
         The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
         Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
@@ -169,37 +169,37 @@ class RateFront(Shown):
 
     rates: FloatArray
     limits: FloatArray
-    bounds: FloatArray | None
-    least_deflection: float
-    least_rate: float
-    least_rate_blind: float
+    no_forecast_bounds: FloatArray | None
+    minimum_deflection: float
+    minimum_rate: float
+    no_forecast_rate: float
     acceleration_limit: float
     limit: float | None
     rate_limit: float | None
-    needed: float
-    needed_rate: float
+    lower_bound: float
+    required_rate: float
     angle: float = 0.0
 
     as_dict = keyed(
-        "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
-        " least_rate_blind_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
-        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s"
-        " above_lower_bound"
+        "rates_deg_per_s limits_deg no_forecast_bounds_deg minimum_deflection_deg"
+        " minimum_rate_deg_per_s no_forecast_rate_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
+        " rate_limit_deg_per_s lower_bound_deg required_rate_deg_per_s remaining_deg"
+        " remaining_rate_deg_per_s above_lower_bound"
     )
     _keys = (
-        "least_deflection_deg least_rate_deg_per_s limit_deg needed_deg rate_limit_deg_per_s"
-        " needed_rate_deg_per_s above_lower_bound"
+        "minimum_deflection_deg minimum_rate_deg_per_s limit_deg lower_bound_deg"
+        " rate_limit_deg_per_s required_rate_deg_per_s above_lower_bound"
     )
 
     @property
-    def left(self) -> float | None:
+    def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
-        return remaining(self.limit, self.needed)
+        return margin_of(self.limit, self.lower_bound)
 
     @property
-    def left_rate(self) -> float | None:
+    def remaining_rate(self) -> float | None:
         """Remaining rate [rad/s]: available minus required."""
-        return remaining(self.rate_limit, self.needed_rate)
+        return margin_of(self.rate_limit, self.required_rate)
 
     @property
     def above_lower_bound(self) -> bool | None:
@@ -211,10 +211,10 @@ class RateFront(Shown):
         if self.beyond:
             return None
         if self.limit is None:
-            return None if self.rate_limit is None else bool(np.isfinite(self.needed))
+            return None if self.rate_limit is None else bool(np.isfinite(self.lower_bound))
         if self.rate_limit is None:
-            return bool(np.isfinite(self.needed_rate))
-        return self.limit >= self.needed
+            return bool(np.isfinite(self.required_rate))
+        return self.limit >= self.lower_bound
 
     @property
     def beyond(self) -> str:
@@ -226,18 +226,18 @@ class RateFront(Shown):
         """Whether the nozzle's point is on the front with the wind known, or above."""
         fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
         can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
-        free = self.rate_limit is None and limit is not None and self.least_deflection < limit
+        free = self.rate_limit is None and limit is not None and self.minimum_deflection < limit
         return free or bool(np.any(can & (self.rates <= fastest)))
 
     @property
-    def bound_words(self) -> str:
+    def bound_text(self) -> str:
         """The lower bound of the limit at the nozzle's rate, in words."""
-        wind_known, at = self.least_deflection, ""
+        wind_known, at = self.minimum_deflection, ""
         if self.rate_limit is not None:
             here = self.limits[self.rates == self.rate_limit]
             wind_known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
-        name = WIND_KNOWN if self.needed <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
-        return lower_bound(f"{name}{at}", self.needed)
+        name = WIND_KNOWN if self.lower_bound <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
+        return lower_bound_text(f"{name}{at}", self.lower_bound)
 
     @property
     def verdict(self) -> str:
@@ -255,17 +255,19 @@ class RateFront(Shown):
         columns = {
             "rate": self.rates,
             "limit": self.limits,
-            "bound": blank if self.bounds is None else self.bounds,
+            "bound": blank if self.no_forecast_bounds is None else self.no_forecast_bounds,
         }
         rows = tuple(
-            tuple(minimum_limit(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
+            tuple(
+                minimum_limit(degrees(f"trade_off.{k}.{name}", x[k])) for name, x in columns.items()
+            )
             for k in range(self.rates.size)
         )
         head = ("rate limit [deg/s]", f"{WIND_KNOWN} [deg]", f"{NO_FORECAST} [deg]")
         point = point_table(
             "Both at once: the limit at that rate, the rate limit at that angle",
-            ("limit [deg]", "limit", self.needed, self.limit),
-            ("rate limit [deg/s]", "rate", self.needed_rate, self.rate_limit),
+            ("limit [deg]", "limit", self.lower_bound, self.limit),
+            ("rate limit [deg/s]", "rate", self.required_rate, self.rate_limit),
         )
         return Table("Lower bounds of the limit over the rate limit", head, rows), point
 
@@ -273,15 +275,15 @@ class RateFront(Shown):
     def notes(self) -> Iterator[str]:
         """Return the notes on the front, a sentence each."""
         yield from linear_notes(self.angle)
-        if self.least_deflection == 0.0:
+        if self.minimum_deflection == 0.0:
             yield "no unstable pole feels the wind: neither angle nor rate is needed"
-        elif self.bounds is None:
+        elif self.no_forecast_bounds is None:
             yield "the wind changes its sign: there is no bound for laws without a forecast"
         else:
             yield "these are lower bounds: a control may require more angle and more rate"
 
 
-def rate_front(
+def rate_trade_off(
     plant: Plant,
     wind: History,
     rates: ArrayLike | None = None,
@@ -289,7 +291,7 @@ def rate_front(
     limit: float | None = None,
     rate_limit: float | None = None,
     acceleration_limit: float = np.inf,
-) -> RateFront:
+) -> RateTradeOff:
     """Return the least deflection over the rate limit, from the onset of the wind on.
 
     Parameters
@@ -325,8 +327,8 @@ def rate_front(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=-0.1, duration=7.5)
-    >>> front = tv.boundary.rate_front(plant, wind, [0.005, 0.05])
-    >>> (front.limits / front.least_deflection).round(2).tolist()
+    >>> front = tv.boundary.rate_trade_off(plant, wind, [0.005, 0.05])
+    >>> (front.limits / front.minimum_deflection).round(2).tolist()
     [1.28, 1.02]
     """
     c = unlimited("acceleration_limit", acceleration_limit, between(*_RATE_RANGE), "rad/s2")
@@ -344,34 +346,38 @@ def rate_front(
             f" {np.degrees(nozzle_rate):.4g} deg/s, and more than"
             f" {np.degrees(minimum_rate):.6g} deg/s ({minimum_rate:.6g} rad/s) is needed"
         )
-    blind = case.blind
+    no_forecast = case.no_forecast
     usual = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
     if nozzle_rate is not None:
         usual = np.unique(np.append(usual, nozzle_rate))
     at = usual if requested is None else requested
     limits = np.array([case.deflection(float(rate)) for rate in at])
-    bounds = None if blind is None else np.maximum(ramped_deflection(blind, case.pole, at), limits)
-    front = RateFront(
+    bounds = (
+        None
+        if no_forecast is None
+        else np.maximum(ramped_deflection(no_forecast, case.pole, at), limits)
+    )
+    front = RateTradeOff(
         rates=at,
         limits=limits,
-        bounds=bounds,
-        least_deflection=case.minimum,
-        least_rate=minimum_rate,
-        least_rate_blind=np.nan if blind is None else case.pole * blind,
+        no_forecast_bounds=bounds,
+        minimum_deflection=case.minimum,
+        minimum_rate=minimum_rate,
+        no_forecast_rate=np.nan if no_forecast is None else case.pole * no_forecast,
         acceleration_limit=c,
         limit=nozzle_limit,
         rate_limit=nozzle_rate,
-        needed=case.needed(nozzle_rate)
+        lower_bound=case.lower_bound(nozzle_rate)
         if nozzle_rate is not None
-        else max(case.minimum, blind or 0.0),
-        needed_rate=(
-            case.needed_rate(nozzle_limit)
+        else max(case.minimum, no_forecast or 0.0),
+        required_rate=(
+            case.required_rate(nozzle_limit)
             if nozzle_limit is not None
-            else max(minimum_rate, case.pole * (blind or 0.0))
+            else max(minimum_rate, case.pole * (no_forecast or 0.0))
         ),
         angle=abs(float(wind.peak)),
     )
-    return replace(front, needed=np.nan, needed_rate=np.nan) if front.beyond else front
+    return replace(front, lower_bound=np.nan, required_rate=np.nan) if front.beyond else front
 
 
 @dataclass(frozen=True, eq=False)
@@ -382,7 +388,7 @@ class _Case:
     constraints: Constraints
     unlimited: Optimum
     acceleration: float
-    blind: float | None
+    no_forecast: float | None
 
     @property
     def minimum(self) -> float:
@@ -431,7 +437,7 @@ class _Case:
             return deflection
         if np.isfinite(self.acceleration):
             raise InputError(
-                "acceleration_limit needs a case that one unstable pole decides; leave it out"
+                "acceleration_limit requires a case that one unstable pole decides; leave it out"
             )
         return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
 
@@ -439,24 +445,27 @@ class _Case:
         """Return the least deflection [rad], the wind known, if the fastest pole alone decides."""
         return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
-    def unforeseen(self, rate: float) -> float:
+    def no_forecast_limit(self, rate: float) -> float:
         """Return the bound without a forecast [rad]; zero without one."""
-        return float(ramped_deflection(self.blind or 0.0, self.pole, rate))
+        return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
-    def needed(self, rate: float) -> float:
+    def lower_bound(self, rate: float) -> float:
         """Return the larger of the least deflection and the bound without a forecast [rad]."""
-        return max(self.deflection(rate), self.unforeseen(rate))
+        return max(self.deflection(rate), self.no_forecast_limit(rate))
 
-    def needed_rate(self, limit: float) -> float:
+    def required_rate(self, limit: float) -> float:
         """Return the least rate [rad/s] at a limit [rad]; infinite if none is sufficient.
 
         The fastest pole alone requires a rate in closed form, which other poles can only raise.
         """
         if self.minimum == 0.0:
             return 0.0
-        lowest = max(self.minimum_rate, self.pole * (self.blind or 0.0)) or self.pole * self.minimum
+        lowest = (
+            max(self.minimum_rate, self.pole * (self.no_forecast or 0.0))
+            or self.pole * self.minimum
+        )
         single_pole_rate = _minimum_rate(
-            lambda r: max(self.single_pole_deflection(r), self.unforeseen(r)), limit, lowest
+            lambda r: max(self.single_pole_deflection(r), self.no_forecast_limit(r)), limit, lowest
         )
         if np.isinf(single_pole_rate) or self.deflection(single_pole_rate) <= limit * (
             1.0 + _RELATIVE_TOLERANCE
@@ -485,15 +494,15 @@ class _Case:
         return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NEGLIGIBLE)
 
 
-def _minimum_rate(needed: Callable[[float], float], limit: float, lowest: float) -> float:
+def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: float) -> float:
     """Return the least rate [rad/s] above `lowest` with a deflection within a limit, or inf."""
     from scipy.optimize import brentq
 
-    if needed(_MAX_RATE_RATIO * lowest) > limit:
+    if deflection(_MAX_RATE_RATIO * lowest) > limit:
         return np.inf
 
     def excess(times: float) -> float:
-        return 1.0 / needed(float(np.exp(times)) * lowest) - 1.0 / limit
+        return 1.0 / deflection(float(np.exp(times)) * lowest) - 1.0 / limit
 
     if excess(_NEGLIGIBLE) >= 0.0:
         return lowest
@@ -512,9 +521,9 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
             f" {poles_text(unstable_poles(plant))}"
         )
     unlimited = optimum_deflection(plant, wind, start)
-    blind: float | None = 0.0
+    no_forecast: float | None = 0.0
     if not wind.constant_sign:
-        blind = None
+        no_forecast = None
     elif unlimited.peak > 0.0:
-        blind = abs(float(forecast_free_limit(plant, wind).deflection))
-    return _Case(wind, constraints, unlimited, acceleration, blind)
+        no_forecast = abs(float(forecast_free_limit(plant, wind).deflection))
+    return _Case(wind, constraints, unlimited, acceleration, no_forecast)

@@ -28,17 +28,17 @@ from tvclin.base.lines import Table, degrees, minimum_limit
 from tvclin.base.lines import number as figure
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN, sufficiency
 from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit_over_rate import (
+    lower_bound_text,
+    margin_of,
+    point_table,
+    ramped_deflection,
+    rate_trade_off,
+)
 from tvclin.boundary.optimum.load_case import LoadCase
 from tvclin.boundary.optimum.load_program import LOAD, PEAK, LoadProgram
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.boundary.optimum.moments import apart
-from tvclin.boundary.rate_trade_off import (
-    lower_bound,
-    point_table,
-    ramped_deflection,
-    rate_front,
-    remaining,
-)
+from tvclin.boundary.optimum.moments import separate_nodes
 from tvclin.linear.deflections import ConstantDeflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
@@ -46,7 +46,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
-PROVED = 1e-4
+RELATIVE_GAP = 1e-4
 """A limit so near to its bound, relative, is found."""
 _MAX_NODES = 1000
 """Largest number of nodes of a program that is refined."""
@@ -91,7 +91,7 @@ _MIN_MOMENT_RATIO = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class LoadFront(Shown):
+class LoadTradeOff(Shown):
     """The least deflection over a load bound, for one plant in one wind.
 
     Attributes
@@ -101,29 +101,29 @@ class LoadFront(Shown):
     limits : ndarray
         Deflection limit [rad] with which a control that knows the wind stays within each load,
         ``(n,)``; infinite where no angle is sufficient.
-    proofs : ndarray
+    lower_bounds : ndarray
         Lower bound [rad] of that limit, ``(n,)``: the minimum is between the two.
     slopes : ndarray
         Decrease of the deflection with the load bound, ``(n,)``: its reciprocal is the decrease of
         the load for a degree of the nozzle.
-    holds : tuple of str
+    set_by : tuple of str
         Condition that sets each limit: the least angle, turning in time into the wind, or both
         together.
-    bounds : ndarray or None
+    no_forecast_bounds : ndarray or None
         Lower bound [rad] of every law that does not know when the wind will stop, ``(n,)``; None
         for a wind that changes its sign.
-    least_deflection, its_load : float
+    minimum_deflection, load_of_minimum : float
         Least deflection [rad] at any load, and the load [rad] of its control.
-    least_load, least_load_blind : float
+    minimum_load, no_forecast_load : float
         Least load [rad] of a computed control at any deflection, and a lower bound [rad] of the
         load without a forecast.
     moment_ratio, rate_limit : float
         M, and the rate limit [rad/s]; infinite if none.
     limit, load : float or None
         Limit of the nozzle and load limit of the structure [rad].
-    needed : float
+    lower_bound : float
         Required limit [rad] at that load, or at any.
-    needed_load : float
+    required_load : float
         Least load [rad] of a control with that limit, or with any; infinite without one.
     angle : float
         Largest wind angle [rad]. Above 30 deg the front is that of the linear equations alone, and
@@ -132,41 +132,42 @@ class LoadFront(Shown):
 
     loads: FloatArray
     limits: FloatArray
-    proofs: FloatArray
+    lower_bounds: FloatArray
     slopes: FloatArray
-    holds: tuple[str, ...]
-    bounds: FloatArray | None
-    least_deflection: float
-    its_load: float
-    least_load: float
-    least_load_blind: float
+    set_by: tuple[str, ...]
+    no_forecast_bounds: FloatArray | None
+    minimum_deflection: float
+    load_of_minimum: float
+    minimum_load: float
+    no_forecast_load: float
     moment_ratio: float
     rate_limit: float
     limit: float | None
     load: float | None
-    needed: float
-    needed_load: float
+    lower_bound: float
+    required_load: float
     angle: float = 0.0
 
     as_dict = keyed(
-        "loads_deg limits_deg proofs_deg slopes holds bounds_deg least_deflection_deg its_load_deg"
-        " least_load_deg least_load_blind_deg moment_ratio rate_limit_deg_per_s limit_deg load_deg"
-        " needed_deg needed_load_deg left_deg left_load_deg above_lower_bound"
+        "loads_deg limits_deg lower_bounds_deg slopes set_by no_forecast_bounds_deg"
+        " minimum_deflection_deg load_of_minimum_deg minimum_load_deg no_forecast_load_deg"
+        " moment_ratio rate_limit_deg_per_s limit_deg load_deg lower_bound_deg required_load_deg"
+        " remaining_deg remaining_load_deg above_lower_bound"
     )
     _keys = (
-        "least_deflection_deg least_load_deg limit_deg needed_deg load_deg needed_load_deg"
-        " above_lower_bound"
+        "minimum_deflection_deg minimum_load_deg limit_deg lower_bound_deg load_deg"
+        " required_load_deg above_lower_bound"
     )
 
     @property
-    def left(self) -> float | None:
+    def remaining(self) -> float | None:
         """Remaining angle [rad]: available minus required."""
-        return remaining(self.limit, self.needed)
+        return margin_of(self.limit, self.lower_bound)
 
     @property
-    def left_load(self) -> float | None:
+    def remaining_load(self) -> float | None:
         """Remaining load [rad]: the structure's limit minus the required load."""
-        return remaining(self.load, self.needed_load)
+        return margin_of(self.load, self.required_load)
 
     @property
     def above_lower_bound(self) -> bool | None:
@@ -177,18 +178,24 @@ class LoadFront(Shown):
         """
         if self.limit is None or self.beyond:
             return None
-        return True if self.limit >= self.needed else None if self._proved <= self.limit else False
+        return (
+            True
+            if self.limit >= self.lower_bound
+            else None
+            if self._proved <= self.limit
+            else False
+        )
 
     @property
     def _proved(self) -> float:
         """Proved lower bound [rad] of the limit at the load."""
         at = np.flatnonzero(self.loads == self.load)
-        return float(self.proofs[at[0]]) if at.size else self.needed
+        return float(self.lower_bounds[at[0]]) if at.size else self.lower_bound
 
     @property
-    def takes_a_forecast(self) -> bool:
+    def requires_forecast(self) -> bool:
         """Whether every law that does not know when the wind stops exceeds the load."""
-        return self.load is not None and self.load < self.least_load_blind
+        return self.load is not None and self.load < self.no_forecast_load
 
     @property
     def beyond(self) -> str:
@@ -196,10 +203,10 @@ class LoadFront(Shown):
         return beyond_linear(self.angle)
 
     @property
-    def bound_words(self) -> str:
+    def bound_text(self) -> str:
         """The lower bound of the limit within the load, in words."""
         load = "" if self.load is None else " within this load"
-        return lower_bound(f"{WIND_KNOWN}{load}", self._proved)
+        return lower_bound_text(f"{WIND_KNOWN}{load}", self._proved)
 
     @property
     def verdict(self) -> str:
@@ -209,7 +216,7 @@ class LoadFront(Shown):
         if self.limit is None or self.above_lower_bound:
             return ""
         if self.above_lower_bound is None:
-            low, high = np.degrees([self._proved, self.needed])
+            low, high = np.degrees([self._proved, self.lower_bound])
             between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
             return f"{sufficiency(None)}: the lower bound is {between} deg"
         return f"{sufficiency(False)}, below the {WIND_KNOWN}"
@@ -217,15 +224,15 @@ class LoadFront(Shown):
     def tables(self) -> tuple[Table, ...]:
         """Return the tables of the front, and of the nozzle's point with the requirement."""
         blank = np.full(self.loads.size, np.nan)
-        bounds = blank if self.bounds is None else self.bounds
+        bounds = blank if self.no_forecast_bounds is None else self.no_forecast_bounds
         buys = 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
         rows = tuple(
             (
-                degrees(f"front.{k}.load", self.loads[k]),
-                minimum_limit(degrees(f"front.{k}.limit", self.limits[k])),
-                figure(f"front.{k}.buys_deg", buys[k], 2),
-                minimum_limit(degrees(f"front.{k}.bound", bounds[k])),
-                (self.holds[k],),
+                degrees(f"trade_off.{k}.load", self.loads[k]),
+                minimum_limit(degrees(f"trade_off.{k}.limit", self.limits[k])),
+                figure(f"trade_off.{k}.load_per_degree", buys[k], 2),
+                minimum_limit(degrees(f"trade_off.{k}.bound", bounds[k])),
+                (self.set_by[k],),
             )
             for k in range(self.loads.size)
         )
@@ -235,8 +242,8 @@ class LoadFront(Shown):
         )
         point = point_table(
             "Both at once: the limit at that load, the load at that limit",
-            ("limit [deg]", "limit", self.needed, self.limit),
-            ("load [deg]", "load", self.needed_load, self.load),
+            ("limit [deg]", "limit", self.lower_bound, self.limit),
+            ("load [deg]", "load", self.required_load, self.load),
         )
         return Table("Lower bounds of the limit over the largest load", head, rows), point
 
@@ -246,14 +253,14 @@ class LoadFront(Shown):
         yield from linear_notes(self.angle)
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"
-        if self.bounds is None:
+        if self.no_forecast_bounds is None:
             yield "the wind changes its sign: there is no bound for laws without a forecast"
-        elif np.isfinite(self.least_load_blind) and self.least_load_blind > 0.0:
-            half = np.degrees(self.least_load_blind)
-            more = ", more than this load" * self.takes_a_forecast
+        elif np.isfinite(self.no_forecast_load) and self.no_forecast_load > 0.0:
+            half = np.degrees(self.no_forecast_load)
+            more = ", more than this load" * self.requires_forecast
             yield f"a law without a forecast bears {half:.4g} deg at least{more}"
-        if np.any(self.limits > self.proofs * (1.0 + 2.0 * PROVED)):
-            gaps = 1.0 - self.proofs / np.maximum(self.limits, 1e-300)
+        if np.any(self.limits > self.lower_bounds * (1.0 + 2.0 * RELATIVE_GAP)):
+            gaps = 1.0 - self.lower_bounds / np.maximum(self.limits, 1e-300)
             worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])
             percent = f"{100.0 * worst:.2g} percent"
             yield f"the limits are proved to {percent}, that at {at:.4g} deg least"
@@ -264,14 +271,14 @@ class LoadLimits:
     """A case, with attained points (load, peak) of its front, and lines (bound, slope) below."""
 
     case: LoadCase
-    least_deflection: float
+    minimum_deflection: float
     program: LoadProgram
-    blind: float | None
+    no_forecast: float | None
     points: list[tuple[float, float]] = field(default_factory=list)
     lines: list[tuple[float, float]] = field(default_factory=list)
 
     @cached_property
-    def dense(self) -> LoadProgram:
+    def dense_program(self) -> LoadProgram:
         """Program on nodes that resolve the oscillating zeros of the load as well."""
         nodes, zeros = self.program.nodes, _oscillating_zeros(self.case)
         if not zeros.size:
@@ -280,21 +287,21 @@ class LoadLimits:
         wanted = span * float(np.abs(zeros).max()) * _NODES_PER_RADIAN
         more = np.linspace(nodes[0], nodes[-1], int(min(wanted, _MAX_ZERO_NODES)) + 2)
         return LoadProgram(
-            self.case, apart(np.concatenate([nodes, more]), 1e-6 / self.case.fastest)
+            self.case, separate_nodes(np.concatenate([nodes, more]), 1e-6 / self.case.fastest)
         )
 
     @cached_property
-    def its_load(self) -> float:
+    def load_of_minimum(self) -> float:
         """Load [rad] of the reference deflection."""
         return float(np.abs(self.program.reference_load).max())
 
     @cached_property
-    def least_load(self) -> float:
+    def minimum_load(self) -> float:
         """Least load [rad] of a computed control, at any deflection."""
-        return self._minimum_load[0] if self._programmed else self.floor
+        return self._minimum_load[0] if self._programmed else self.load_floor
 
     @cached_property
-    def floor(self) -> float:
+    def load_floor(self) -> float:
         """Proved lower bound [rad] of the load of every deflection; zero without one."""
         jumped = 0.0
         if self.case.ratio == 0.0:
@@ -303,7 +310,7 @@ class LoadLimits:
             jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
         if not self._programmed:
-            return jumped if jumped > _NEGLIGIBLE_LOAD * self.its_load else 0.0
+            return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
         return max(jumped, self._minimum_load[1])
 
     @property
@@ -315,8 +322,8 @@ class LoadLimits:
     @cached_property
     def _minimum_load(self) -> tuple[float, float]:
         """Least load [rad] of controls on successively finer nodes, and its lower bound [rad]."""
-        loads, proved = [self.its_load], [0.0]
-        program, lowest = self.dense, np.inf
+        loads, proved = [self.load_of_minimum], [0.0]
+        program, lowest = self.dense_program, np.inf
         for _ in range(_LOAD_PROGRAMS):
             solved = program.solve(LOAD, _MAX_DEFLECTION)
             if solved is None:
@@ -333,12 +340,12 @@ class LoadLimits:
         return min(loads), max(proved)
 
     @property
-    def stopped(self) -> float:
+    def no_forecast_load(self) -> float:
         """Smallest load [rad] if the wind stops at its peak: half a jump of that size."""
         half_jump = 0.0 if self.case.ratio else abs(float(self.case.wind.peak)) / 2.0
-        return max(half_jump, self.floor)
+        return max(half_jump, self.load_floor)
 
-    def all_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
+    def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
         """Return limit, proof [rad] and slope at each load, the ends first and then in between."""
         results: dict[int, tuple[float, float, float]] = {}
         order = np.argsort(loads, kind="stable")
@@ -356,13 +363,13 @@ class LoadLimits:
 
     def at(self, load: float) -> tuple[float, float, float]:
         """Return limit, proof [rad] and slope at a load [rad], with programs as required."""
-        if load < self.floor:
+        if load < self.load_floor:
             return np.inf, np.inf, np.nan
-        for program in (self.program, self.dense):
+        for program in (self.program, self.dense_program):
             if self._refine(load, program) and np.isfinite(self._attained(load)):
                 break
         for multiple in _PEAKS_OVER_PROOF:  # mixed with ones that have less load
-            program = self.dense
+            program = self.dense_program
             for _ in range(2):
                 limit, (proof, _) = self._attained(load), self._proved(load)
                 solved = (
@@ -381,7 +388,7 @@ class LoadLimits:
         bound = load
         for fraction in _EXCESS_FRACTIONS:
             limit, (proof, _) = self._attained(load), self._proved(load)
-            if limit - proof <= PROVED * proof:
+            if limit - proof <= RELATIVE_GAP * proof:
                 break
             solved = program.solve(PEAK, bound)
             if solved is None:
@@ -404,20 +411,20 @@ class LoadLimits:
     def _proved(self, load: float) -> tuple[float, float]:
         """Return the largest lower bound [rad] of the peak at a load [rad], and its slope."""
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
-        return max([*bounds, (self.least_deflection, 0.0)])
+        return max([*bounds, (self.minimum_deflection, 0.0)])
 
-    def needed_load(self, limit: float) -> float:
+    def required_load(self, limit: float) -> float:
         """Return the least load [rad] of a control within a limit [rad]; infinite without one."""
-        if limit < self.least_deflection:
+        if limit < self.minimum_deflection:
             return np.inf
-        if limit >= self._attained(self.least_load):
-            return self.least_load
+        if limit >= self._attained(self.minimum_load):
+            return self.minimum_load
         free, constant = self._responses
-        low = max(float(np.max(np.abs(free) - limit * constant)), self.least_load)
-        load = max(low, _MIN_START_LOAD * self.its_load)
+        low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
+        load = max(low, _MIN_START_LOAD * self.load_of_minimum)
         for _ in range(_NEWTON_STEPS):  # from below, along tangents
             _, proof, slope = self.at(load)
-            if proof - limit <= PROVED * limit or not slope:
+            if proof - limit <= RELATIVE_GAP * limit or not slope:
                 break
             load += (proof - limit) / slope
         above = [(a, d) for a, d in self.points if d > limit]
@@ -427,7 +434,10 @@ class LoadLimits:
 
     def set_by(self, load: float, limit: float) -> str:
         """Return the label of the condition that sets a limit [rad] at a load [rad]."""
-        for floor, words in ((self.least_deflection, ANGLE), (self._limit_of_turning(load), TURN)):
+        for floor, words in (
+            (self.minimum_deflection, ANGLE),
+            (self._limit_of_turning(load), TURN),
+        ):
             if limit <= floor * (1.0 + _RELATIVE_TOLERANCE):
                 return words
         return BOTH
@@ -452,30 +462,32 @@ class LoadLimits:
         size = np.maximum.accumulate(np.abs(change))
         return free, np.where(size > 0.0, size, np.inf)
 
-    def unforeseen(self, loads: FloatArray, proofs: FloatArray) -> FloatArray:
+    def no_forecast_limits(self, loads: FloatArray, lower_bounds: FloatArray) -> FloatArray:
         """Return lower bounds [rad] of every law that does not know when the wind will stop."""
-        assert self.blind is not None
-        return np.where(loads < self.stopped, np.inf, np.maximum(proofs, self.blind))
+        assert self.no_forecast is not None
+        return np.where(
+            loads < self.no_forecast_load, np.inf, np.maximum(lower_bounds, self.no_forecast)
+        )
 
 
-def limits_of(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
-    """Return a case of `load_front` with its bounds; `ratio` is M, `rate` the limit [rad/s]."""
+def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
+    """Return a case of `load_trade_off` with its bounds; `ratio` is M, `rate` the limit [rad/s]."""
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, optimum.deflection, ratio, rate)
     poles = unstable_poles(plant)
-    blind = 0.0 if wind.constant_sign else None
+    no_forecast = 0.0 if wind.constant_sign else None
     if wind.constant_sign and poles.size and not np.imag(poles[0]):
-        blind = abs(float(forecast_free_limit(plant, wind).deflection))
-    least_deflection = optimum.certificate.dual
+        no_forecast = abs(float(forecast_free_limit(plant, wind).deflection))
+    minimum_deflection = optimum.certificate.dual
     if np.isfinite(rate):
-        slow = rate_front(plant, wind, [rate], rate_limit=rate)
-        least_deflection = float(slow.limits[0])
-        if blind:
-            blind = float(ramped_deflection(blind, float(np.real(poles[0])), rate))
-    limits = LoadLimits(case, least_deflection, LoadProgram(case, _nodes(case)), blind)
+        slow = rate_trade_off(plant, wind, [rate], rate_limit=rate)
+        minimum_deflection = float(slow.limits[0])
+        if no_forecast:
+            no_forecast = float(ramped_deflection(no_forecast, float(np.real(poles[0])), rate))
+    limits = LoadLimits(case, minimum_deflection, LoadProgram(case, _nodes(case)), no_forecast)
     if np.isinf(rate):
-        limits.points.append((limits.its_load, optimum.peak))
+        limits.points.append((limits.load_of_minimum, optimum.peak))
     return limits
 
 
@@ -496,7 +508,7 @@ def _nodes(case: LoadCase) -> FloatArray:
     if np.any(unstable.imag):
         parts.append(np.linspace(end, last, int((last - end) * unstable.imag.max()) + 2))
     nodes = np.concatenate(parts)
-    return apart(nodes[(nodes >= start) & (nodes <= after[-1])], 1e-6 / case.fastest)
+    return separate_nodes(nodes[(nodes >= start) & (nodes <= after[-1])], 1e-6 / case.fastest)
 
 
 def _oscillating_zeros(case: LoadCase) -> ComplexArray:
@@ -509,7 +521,7 @@ def _oscillating_zeros(case: LoadCase) -> ComplexArray:
     return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
 
 
-def load_front(
+def load_trade_off(
     plant: Plant,
     wind: History,
     loads: ArrayLike | None = None,
@@ -518,7 +530,7 @@ def load_front(
     load: float | None = None,
     rate_limit: float = np.inf,
     moment_ratio: float = 0.0,
-) -> LoadFront:
+) -> LoadTradeOff:
     """Return the least deflection over the largest load, from the onset of the wind on.
 
     Parameters
@@ -540,14 +552,14 @@ def load_front(
 
     Returns
     -------
-    LoadFront
+    LoadTradeOff
         Each limit is attained by a deflection whose load is computed between the nodes too, and
         bounded from below by the prices of its program: within 1e-4, or a note says more.
 
     Raises
     ------
     InputError
-        Where `optimum_deflection` or, with a rate limit, `rate_front` raises it; for loads that
+        Where `optimum_deflection` or, with a rate limit, `rate_trade_off` raises it; for loads that
         are not positive, and a load of the structure below the lower bound of every deflection.
 
     Notes
@@ -563,7 +575,7 @@ def load_front(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-    >>> front = tv.boundary.load_front(plant, wind, np.radians([4.0, 2.5, 1.5]))
+    >>> front = tv.boundary.load_trade_off(plant, wind, np.radians([4.0, 2.5, 1.5]))
     >>> np.degrees(front.limits).round(3).tolist()
     [0.199, 0.258, 0.308]
     """
@@ -581,40 +593,46 @@ def load_front(
     if not (isinstance(rate, float) and np.isposinf(rate)):
         rate = number("rate_limit", rate, between(1e-15, 1e9), "rad/s")
     load_bounds = None if loads is None else angle("loads", one_row("loads", loads, "rad"), "rad")
-    case = limits_of(plant, wind, M, rate)
-    if load_limit is not None and load_limit < case.floor:
+    case = load_limits(plant, wind, M, rate)
+    if load_limit is not None and load_limit < case.load_floor:
         raise InputError(
             f"load is below what any deflection leaves; got {np.degrees(load_limit):.4g} deg, and"
-            f" {np.degrees(case.floor):.6g} deg ({case.floor:.6g} rad) is the least"
+            f" {np.degrees(case.load_floor):.6g} deg ({case.load_floor:.6g} rad) is the least"
         )
     if load_bounds is None:
-        low, high = max(1.05 * case.least_load, 0.2 * case.its_load), case.its_load
+        low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, _POINTS)
         if load_limit is not None:
             load_bounds = np.unique(np.append(load_bounds, load_limit))
-    points = dict(zip(load_bounds.tolist(), case.all_at(load_bounds), strict=True))
-    limits, proofs, slopes = np.array([points[a] for a in load_bounds.tolist()]).T
-    blind = case.blind
-    needed = (
-        case.least_deflection if load_limit is None else case.all_at(np.array([load_limit]))[0][0]
+    points = dict(zip(load_bounds.tolist(), case.points_at(load_bounds), strict=True))
+    limits, lower_bounds, slopes = np.array([points[a] for a in load_bounds.tolist()]).T
+    no_forecast = case.no_forecast
+    lower_bound = (
+        case.minimum_deflection
+        if load_limit is None
+        else case.points_at(np.array([load_limit]))[0][0]
     )
-    front = LoadFront(
+    front = LoadTradeOff(
         loads=load_bounds,
         limits=limits,
-        proofs=proofs,
+        lower_bounds=lower_bounds,
         slopes=slopes,
-        holds=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
-        bounds=None if blind is None else case.unforeseen(load_bounds, proofs),
-        least_deflection=case.least_deflection,
-        its_load=case.its_load,
-        least_load=case.least_load,
-        least_load_blind=np.nan if blind is None else case.stopped,
+        set_by=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
+        no_forecast_bounds=None
+        if no_forecast is None
+        else case.no_forecast_limits(load_bounds, lower_bounds),
+        minimum_deflection=case.minimum_deflection,
+        load_of_minimum=case.load_of_minimum,
+        minimum_load=case.minimum_load,
+        no_forecast_load=np.nan if no_forecast is None else case.no_forecast_load,
         moment_ratio=M,
         rate_limit=rate,
         limit=nozzle_limit,
         load=load_limit,
-        needed=needed,
-        needed_load=case.least_load if nozzle_limit is None else case.needed_load(nozzle_limit),
+        lower_bound=lower_bound,
+        required_load=case.minimum_load
+        if nozzle_limit is None
+        else case.required_load(nozzle_limit),
         angle=abs(float(wind.peak)),
     )
-    return replace(front, needed=np.nan, needed_load=np.nan) if front.beyond else front
+    return replace(front, lower_bound=np.nan, required_load=np.nan) if front.beyond else front
