@@ -60,9 +60,9 @@ def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
     for name, front in fronts.items():
         slack = 1e-3 * abs(float(cases[name].plant.coefficients.B * cases[name].history.peak))
         for values in front.limits.values():
-            assert np.all(values >= front.front.bounds - slack)
+            assert np.all(values >= front.front.no_forecast_bounds - slack)
             assert np.all(values[1:] <= values[:-1] + slack)
-        assert np.all(front.limits["recoverable-attitude"] < 1.35 * front.front.bounds)
+        assert np.all(front.limits["recoverable-attitude"] < 1.35 * front.front.no_forecast_bounds)
 
 
 def test_unknown_laws_and_what_is_no_case_are_refused():

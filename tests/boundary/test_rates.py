@@ -148,7 +148,7 @@ def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
     front = rate_trade_off(plant, wind, limit=0.006, rate_limit=0.01)
     at = rate_trade_off(plant, wind, [0.01, front.required_rate])
     assert front.lower_bound == max(at.limits[0], at.no_forecast_bounds[0])
-    assert max(at.limits[1], at.bounds[1]) == pytest.approx(0.006, rel=1e-8)
+    assert max(at.limits[1], at.no_forecast_bounds[1]) == pytest.approx(0.006, rel=1e-8)
     assert (front.remaining > 0.0) == (front.remaining_rate > 0.0) == front.above_lower_bound
     assert rate_trade_off(plant, wind, limit=1e-4).required_rate == np.inf
 
