@@ -225,7 +225,7 @@ def test_the_matrices_of_a_loop_have_the_locus_of_its_polynomials():
     A[-1] = -below[:0:-1]
     C = np.pad(above, (2, 0))[np.newaxis, ::-1]
     state = tv.Loop.from_matrices(A, np.eye(4)[:, -1:], C, delay=0.03)
-    found = [LocusPoles.of("test", loop, 4) for loop in (rational, state)]
+    found = [LocusPoles.of(loop, 4) for loop in (rational, state)]
 
     for name in ("poles", "zeros"):
         one, other = (np.sort_complex(getattr(locus, name)) for locus in found)

@@ -480,7 +480,7 @@ def test_winds_and_criteria_of_another_kind_are_refused():
 def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
     autopilot, plant = integrating()
     loop = autopilot.rational_loop(plant)
-    system, locus = autopilot.loop(plant), LocusPoles.of("test", loop, autopilot.pade_order)
+    system, locus = autopilot.loop(plant), LocusPoles.of(loop, autopilot.pade_order)
     factors = np.array([0.5, 2.0])
 
     for found, factor in zip(locus.closed(factors), factors, strict=True):

@@ -1,4 +1,9 @@
-"""Closed loop over time: step of the command, response to a wind, and comparison with trim."""
+"""Closed loop over time: step of the command, response to a wind, and comparison with trim.
+
+python-control computes and draws the step (`control.step_response`), but over times from here: its
+own would be 202 s for a loop of configuration I that settles in 25 s, in steps nine times as long
+as the time constant of the fastest pole. It has no response to a wind of exact pieces.
+"""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any

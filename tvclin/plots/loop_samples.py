@@ -1,4 +1,9 @@
-"""Samples of a loop for its figures: frequencies, phase, verdict in words, and marked margins."""
+"""Samples of a loop for its figures: frequencies, phase, verdict in words, and marked margins.
+
+The delay is exact, which no system of python-control can hold; `LoopSamples.data` are these samples
+as its frequency response. Its own frequencies are 0.008 of a decade apart for a loop with bending,
+whose modes with a damping of 0.005 are 0.004 of a decade wide: their peaks are up to 6 percent low.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,9 +1,17 @@
-"""Pole map of a plant, and the root locus of a loop: closed-loop poles over the loop gain."""
+"""Pole map of a plant, and the root locus of a loop: closed-loop poles over the loop gain.
+
+The poles are eigenvalues, at factors that resolve each branch and the points where poles meet. Of
+`control.root_locus_map` neither is used: for a loop with bending and slosh it chooses 120 factors
+up to 3e30, from the polynomials of the loop, its branches do not pass through those points, and
+discrete poles stay in the z plane. `control.pole_zero_map` draws no residues, and its import takes
+longer than these figures, which do without.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +27,7 @@ from tvclin.linear.modes import Modes, all_modes
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.numerics import polynomials
 from tvclin.numerics.loops import Rational
+from tvclin.numerics.state_space import Matrices, series
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import (
     MODE,
@@ -161,20 +170,28 @@ class LocusPoles:
     closed: Callable[[FloatArray], AnyArray]
 
     @classmethod
-    def of(cls, what: str, loop: Loop, order: int) -> LocusPoles:
-        """Return those of one loop, its delay approximated in this order.
+    def of(cls, loop: Loop, order: int) -> LocusPoles:
+        """Return the poles of one loop with a Pade approximation of its delay, of this order.
 
-        Of a sampled loop, where the delay is exact, they are s = ln(z)/h of the discrete poles z.
+        Poles of a sampled loop, where the delay is exact, are s = ln(z)/h of its discrete poles z.
         """
-        if isinstance(loop, SampledLoop):
-            return cls._of_samples(loop)
         if isinstance(loop.form, Rational):
             return cls._of_polynomials(loop, order)
-        return cls._of_matrices(loop, order)
+        form, k = loop.form, loop.form.case[0]
+        A, B, C, D = form.A[k], form.B[k, :, np.newaxis], form.C[k, np.newaxis], form.direct[0]
+        zeros = form.zeros()[0].astype(complex)
+        zeros = zeros[~np.isnan(zeros)]
+        if isinstance(loop, SampledLoop):  # in the w plane, where a command passes at once
+            to_s = partial(_in_s_plane, half=0.5 * float(loop.period))
+            return cls._of_system((A, B, C, np.reshape(D, (1, 1))), zeros, to_s)
+        pade = pade_delay(float(loop.delay), order)
+        mirrored = -np.linalg.eigvals(pade[0]).astype(complex)  # zeros of the approximation
+        system = series((A, B, C, np.zeros((1, 1))), pade)
+        return cls._of_system(system, np.concatenate([zeros, mirrored]), np.asarray)
 
     @classmethod
     def _of_polynomials(cls, loop: Loop, order: int) -> LocusPoles:
-        """Return the locus of a loop of polynomials, with a Pade delay."""
+        """Return the locus of a loop of polynomials, which resolve poles that meet more closely."""
         above, below = np.trim_zeros(loop.numerator, "f"), loop.denominator
         delay = float(loop.delay)
         if delay > 0.0:
@@ -191,47 +208,17 @@ class LocusPoles:
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
 
     @classmethod
-    def _of_samples(cls, loop: SampledLoop) -> LocusPoles:
-        """Return the locus of a sampled loop, in the s plane."""
-        # In the w plane, where a command passes at once: A - k B C/(1 + k D).
-        form: Any = loop.form
-        A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
-        D = np.ravel(form.D[form.case[0]])[0]
-        half = 0.5 * float(np.ravel(loop.period)[0])
-        least = np.exp(-2.0 * np.pi / _FAR)
-
-        def in_s(w: AnyArray) -> AnyArray:
-            z = (1.0 + w * half) / (1.0 - w * half)
-            size = np.maximum(np.abs(z), least)  # z = 0 is that of a command still to come
-            return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
+    def _of_system(
+        cls, system: Matrices, zeros: AnyArray, to_s: Callable[[AnyArray], AnyArray]
+    ) -> LocusPoles:
+        """Return the locus of matrices: the eigenvalues of A - k B C/(1 + k D), in the s plane."""
+        A, B, C, D = system
 
         def closed(factors: FloatArray) -> AnyArray:
             k = factors[:, np.newaxis, np.newaxis]
-            return in_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
+            return to_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 
-        zeros = form.zeros()[0].astype(complex)
-        return cls(closed(np.zeros(1))[0], in_s(zeros[~np.isnan(zeros)]), closed)
-
-    @classmethod
-    def _of_matrices(cls, loop: Loop, order: int) -> LocusPoles:
-        """Return the locus of a loop in state space, with a Pade delay."""
-        # x' = A x + B u, y = C x, the delay behind it: z' = A1 z + B1 y, w = C1 z + D1 y.
-        form: Any = loop.form
-        A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
-        A1, B1, C1, D1 = pade_delay(float(loop.delay), order)
-        none = np.zeros((len(A), len(A1)))
-        whole = np.block([[A, none], [B1 @ C, A1]])
-        enters = np.concatenate([B, np.zeros((len(A1), 1))])
-        leaves = np.concatenate([D1 @ C, C1], axis=-1)
-
-        def closed(factors: FloatArray) -> AnyArray:
-            matrices = whole - factors[:, np.newaxis, np.newaxis] * (enters @ leaves)
-            return np.linalg.eigvals(matrices).astype(complex)
-
-        zeros = form.zeros()[0].astype(complex)
-        mirrored = -np.linalg.eigvals(A1).astype(complex)  # zeros of the approximation
-        zeros = np.concatenate([zeros[~np.isnan(zeros)], mirrored])
-        return cls(closed(np.zeros(1))[0], zeros, closed)
+        return cls(closed(np.zeros(1))[0], to_s(zeros), closed)
 
     def refined(self, factors: FloatArray, near: float, far: float) -> FloatArray:
         """Return factors, rising, between which no pole nearer to zero than `far` goes far.
@@ -287,6 +274,13 @@ class LocusPoles:
         return poles
 
 
+def _in_s_plane(w: AnyArray, half: float) -> AnyArray:
+    """Return s = ln(z)/h [1/s] of poles or zeros in the w plane; `half`: half the period h [s]."""
+    z = (1.0 + w * half) / (1.0 - w * half)
+    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))  # z = 0: a command still to come
+    return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
+
+
 def _pole_distances(poles: AnyArray) -> FloatArray:
     """Return the distance of each pole from the nearest other one, ``(..., n)``."""
     distances = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
@@ -330,7 +324,7 @@ def root_locus_chart(
     import matplotlib.pyplot as plt
 
     samples = sampled("root_locus_chart", autopilot, plant)
-    locus = LocusPoles.of("root_locus_chart", samples.loop, samples.pade_order)
+    locus = LocusPoles.of(samples.loop, samples.pade_order)
     poles = locus.closed(np.ones(1))[0]
     radii = _radii(samples, poles)
     factors = _default_factors(locus, samples, radii) if gains is None else _given(gains)
