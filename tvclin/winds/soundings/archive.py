@@ -20,7 +20,6 @@ from tvclin.base.errors import (
     array_of,
     between,
     each,
-    instance,
     number,
     shown,
     text,
@@ -233,14 +232,8 @@ class Soundings:
         cls, profiles: Iterable[WindProfile], times: ArrayLike, station: str = ""
     ) -> Self:
         """Return the soundings of profiles and their times [UTC], in the order of the times."""
-        sequence = profiles if isinstance(profiles, list | tuple) else None
-        if sequence is None:
-            try:
-                sequence = list(profiles)
-            except TypeError:
-                sequence = [profiles]
-        for profile in sequence:
-            instance("profiles", profile, WindProfile, "see read_sounding")
+        given = list(profiles) if isinstance(profiles, Iterable) else profiles
+        sequence = each("profiles", given, WindProfile, "see read_sounding")
         checked_times = to_minutes("times", times)
         if checked_times.shape != (len(sequence),):
             raise InputError(f"times must hold one for each of {len(sequence)} profiles")
@@ -423,8 +416,8 @@ class SoundingCollection:
 
 def _integers(name: str, values: Any, rule: str) -> list[int]:
     """Return a sequence as integers; `InputError` with `rule` otherwise."""
-    iterable = isinstance(values, Iterable) and not isinstance(values, str | bytes)
-    items: list[Any] = list(values) if iterable else [None]
+    row = isinstance(values, Iterable) and not isinstance(values, str | bytes)
+    items: list[Any] = list(values) if row and getattr(values, "ndim", True) else [None]
     if not all(isinstance(item, int | np.integer) and not isinstance(item, bool) for item in items):
         raise InputError(f"{name} must be {rule}; got {shown(values)}")
     return [int(item) for item in items]

@@ -39,18 +39,16 @@ from tvclin.winds.soundings.levels import (
 
 _HEADER_LINE = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
 _INTEGER = re.compile(r"-?\d+")
-HEIGHT, DIRECTION, SPEED = slice(16, 21), slice(40, 45), slice(46, 51)
-"""Columns of height, wind direction and wind speed, from 0."""
-_MIN_LINE_WIDTH = 51
-"""Smallest width of a line that has all fields."""
-BLANK_COLUMNS = (33, 39, 45)
+_PRESSURE, _HEIGHT, _DIRECTION, _SPEED = slice(9, 15), slice(16, 21), slice(40, 45), slice(46, 51)
+"""Columns of pressure, height, wind direction and wind speed, from 0."""
+_BLANK_COLUMNS = (33, 39, 45)
 """Columns between the last fields, from 0, that must be blank."""
+_BROKEN = "a level is cut short or not in its columns"
 _MIN_DERIVED_NUMBERS = 6
 """Smallest number of integers after the count of levels in a header of derived parameters."""
 _HEADER_BYTES = re.compile(rb"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b")
-HEADER_START = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
+_HEADER_START = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
 _MAX_LINE_WIDTH = 60
-_PRESSURE = slice(9, 15)
 _DERIVED_SUFFIX = "-drvd"
 _LEVELS_PER_BLOCK = 100_000
 """Levels that are checked together."""
@@ -111,27 +109,19 @@ def _station_levels(text: Text, first: int, end: int, title: str, count: int) ->
         raise text.error(
             first + 1, f"{count} levels are announced and {line.size} follow; the file is cut short"
         )
-    rows = [text.lines[i - 1] for i in line]
-    good = [
-        len(row) >= _MIN_LINE_WIDTH and all(row[i] == " " for i in BLANK_COLUMNS) for row in rows
-    ]
-    text.require(
-        np.array(good, dtype=bool), line, lambda _: "a level is cut short or not in its columns"
-    )
+    content = [text.lines[i - 1].encode("latin-1", "replace") for i in line]
+    rows = _rows(content, line, np.array([count]))
+    text.require(~rows.broken, line, lambda _: _BROKEN)
     return Levels.from_direction(
         text=text,
         line=line,
-        speed=_station_column(text, "WSPD", [row[SPEED] for row in rows], line) / 10,
-        direction=np.radians(_station_column(text, "WDIR", [row[DIRECTION] for row in rows], line)),
-        height=_station_column(text, "GPH", [row[HEIGHT] for row in rows], line),
+        speed=rows.speed,
+        direction=rows.direction,
+        height=rows.height,
         title=title,
         geopotential=True,
         balloon=True,
     )
-
-
-def _station_column(text: Text, name: str, cells: list[str], line: IntArray) -> FloatArray:
-    return text.numbers(name, cells, line)
 
 
 def read_station(
@@ -162,7 +152,7 @@ def is_station(path: Path) -> bool:
         return True
     try:
         with path.open("rb") as file:
-            return HEADER_START.match(file.read(200).removeprefix(b"\xef\xbb\xbf")) is not None
+            return _HEADER_START.match(file.read(200).removeprefix(b"\xef\xbb\xbf")) is not None
     except OSError:
         return False
 
@@ -231,7 +221,7 @@ class _StationStream:
     def take(self, line: bytes) -> None:
         """Parse the next line."""
         self.number += 1
-        if line[:1] == b"#" or (self.number == 1 and HEADER_START.match(line[3:])):
+        if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))
         elif self.accepting and not line.isspace():
             if len(self.lines) > _LEVELS_PER_BLOCK + _MAX_LEVELS:
@@ -299,9 +289,9 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     """Return the levels of soundings from their lines."""
     characters = np.array(lines or [b""], dtype=f"S{_MAX_LINE_WIDTH}")[: len(lines)]
     letters = characters.view(np.uint8).reshape(len(lines), _MAX_LINE_WIDTH)
-    valid = np.all(letters[:, BLANK_COLUMNS] == ord(" "), axis=1)
+    valid = np.all(letters[:, _BLANK_COLUMNS] == ord(" "), axis=1)
     pressure, height, direction, speed = (
-        _numbers(letters[:, columns], valid) for columns in (_PRESSURE, HEIGHT, DIRECTION, SPEED)
+        _numbers(letters[:, columns], valid) for columns in (_PRESSURE, _HEIGHT, _DIRECTION, _SPEED)
     )
     return Rows(
         sounding=np.repeat(np.arange(counts.size), counts),
@@ -351,7 +341,7 @@ def collect_levels(
 ) -> None:
     """Add soundings to a collection; `why` has the reason why each is already invalid, or ""."""
     invalid = np.array([bool(reason) for reason in why], dtype=bool)
-    checks: Faults = [(rows.broken, lambda _: "a level is cut short or not in its columns")]
+    checks: Faults = [(rows.broken, lambda _: _BROKEN)]
     checks += level_faults(height=rows.height, speed=rows.speed, direction=rows.direction)
     for failed, message in checks:
         for i in np.flatnonzero(failed).tolist():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -61,26 +61,14 @@ class Levels:
         return cls(text=text, line=line, east=east, north=north, **more)
 
 
-@dataclass(frozen=True)
-class SoundingEntry:
-    """Sounding in a file, whose levels are read on demand.
+class SoundingEntry(NamedTuple):
+    """Sounding in a file: a function that reads its levels, and its time.
 
-    `read`: reads the levels. `time`: time [UTC], as "2024-01-15 12"; empty where the file has none.
-    `notes`: notes for its levels.
+    `time`: in UTC, as "2024-01-15 12"; empty where the file has none.
     """
 
-    read: Callable[[], Levels]
+    levels: Callable[[], Levels]
     time: str = ""
-    notes: tuple[str, ...] = ()
-
-    def with_note(self, note: str) -> SoundingEntry:
-        """Return the entry with an additional note."""
-        return replace(self, notes=(*self.notes, note))
-
-    def levels(self) -> Levels:
-        """Return the levels, with the notes of the entry."""
-        levels = self.read()
-        return replace(levels, notes=(*levels.notes, *self.notes))
 
 
 def level_faults(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,6 @@ _MAX_LISTED_TIMES = 5
 """Largest number of times of soundings that a message lists."""
 Source = str | PathLike[str]
 Progress = Callable[[int, int], None]
-_Reader = Callable[[Path], tuple[Text, list[SoundingEntry]]]
 
 _DATE_IN_NAME = re.compile(
     r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?:[-_T. ]?(\d\d)(?:\d\d)?)?(?!\d)"
@@ -99,7 +99,11 @@ def read_sounding(
     """
     text = read_lines(path)
     entries = soundings_in(text, format, units, above_ground)
-    return profile_of(_entry_at(text, entries, time).levels())
+    levels = _entry_at(text, entries, time).levels()
+    if time is None and len(entries) > 1:
+        note = f"the first of {len(entries)} soundings in the file; choose another by its time"
+        levels = replace(levels, notes=(*levels.notes, note))
+    return profile_of(levels)
 
 
 def soundings_in(
@@ -150,11 +154,10 @@ def recognised_format(text: Text) -> str:
 
 
 def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
-    """Return the sounding of a time; by default the first, with a note."""
-    times = [entry.time for entry in entries if entry.time]
+    """Return the sounding of a time, by default the first."""
     if time is None:
-        note = f"the first of {len(entries)} soundings in the file; choose another by its time"
-        return entries[0].with_note(note) if len(entries) > 1 else entries[0]
+        return entries[0]
+    times = [entry.time for entry in entries if entry.time]
     for entry in entries:
         if isinstance(time, str) and entry.time == time:
             return entry
@@ -224,7 +227,6 @@ def read_soundings(
     >>> tv.read_soundings("tests/soundings/igra.txt")
     Soundings(2 of USM00074794 from 2024-02-15 to 2024-02-16)
     """
-    _check_sequences(months=months, years=years)
     sounding_filter = SoundingFilter.of(months, years, station, utc_offset)
     if progress is not None:
         callable_for("progress", progress, "of how much is read and how much there is")
@@ -238,7 +240,9 @@ def read_soundings(
     if flag("in_order", in_order) and checked_times is not None:
         raise InputError("give times or in_order=True, not both")
 
-    read_entries = _entry_reader(format, units, above_ground)
+    if format is not None:
+        one_of("format", format, READERS)
+    TableOptions.of(units, above_ground, assumed=False)  # refuses unknown units
     collection = SoundingCollection()
     for i, file in enumerate(files):
         day = _FIRST_DAY + np.timedelta64(i, "D") if in_order else None
@@ -250,20 +254,14 @@ def read_soundings(
             )
         else:
             time = times_by_name.get(file.name) if checked_times is None else checked_times[i]
-            _add_single(collection, file, read_entries, sounding_filter, time, day)
+            reading = (format, units, above_ground)
+            _add_single(collection, file, reading, sounding_filter, time, day)
         if progress is not None and len(files) > 1:
             progress(i + 1, len(files))
     if not collection.pieces and not collection.stations and collection.counted:
         remark, (count, where) = next(iter(collection.counted.items()))
         raise InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
     return collection.soundings(sounding_filter.utc_offset)
-
-
-def _check_sequences(**arguments: Any) -> None:
-    """Raise `InputError` for an array without axes in place of a row of numbers."""
-    for name, value in arguments.items():
-        if isinstance(value, np.ndarray) and not value.ndim:
-            raise InputError(f"{name} must be a row of whole numbers; got {shown(value)}")
 
 
 def _times_by_name(path: Path) -> dict[str, Any]:
@@ -298,31 +296,23 @@ def _files(source: Any) -> list[Path]:
     return files
 
 
-def _entry_reader(format: str | None, units: str | None, above_ground: float | None) -> _Reader:
-    """Return the function that reads the text and the soundings of a file; as `read_sounding`."""
-    if format is not None:
-        one_of("format", format, READERS)
-    TableOptions.of(units, above_ground, assumed=False)
-
-    def read(file: Path) -> tuple[Text, list[SoundingEntry]]:
-        text = read_lines(file)
-        return text, soundings_in(text, format, units, above_ground)
-
-    return read
-
-
 def _add_single(
     collection: SoundingCollection,
     file: Path,
-    read_entries: _Reader,
+    reading: tuple[str | None, str | None, float | None],
     sounding_filter: SoundingFilter,
     given_time: Any,
     default_time: Any,
 ) -> None:
-    """Add the soundings of a file to the collection; a page without a sounding is counted."""
+    """Add the soundings of a file to the collection; a page without a sounding is counted.
+
+    `reading`: format, units and elevation of the site, as in `read_sounding`. `given_time`,
+    `default_time`: time [UTC] of a single sounding, and of one without any time; or None.
+    """
     name = called(file.name)
     try:
-        text, entries = read_entries(file)
+        text = read_lines(file)
+        entries = soundings_in(text, *reading)
     except InputError as error:
         collection.count("files without a sounding, left out", str(error))
         return

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.arrays import IntArray
 from tvclin.base.text import Text
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.levels import Levels, SoundingEntry
@@ -39,7 +39,7 @@ def _list_entry(text: Text, header: int) -> SoundingEntry:
 
 def _read(text: Text, header: int, title: str) -> Levels:
     """Return the levels below a header; errors name the line."""
-    if _collapsed(text.lines[header]):
+    if re.search(r"\S\s{2,}\S", text.lines[header]) is None:
         raise text.error(
             header + 1,
             "the blanks between the columns of this Wyoming list are collapsed to one, and empty"
@@ -55,7 +55,8 @@ def _read(text: Text, header: int, title: str) -> Levels:
     first = _after_units(text, header, speeds[0])
     line = _lines_of(text, first)
     height, direction, speed = (
-        _column(text, name, fields[name], line) for name in ("HGHT", "DRCT", speeds[0])
+        text.numbers(name, [text.lines[i - 1][fields[name]] for i in line], line)
+        for name in ("HGHT", "DRCT", speeds[0])
     )
     return Levels.from_direction(
         text=text,
@@ -66,11 +67,6 @@ def _read(text: Text, header: int, title: str) -> Levels:
         title=title,
         geopotential=True,
     )
-
-
-def _collapsed(header: str) -> bool:
-    """Return whether no two blanks follow each other, as they do between columns of a list."""
-    return re.search(r"\S\s{2,}\S", header) is None
 
 
 def _fields(header: str) -> dict[str, slice]:
@@ -102,7 +98,3 @@ def _lines_of(text: Text, first: int) -> IntArray:
             break
         line.append(i + 1)
     return np.array(line, dtype=np.int64)
-
-
-def _column(text: Text, name: str, field: slice, line: IntArray) -> FloatArray:
-    return text.numbers(name, [text.lines[i - 1][field] for i in line], line)
