@@ -354,7 +354,7 @@ def test_python_control_sees_the_same_plant():
             lambda: flexible(tv.Structure(engine=replace(ENGINE, mass=2e6))),
             "slosh and engine weigh more than the vehicle",
         ),
-        (lambda: flexible(vehicle=BOOSTER.replace(thrust=[2e7, 3e7])).ss(), "for one vehicle"),
+        (lambda: flexible(vehicle=BOOSTER.replace(thrust=[2e7, 3e7])).ss(), "for one system"),
         (
             lambda: flexible(
                 tv.Structure(), "fixed-path", BOOSTER.replace(aerodynamic_arm=-1.0)

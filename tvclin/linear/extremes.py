@@ -20,15 +20,16 @@ from tvclin.base.errors import InputError, ending, instance, nonnegative
 from tvclin.base.lines import Table, degrees, number
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.linear.response import attitude_responses
+from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 
 Function = Callable[[FloatArray], FloatArray]
 
 _EVEN_SAMPLES, _SAMPLES_PER_PIECE = 2001, 100
 """Sample times of a search for extremes: over the whole response, and between two breakpoints."""
-_REFINED_SAMPLES, _REFINEMENTS = 41, 5
-"""Samples of each refinement around a maximum, and refinements: 20^-5 of the interval remains, and
-a maximum is flat, so that its height is known to rounding."""
+_REFINEMENTS = 8
+"""Refinements around a maximum: 8^-8 of the interval remains, and a maximum is flat, so that its
+height is known to rounding."""
 _RELATIVE_ROUNDING = 1e-9
 """Attitude error over the peak of the wind that counts as zero."""
 _RELATIVE_FLIGHT_ERROR = 1e-3
@@ -203,16 +204,9 @@ def refined_maximum(
 ) -> tuple[float, float]:
     """Return the maximum and its time, refined between the samples around the highest."""
     i = int(np.argmax(values))
-    best = float(values[i]), float(times[i])
-    low, high = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
-    for _ in range(_REFINEMENTS):
-        samples = np.linspace(low, high, _REFINED_SAMPLES)
-        heights = function(samples)
-        k = int(np.argmax(heights))
-        if heights[k] > best[0]:
-            best = float(heights[k]), float(samples[k])
-        low, high = samples[max(k - 1, 0)], samples[min(k + 1, _REFINED_SAMPLES - 1)]
-    return best
+    between = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
+    time, depth = grid_minimum(lambda t: -function(t), *between, _REFINEMENTS)
+    return max((float(values[i]), float(times[i])), (-float(depth), float(time)))
 
 
 def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:

@@ -245,11 +245,6 @@ class FlexiblePlant(Shown, Hinted):
         InputError
             For a batch.
         """
-        if self.batch:
-            raise InputError(
-                f"ss() is for one vehicle; this plant is a batch of shape {self.batch} (use"
-                " matrices())"
-            )
         return self.system.to_control(f"{self.model}, flexible")
 
     @property

@@ -287,7 +287,11 @@ class Plant(Hinted):
         """
         import control
 
-        self._require_single("tf")
+        if self.batch:
+            raise InputError(
+                f"tf() is for one vehicle; this plant is a batch of shape {self.batch} (use"
+                " denominator and numerator())"
+            )
         numerator = np.trim_zeros(self.numerator(output, input), "f")
         return control.TransferFunction(
             numerator if numerator.size else [0.0],
@@ -310,7 +314,6 @@ class Plant(Hinted):
         InputError
             For a batch.
         """
-        self._require_single("ss")
         return self.system.to_control(self.model)
 
     @property
@@ -423,14 +426,6 @@ class Plant(Hinted):
     def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
         rows = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
         return np.stack(rows, axis=-1)
-
-    def _require_single(self, what: str) -> None:
-        """Raise `InputError` for a batch; `what` names the method."""
-        if self.batch:
-            raise InputError(
-                f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"
-                " (use denominator, numerator() or matrices())"
-            )
 
 
 @dataclass(frozen=True)

@@ -174,7 +174,9 @@ class LinearSystem:
         import control
 
         if self.batch:
-            raise InputError(f"to_control() is for one system; got a batch of shape {self.batch}")
+            raise InputError(
+                f"ss() is for one system; this is a batch of shape {self.batch} (use matrices())"
+            )
         signals = {"inputs": self.inputs, "outputs": self.outputs, "states": self.states}
         named = {kind: list(names) for kind, names in signals.items()}
         return control.StateSpace(*self.matrices(), 0, name=name, **named)

@@ -16,7 +16,7 @@ Comput. 27, 2005); `rightmost_poles` refines their eigenvalues to zeros of 1 + L
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -90,10 +90,10 @@ class Rational:
         `omega`: frequencies [rad/s], ``(..., k)``.
         """
         omega = np.asarray(omega, dtype=float)
-        above = polynomials.on_axis(self.numerator, omega)
+        above, below = self.undelayed(omega)
         if np.any(self.delay):
             above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
-        return above, polynomials.on_axis(self.denominator, omega)
+        return above, below
 
     def value(self, s: AnyArray) -> AnyArray:
         """Return L with its delay at complex frequencies ``(..., k)`` [1/s], off the poles."""
@@ -260,17 +260,7 @@ class StateLoop:
 
     def take(self, index: Any) -> Self:
         """Return the loops at the positions `index`."""
-        stored = (
-            self.A,
-            self.B,
-            self.C,
-            self.D,
-            self.all_delays,
-            self.poles,
-            self.residues,
-            self.modal,
-        )
-        return type(self)(*stored, self.case[index])
+        return replace(self, case=self.case[index])
 
     def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
         """Return L with its delay, and one, at j omega ``(k, m)``; one and zero at a pole."""
