@@ -209,7 +209,8 @@ def test_interconnect_closes_the_loop_by_signal_names():
 @pytest.mark.parametrize("door", ["tf", "ss"])
 def test_a_batch_is_refused_at_the_doors_to_python_control(door):
     batch = Plant.from_coefficients(Coefficients(mu_alpha=[0.2, 0.3], mu_delta=2.0), "drift")
-    with pytest.raises(InputError, match=rf"{door}\(\) is for one (vehicle|system); .* shape \(2,\)"):
+    said = rf"{door}\(\) is for one (vehicle|system); .* shape \(2,\)"
+    with pytest.raises(InputError, match=said):
         getattr(batch, door)()
 
 

@@ -27,30 +27,17 @@ from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.wiring import closed_loop, wind_numerator
-from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.numerics import polynomials
-from tvclin.numerics.loop_margins import (
-    HIGH_OVER_LARGEST_ROOT,
-    LOW_OVER_SMALLEST_ROOT,
-    ROOT_OFFSETS,
-)
+from tvclin.numerics.loop_margins import grid_frequencies, stability
 from tvclin.numerics.searches import grid_minimum
 from tvclin.winds.histories import History
 
-_GRID_FREQUENCIES = 801
-"""Number of logarithmic frequencies from far below the smallest root to far above the largest."""
-_MIN_ROOT_OVER_LARGEST = 1e-12
-"""Smallest root, over the largest, that gets frequencies around it; smaller roots are zero."""
 _CROSSOVER_OFFSETS = np.geomspace(1e-8, 0.3, 24)
 """Relative distances of frequencies from each gain crossover, where a delay may leave little
 damping."""
-_PHASE_STEP = np.pi / 8.0
-"""Step of the delay's phase [rad] from frequency to frequency."""
-_MAX_PHASE_STEPS = 20_000
-"""Largest number of such frequencies."""
 
 
 def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
@@ -78,7 +65,10 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
         returned, denominator = (term.reshape(omega.shape) for term in terms)
         return -np.abs(polynomials.value(numerator, 1j * omega) / (denominator + returned))
 
-    omega = _frequencies(loop, numerator, margins.crossings.gain_frequencies)
+    grid = grid_frequencies(loop.form, stability(loop.form))[0]
+    ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
+    near = np.multiply.outer(margins.crossings.gain_frequencies, ratios).ravel()
+    omega = np.unique(np.concatenate([[0.0], grid[np.isfinite(grid)], near]))
     values = negative_gain(omega)
     # At infinity L vanishes, and G is the direct term.
     same_degree = numerator.size == loop.denominator.size
@@ -86,28 +76,6 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
     peaks = grid_minimum(negative_gain, omega[k - 1], omega[k + 1])[1] if k.size else values
     return float(max(-values.min(), -np.min(peaks), direct))
-
-
-def _frequencies(loop: Loop, numerator: FloatArray, crossovers: FloatArray) -> FloatArray:
-    """Return rising frequencies [rad/s] from zero, so dense that they bracket every resonance."""
-    factors = [loop.denominator + loop.numerator, loop.denominator, np.trim_zeros(numerator, "f")]
-    roots = np.concatenate([polynomials.roots(factor) for factor in factors if factor.size])
-    sizes = np.abs(roots)
-    nonzero = sizes[sizes > _MIN_ROOT_OVER_LARGEST * sizes.max()]
-    low, high = LOW_OVER_SMALLEST_ROOT * nonzero.min(), HIGH_OVER_LARGEST_ROOT * nonzero.max()
-    widths = np.maximum(np.abs(roots.real), _CROSSOVER_OFFSETS[0] * sizes)
-    offsets = np.concatenate([-ROOT_OFFSETS[1:], ROOT_OFFSETS])
-    ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
-    grids = [
-        np.geomspace(low, high, _GRID_FREQUENCIES),
-        (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),
-        np.multiply.outer(crossovers, ratios).ravel(),
-    ]
-    if loop.delay:
-        steps = min(int(high * loop.delay / _PHASE_STEP), _MAX_PHASE_STEPS)
-        grids.append(np.arange(1.0, steps + 1.0) * _PHASE_STEP / loop.delay)
-    omega = np.concatenate(grids)
-    return np.unique(np.append(0.0, omega[(omega > 0.0) & (omega <= high)]))
 
 
 _GRID_DURATIONS = 41

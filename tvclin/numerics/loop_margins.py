@@ -31,9 +31,9 @@ _POLISHING_ITERATIONS, _MAX_POLISHING_STEP = 4, 1e-6
 """Newton iterations on ln |L| from a root of the squares, and the largest relative step."""
 _LOGARITHMIC_POINTS = 401
 """Logarithmically spaced frequencies over the whole range."""
-LOW_OVER_SMALLEST_ROOT, HIGH_OVER_LARGEST_ROOT = 1e-3, 1e2
+_LOW_OVER_SMALLEST_ROOT, _HIGH_OVER_LARGEST_ROOT = 1e-3, 1e2
 """Ends of the frequency range over the smallest and over the largest pole or zero."""
-ROOT_OFFSETS = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
+_ROOT_OFFSETS = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
 """Offsets of frequencies around a root, in units of its distance from the imaginary axis."""
 _MIN_AXIS_DISTANCE = 1e-6
 """Smallest distance from the axis, over the size of a root, by which points are spread."""
@@ -153,12 +153,12 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
     size = np.abs(roots)
     largest = np.nan_to_num(size).max(axis=-1)
     counted = size > _MIN_ROOT_OVER_POLE * fastest
-    low = LOW_OVER_SMALLEST_ROOT * np.where(counted, size, np.inf).min(axis=-1)
+    low = _LOW_OVER_SMALLEST_ROOT * np.where(counted, size, np.inf).min(axis=-1)
     low = np.where(np.isfinite(low), low, 1e-3)
-    high = np.maximum(HIGH_OVER_LARGEST_ROOT * largest, 1e3 * low)
+    high = np.maximum(_HIGH_OVER_LARGEST_ROOT * largest, 1e3 * low)
     steps = np.geomspace(low, high, _LOGARITHMIC_POINTS, axis=-1)
     width = np.maximum(np.abs(roots.real), _MIN_AXIS_DISTANCE * size)
-    offsets = np.concatenate([-ROOT_OFFSETS[:0:-1], ROOT_OFFSETS])
+    offsets = np.concatenate([-_ROOT_OFFSETS[:0:-1], _ROOT_OFFSETS])
     around = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
     real_frequencies = loop.real_frequencies()
     parts = [

@@ -12,7 +12,7 @@ on the angle of attack alone. At other stations the measured deflection closes a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
@@ -20,14 +20,14 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, number, one_of, positive, single
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.law import Chains, Law, Measurement
+from tvclin.control.laws.law import Chains, LinearLaw
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
-class AccelerometerLaw(Law):
+class AccelerometerLaw(LinearLaw):
     """Feedback of attitude, rate and a measured acceleration instead of the angle of attack.
 
     With an ideal nozzle and an ideal sensor the loop equals that of the autopilot with a vane: with
@@ -119,9 +119,9 @@ class AccelerometerLaw(Law):
         """Filter chains of the autopilot."""
         return SaturatedLaw(self.autopilot).chains
 
-    @property
+    @cached_property
     def numbers(self) -> LawNumbers:
-        """Gains as numbers for compiled flights; the acceleration is the law's first state."""
+        """Gains on attitude, its rate and the acceleration, which is the law's first state."""
         _, deflection, rate = self.sensitivities
         factor = 1.0 - self.gain * deflection
         return LawNumbers(
@@ -129,10 +129,3 @@ class AccelerometerLaw(Law):
             attitude_rate=float(self.autopilot.rate_gain) * factor - self.gain * rate,
             first_state=self.gain,
         )
-
-    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return a0 theta + a1 theta' + g times the acceleration [rad]."""
-        del limit
-        k = self.numbers
-        feedback = k.attitude * measured.attitude + k.attitude_rate * measured.attitude_rate
-        return feedback + k.first_state * states[0]

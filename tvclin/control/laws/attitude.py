@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.law import Chains, Law, Measurement
+from tvclin.control.laws.law import Chains, LinearLaw
 from tvclin.kernels.control_laws import LawNumbers
 
 
 @dataclass(frozen=True)
-class SaturatedLaw(Law):
-    """Autopilot feedback under a deflection limit.
+class SaturatedLaw(LinearLaw):
+    """Autopilot feedback under a deflection limit: a0 theta + a1 theta' + b0 alpha + aI int theta.
 
     Parameters
     ----------
@@ -62,9 +63,9 @@ class SaturatedLaw(Law):
         a = self.autopilot
         return Chains(a.attitude_filters, a.rate_filters, a.filters)
 
-    @property
+    @cached_property
     def numbers(self) -> LawNumbers:
-        """Gains of the autopilot as numbers for compiled flights."""
+        """Gains a0, a1, b0 and aI of the autopilot."""
         gains = self.autopilot
         return LawNumbers(
             attitude=float(gains.attitude_gain),
@@ -72,11 +73,3 @@ class SaturatedLaw(Law):
             angle_of_attack=float(gains.alpha_gain),
             first_state=float(gains.integral_gain),
         )
-
-    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""
-        del limit
-        gains = self.autopilot
-        demand = gains.attitude_gain * measured.attitude + gains.rate_gain * measured.attitude_rate
-        demand = demand + gains.alpha_gain * measured.angle_of_attack
-        return demand + gains.integral_gain * states[0] if gains.integral_gain else demand

@@ -17,7 +17,7 @@ from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, each, instance
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
 from tvclin.control.autopilot.wiring import LAW_INPUTS
-from tvclin.kernels.control_laws import LawNumbers
+from tvclin.kernels.control_laws import LawNumbers, law_demand
 from tvclin.linear.plant import Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.filters import Filter
@@ -108,6 +108,19 @@ class Law(Carded, ABC):
         limit : float or ndarray
             Deflection limit [rad], which a law may use, ``(...)``.
         """
+
+
+class LinearLaw(Law):
+    """Law that is linear in measurements and states; its `numbers` are its gains."""
+
+    @property
+    @abstractmethod
+    def numbers(self) -> LawNumbers:
+        """Gains of the law, for flights in Python and as machine code."""
+
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
+        """Return the demanded deflection [rad], before the limit: the sum over all gains."""
+        return law_demand(self.numbers, measured, states, limit)
 
 
 def measured_coordinates(plant: Plant) -> UnstableCoordinates:

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
-from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import between, nonnegative, number, small_angle, unlimited
 from tvclin.control.laws.law import (
     RATE_LIMIT_RANGE,
-    Law,
-    Measurement,
+    LinearLaw,
     measured_coordinates,
     rate_limit_angle,
 )
@@ -25,7 +23,7 @@ from tvclin.linear.plant import Plant
 
 
 @dataclass(frozen=True)
-class TrimLaw(Law):
+class TrimLaw(LinearLaw):
     """Ideal trim and attitude feedback, limited: delta = B (alpha + gain z).
 
     z is the coordinate of the fastest unstable mode of the design plant; on a fixed path it is
@@ -83,10 +81,11 @@ class TrimLaw(Law):
         )
         return cls(plant, gain=min(cls.gain, available / size) if size else cls.gain)
 
-    @property
+    @cached_property
     def numbers(self) -> LawNumbers:
-        """Coefficients of B (alpha + gain z) and the switching levels, for compiled flights."""
-        B, (attitude, rate, path) = self._numbers
+        """Coefficients of B (alpha + gain z), and the switching levels."""
+        B, row = float(self.plant.coefficients.B), measured_coordinates(self.plant).rows[0]
+        attitude, rate, path = [*row.tolist(), 0.0][:3]
         return LawNumbers(
             attitude=B * self.gain * attitude,
             attitude_rate=B * self.gain * rate,
@@ -95,20 +94,6 @@ class TrimLaw(Law):
             engage=self.engage,
             release=self.release,
         )
-
-    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the trim deflection and the attitude feedback [rad]."""
-        del states, limit
-        B, (attitude, rate, path) = self._numbers
-        error = attitude * measured.attitude + rate * measured.attitude_rate
-        error = error + path * measured.flight_path_angle
-        return B * (measured.angle_of_attack + self.gain * error)
-
-    @cached_property
-    def _numbers(self) -> tuple[float, list[float]]:
-        """B, and the coefficients of z on attitude, rate and flight path angle, as plain floats."""
-        row = measured_coordinates(self.plant).rows[0]
-        return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
 
 
 _RELEASE_OVER_DEAD_BAND = 0.9

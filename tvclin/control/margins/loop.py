@@ -329,7 +329,7 @@ _BEYOND_MARGIN = 1.0 + 1e-6
 """Factor on a delay margin at which the loop is tested for instability."""
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False)
 class SampledLoop(Loop):
     """Loop of a sampled autopilot, from the command to minus the returned command.
 
@@ -346,21 +346,6 @@ class SampledLoop(Loop):
     loop_delay: FloatArray
     delayed_form: Callable[[FloatArray, IndexArray], StateLoop]
     delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray]
-
-    def __init__(
-        self,
-        form: StateLoop,
-        batch: tuple[int, ...],
-        period: FloatArray,
-        loop_delay: FloatArray,
-        delayed_form: Callable[[FloatArray, IndexArray], StateLoop],
-        delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray],
-    ) -> None:
-        self._set(form, batch)
-        object.__setattr__(self, "period", period)
-        object.__setattr__(self, "loop_delay", loop_delay)
-        object.__setattr__(self, "delayed_form", delayed_form)
-        object.__setattr__(self, "delayed_closed_poles", delayed_closed_poles)
 
     def response(self, omega: ArrayLike) -> AnyArray:
         """Return L(e^(j omega h)) at frequencies below half the sample rate [rad/s].
