@@ -7,7 +7,7 @@ _NEEDED = {
     "jsbsim": ["tvclin/flights/sixdof/*", "docs/six-*"],
     "jinja2": ["tvclin/show/report/page.py", "docs/report.md"],
     "latex2mathml": ["tvclin/show/report/page.py", "docs/report.md"],
-    "pyarrow": ["docs/campaigns.md", "tvclin/answers/campaign/engine.py"],
+    "pyarrow": ["docs/campaigns.md", "tvclin/ensembles/campaign/chunk_runner.py"],
 }
 
 collect_ignore_glob = [

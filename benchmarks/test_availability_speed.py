@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers import time_varying
-from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightEquations
+from tvclin.requirement import time_varying
+from tvclin.requirement.flight.flight_requirement import FlightEquations, FlightMode
 
 SOUNDINGS = 10_000
 LEVELS = 128

@@ -10,7 +10,7 @@ import pytest
 from peers import PROCESSOR, ratio
 
 import tvclin as tv
-from tvclin.answers.campaign.draws import draw
+from tvclin.ensembles.dispersions import draw
 
 CASES, FEW = 20 * 1024, 40
 

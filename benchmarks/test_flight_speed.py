@@ -160,16 +160,16 @@ def test_the_card_of_a_flight(benchmark: Any) -> None:
     """25 flight times, three winds from ahead and from behind, with torque and power."""
     schedule = tv.load_schedule("configuration-i")
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
-    hinge = tv.answers.NozzleData(engine=engine, stiffness=8e5, damping=1e4, friction=2000.0)
+    hinge = tv.case.NozzleData(engine=engine, stiffness=8e5, damping=1e4, friction=2000.0)
     nozzle = tv.Nozzle(limit=np.radians(1.0), rate_limit=np.radians(10.0), data=hinge)
     case = tv.Case(vehicle=schedule.vehicle, nozzle=nozzle)
     others = [("triangular", 4.0, 12.0), ("rectangular", 3.0, 4.0)]
-    asked = tv.answers.SizingRequest(
+    asked = tv.requirement.SizingRequest(
         schedule=schedule,
         others=tuple(tv.ShapedWind(shape, np.radians(deg), tau) for shape, deg, tau in others),
         start=50.0,
         stop=98.0,
         every=2.0,
     )
-    found = benchmark(lambda: tv.answers.flight_card(case, asked))
+    found = benchmark(lambda: tv.nozzle.flight_card(case, asked))
     assert len(found.points) == 150

@@ -78,7 +78,7 @@ _ = response_chart(flown, f"Law {name}, with 1.2 times the limit that it needs",
 # round finds the vehicle leaning the wrong way.
 
 # %% tags=["within 2e-3"]
-winds = tv.answers.standard_winds(peak, float(wind.duration))
+winds = tv.design.standard_winds(peak, float(wind.duration))
 hard = {
     kind: [
         float(tv.closed_loop_boundary(plant, laws[law], winds[kind], sample_rate=25).limit)

@@ -33,7 +33,7 @@ from tvclin.plots import response_chart
 # %%
 vehicle = tv.load_vehicle("configuration-i")
 study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5.0))
-first = tv.answers.disperse_study(study)
+first = tv.ensembles.disperse_study(study)
 first
 
 # %% [markdown]

@@ -101,7 +101,7 @@ later = tv.availability(
     soundings.with_utc_offset(-5.0).select(month=2),
     limit=limit,
     azimuth=azimuth,
-    persistence=tv.answers.PairGrowth(hours=3.5),
+    persistence=tv.ensembles.PairGrowth(hours=3.5),
 )
 print(*later.notes, sep="\n")
 print(later.part())

@@ -55,7 +55,7 @@ _ = rate_chart(front, "Made-up launcher, a triangle of 5 deg and 7.5 s")
 # turns and what resists there are torque and power as well.
 
 # %%
-hinge = tv.answers.NozzleData(
+hinge = tv.case.NozzleData(
     engine=tv.vehicle.Engine(mass=250.0, arm=0.5, moment_of_inertia=30.0),
     stiffness=2e4,
     damping=500.0,
@@ -84,7 +84,7 @@ flown = tv.fly(
     sample_rate=100.0,
 ).outputs
 moves = {name: flown[name] for name in ("angle_of_attack", "attitude")}
-tv.answers.nozzle_card(
+tv.nozzle.nozzle_card(
     times, flown["deflection"], limit=limit, nozzle=hinge, vehicle=vehicle, **moves
 )
 
@@ -100,10 +100,10 @@ case = tv.Case(
     wind=tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust),
     nozzle=nozzle,
 )
-flight = tv.answers.SizingRequest(
+flight = tv.requirement.SizingRequest(
     schedule=tv.load_schedule("made-up-launcher"), start=40.0, stop=90.0, every=10.0
 )
-card = tv.answers.flight_card(case, flight)
+card = tv.nozzle.flight_card(case, flight)
 card
 
 # %% [markdown]
@@ -113,7 +113,7 @@ card
 # It takes far more travel than the wind does.
 
 # %%
-loud = tv.answers.flight_card(case, flight, noise=np.radians(0.05))
+loud = tv.nozzle.flight_card(case, flight, noise=np.radians(0.05))
 for name, one in (("quiet", card), ("with noise", loud)):
     duty = max(one.duties, key=lambda each: each.travel)
     print(f"{name}: travel {np.degrees(duty.travel):.1f} deg, energy {duty.energy:.1f} J")

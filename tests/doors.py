@@ -16,12 +16,12 @@ import tvclin as tv
 from tests.schedules import rocketpy_standin
 from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
-from tvclin.answers import worst_case
-from tvclin.answers.least_gains import least
-from tvclin.answers.sizing.total import Line
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.doors import CHAPTERS
+from tvclin.design import least_gains as least
+from tvclin.design import worst_case
 from tvclin.flights.closed_loop import fly_planes as in_step
+from tvclin.requirement.flight.total import Line
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 
@@ -190,7 +190,7 @@ def doors(folder: Path) -> dict[str, Door]:
     calm = tv.WindProfile(height=[0.0, 40e3], east=[0.0, 5.0], north=[0.0, 0.0])
     archive = tv.winds.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
-    days_asked = tv.answers.AvailabilityRequest(flight=schedule, soundings=archive, azimuth=1.5)
+    days_asked = tv.ensembles.AvailabilityRequest(flight=schedule, soundings=archive, azimuth=1.5)
     months = tv.winds.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
     climb = tv.winds.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
@@ -200,8 +200,8 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.answers.SizingRequest(schedule=schedule, every=30.0)
-    once = tv.answers.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
+    asked = tv.requirement.SizingRequest(schedule=schedule, every=30.0)
+    once = tv.requirement.SizingRequest(schedule=schedule, start=66.0, stop=66.0)
     carded = tv.Case(vehicle=booster, nozzle=tv.Nozzle(limit=0.02))
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.control.GainSchedule([40.0, 90.0], autopilot)
@@ -231,7 +231,7 @@ def doors(folder: Path) -> dict[str, Door]:
     options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
     hardware = {"rate_limit": 1.0, "actuator": actuator}
     history = {"plant": plant, "wind": wind}
-    hinge = tv.answers.NozzleData(engine=tv.vehicle.Engine(mass=2000.0, arm=1.0))
+    hinge = tv.case.NozzleData(engine=tv.vehicle.Engine(mass=2000.0, arm=1.0))
     both = {"plant": plant, "deflection": held, "wind": wind}
     study_file, campaign_file = folder / "study.toml", folder / "campaign.toml"
     study_file.write_text(
@@ -359,7 +359,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Availability.today": Door(available.today, {"profile": west}),
         "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
         "AvailabilityRequest": Door(
-            tv.answers.AvailabilityRequest,
+            tv.ensembles.AvailabilityRequest,
             {
                 "flight": schedule,
                 "soundings": archive,
@@ -418,7 +418,7 @@ def doors(folder: Path) -> dict[str, Door]:
             results.quantile,
             {"output": results.angles[0], "probability": 0.5, "confidence": 0.5},
         ),
-        "CampaignResults.read": Door(tv.answers.CampaignResults.read, {"folder": done}),
+        "CampaignResults.read": Door(tv.ensembles.CampaignResults.read, {"folder": done}),
         "CampaignResults.replay": Door(results.replay, {"case": 3}),
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
@@ -492,7 +492,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.control.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}
         ),
         "DeflectionTotal": Door(
-            tv.answers.DeflectionTotal,
+            tv.requirement.DeflectionTotal,
             {
                 "lines": (line,),
                 "reserve": 0.1,
@@ -513,10 +513,10 @@ def doors(folder: Path) -> dict[str, Door]:
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
         "Document": Door(
-            tv.answers.Document,
+            tv.studyfile.Document,
             {"project": "Booster 1", "author": "A", "date": "2026-01-31", "revision": "B"},
         ),
-        "Document.from_table": Door(tv.answers.Document.from_table, {"table": {"revision": "B"}}),
+        "Document.from_table": Door(tv.studyfile.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.flights.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
@@ -615,7 +615,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "History.probe_times": Door(wind.probe_times, {"between": 4}),
         "History.shift": Door(wind.shift, {"dt": 1.0}),
         "LawsRequest": Door(
-            tv.answers.LawsRequest,
+            tv.design.LawsRequest,
             {
                 "names": ("trim",),
                 "winds": ("triangle",),
@@ -638,7 +638,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "least_gain_schedule": Door(
-            hasty(tv.answers.least_gain_schedule),
+            hasty(tv.design.least_gain_schedule),
             {
                 "time": [66.0, 70.0],
                 "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0]), "fixed-path"),
@@ -646,7 +646,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "least_gains_front": Door(
-            hasty(tv.answers.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
+            hasty(tv.design.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
         ),
         "margin_bounds": Door(
             tv.control.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}
@@ -735,10 +735,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "estimator": estimator,
             },
         ),
-        "PairGrowth": Door(tv.answers.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
+        "PairGrowth": Door(tv.ensembles.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
         "RectangularWind": Door(tv.RectangularWind, pulse),
         "Requirement": Door(
-            tv.answers.Requirement,
+            tv.requirement.Requirement,
             {"quantity": "dead band", "dead_band": 0.5, "varying": True, "direction": "head"},
         ),
         "ReportControl": Door(tv.flights.ReportControl, {"dead_band": 0.5}),
@@ -791,11 +791,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
         "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
         "SizingRequest": Door(
-            tv.answers.SizingRequest,
+            tv.requirement.SizingRequest,
             {
                 **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
                 "others": (shaped,),
-                "soundings": {"west": tv.answers.SoundingRequest(west, 1.5)},
+                "soundings": {"west": tv.requirement.SoundingRequest(west, 1.5)},
                 "window": 20.0,
                 "start": 60.0,
                 "stop": 70.0,
@@ -822,7 +822,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Soundings.with_utc_offset": Door(archive.with_utc_offset, {"utc_offset": -5.0}),
         "Soundings.select": Door(archive.select, {"month": 2, "year": 2024, "hour": 0}),
         "SoundingRequest": Door(
-            tv.answers.SoundingRequest, {"profile": west, "azimuth": 1.5, "bias": calm}
+            tv.requirement.SoundingRequest, {"profile": west, "azimuth": 1.5, "bias": calm}
         ),
         "Study.from_vehicle": Door(
             tv.Study.from_vehicle,
@@ -845,18 +845,18 @@ def doors(folder: Path) -> dict[str, Door]:
         "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
         "Study.required_at": Door(study.required_at, {"size": 0.9}),
         "StudyPlan": Door(
-            tv.answers.StudyPlan,
+            tv.studyfile.StudyPlan,
             {
                 "vehicle": booster.replace(structure=structure),
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
                 "dead_band": 0.5,
-                "load": tv.answers.LoadBound(load=0.05),
+                "load": tv.case.LoadBound(load=0.05),
                 "switch": "report",
                 "sign": "frozen",
                 "nozzle": tv.Nozzle(limit=0.01, stop="square"),
-                "laws": tv.answers.LawsRequest(),
+                "laws": tv.design.LawsRequest(),
                 "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
                 "dispersions": dispersions,
@@ -867,10 +867,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "confidence": 0.9,
                 "sizing": asked,
                 "availability": days_asked,
-                "document": tv.answers.Document(project="Booster 1"),
+                "document": tv.studyfile.Document(project="Booster 1"),
             },
         ),
-        "StudyPlan.of_study": Door(tv.answers.StudyPlan.of_study, {"study": study}),
+        "StudyPlan.of_study": Door(tv.studyfile.StudyPlan.of_study, {"study": study}),
         "TrapezoidalWind": Door(
             tv.winds.TrapezoidalWind, {"peak": 0.09, "rise": 1.0, "hold": 2.0, "fall": 1.0}
         ),
@@ -985,7 +985,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "detuned": Door(tv.control.detuned, {**detuned, "criteria": tv.CRITERIA["classic"]}),
         "design_gains": Door(tv.design_gains, {"plant": coefficients, **poles, **options}),
         "disperse_study": Door(
-            tv.answers.disperse_study,
+            tv.ensembles.disperse_study,
             {
                 "study": study,
                 "dispersions": dispersions,
@@ -1165,7 +1165,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "is_sufficient": Door(tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}),
         "judge": Door(tv.linear.judge, both),
         "law_trials": Door(
-            tv.answers.law_trials,
+            tv.design.law_trials,
             {
                 "plant": plant,
                 "laws": {"trim": law},
@@ -1178,7 +1178,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 **hardware,
             },
         ),
-        "load_campaign": Door(tv.answers.load_campaign, {"path": campaign_file}),
+        "load_campaign": Door(tv.studyfile.load_campaign, {"path": campaign_file}),
         "half_relief_gains": Door(tv.control.half_relief_gains, {"plant": coefficients, **options}),
         "load_minimum_gains": Door(
             tv.control.load_minimum_gains, {"plant": coefficients, **poles, **options}
@@ -1187,7 +1187,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.load_schedule,
             {"source": "configuration-i", "start": 60.0, "stop": 70.0, "step": 5.0},
         ),
-        "load_sizing": Door(tv.answers.load_sizing, {"source": sizing_file, "soundings": None}),
+        "load_sizing": Door(tv.studyfile.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": "configuration-i", "time": 60.0}),
         "load_any_vehicle": Door(tv.vehicle.load_any_vehicle, {"source": "configuration-i"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
@@ -1203,9 +1203,9 @@ def doors(folder: Path) -> dict[str, Door]:
                 **options,
             },
         ),
-        "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
+        "open_campaign": Door(tv.ensembles.open_campaign, {"folder": done}),
         "flown_fronts": Door(
-            tv.answers.flown_fronts,
+            tv.nozzle.flown_fronts,
             {
                 "cases": {"one": tv.Case(vehicle=booster)},
                 "rates": [0.02],
@@ -1215,11 +1215,11 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "FlightCard.to_csv": Door(
-            tv.answers.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
+            tv.nozzle.flight_card(carded, once).to_csv, {"path": folder / "card.csv"}
         ),
         "SizingRequest.ratio": Door(asked.ratio, {"case": carded, "found": sizing}),
         "controllability_ratio": Door(
-            tv.answers.controllability_ratio,
+            tv.requirement.controllability_ratio,
             {
                 "sizing": sizing,
                 "limit": 0.02,
@@ -1241,20 +1241,18 @@ def doors(folder: Path) -> dict[str, Door]:
         "SimulatedFlight.write_wind": Door(
             tv.ascent.read_log(SCHEDULES / "log.csv").write_wind, {"path": folder / "wind.csv"}
         ),
-        "LoadBound.front": Door(
-            tv.answers.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}
-        ),
+        "LoadBound.front": Door(tv.case.LoadBound(load=0.05).front, {"case": carded, "part": 0.9}),
         "FlownLoad.of": Door(
-            tv.answers.FlownLoad.of,
+            tv.case.FlownLoad.of,
             {
                 "case": carded,
                 "name": "trim",
                 "law": law,
-                "bound": tv.answers.LoadBound(load=0.05),
+                "bound": tv.case.LoadBound(load=0.05),
             },
         ),
         "flight_card": Door(
-            tv.answers.flight_card,
+            tv.nozzle.flight_card,
             {
                 "case": carded,
                 "asked": once,
@@ -1266,7 +1264,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "nozzle_card": Door(
-            tv.answers.nozzle_card,
+            tv.nozzle.nozzle_card,
             {
                 "times": np.linspace(0.0, 1.0, 5),
                 "deflection": 0.01 * np.arange(5),
@@ -1279,7 +1277,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "LoadBound": Door(
-            tv.answers.LoadBound,
+            tv.case.LoadBound,
             {
                 "load": None,
                 "q_alpha": None,
@@ -1290,7 +1288,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "NozzleData": Door(
-            tv.answers.NozzleData,
+            tv.case.NozzleData,
             {
                 "engine": hinge.engine,
                 "stiffness": 1e5,
@@ -1358,8 +1356,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": None,
             },
         ),
-        "WindGrowth": Door(tv.answers.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
-        "WindGrowth.at": Door(tv.answers.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
+        "WindGrowth": Door(tv.ensembles.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
+        "WindGrowth.at": Door(tv.ensembles.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
         "read_range_reference": Door(
             tv.winds.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}
         ),
@@ -1414,7 +1412,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "residues": Door(tv.residues, both),
         "resume_campaign": Door(
-            tv.answers.resume_campaign,
+            tv.ensembles.resume_campaign,
             {"folder": done, "executor": None, "shard": "1/1", "progress": None},
         ),
         "run_campaign": Door(
@@ -1458,14 +1456,14 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "standard_laws": Door(
-            tv.answers.standard_laws,
+            tv.design.standard_laws,
             {"plant": plant, "peak": 0.09, "autopilot": autopilot, "rate_limit": 0.01},
         ),
         "design_law": Door(
             tv.control.design_law,
             {"name": "trim", "plant": plant, "peak": 0.09, "rate_limit": 0.01},
         ),
-        "standard_winds": Door(tv.answers.standard_winds, pulse),
+        "standard_winds": Door(tv.design.standard_winds, pulse),
         "steady_climb": Door(
             tv.winds.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
         ),
@@ -1482,7 +1480,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "total_deflection": Door(
-            tv.answers.total_deflection,
+            tv.requirement.total_deflection,
             {
                 "vehicle": booster,
                 "wind": 0.006,

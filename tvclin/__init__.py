@@ -9,7 +9,12 @@ The names of an ordinary week are here; each chapter has all of its own at its d
 - `tvclin.boundary`: boundary limits, stops, the minimum-peak control
 - `tvclin.control`: autopilots, laws, margins
 - `tvclin.flights`: flights of laws, in one plane, in two, with six degrees of freedom
-- `tvclin.answers`: studies, sizing over a flight, archives, campaigns
+- `tvclin.case`: a vehicle in a wind, with its nozzle and autopilot
+- `tvclin.requirement`: required deflection of a wind, a study, and over a flight
+- `tvclin.nozzle`: duty of a nozzle: angle, rate, travel, torque, power
+- `tvclin.ensembles`: dispersions, campaigns, archives of winds
+- `tvclin.design`: gains for the least nozzle, trials of laws, the worst case in a box
+- `tvclin.studyfile`: one file that asks everything
 - `tvclin.plots`: figures
 
 What stands behind a name is loaded when it is first used, so that ``import tvclin`` costs next to

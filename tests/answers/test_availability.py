@@ -11,12 +11,11 @@ import tvclin as tv
 from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
 from tests.turns import usual
-from tvclin.answers.availability.confidence import effective_number, part_of
-from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightWind
-from tvclin.answers.time_varying import curves, over_steps
 from tvclin.ascent.measured_wind import gust_of_speed
+from tvclin.ensembles.statistics import effective_number, part_of
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
+from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
+from tvclin.requirement.time_varying import curves, over_steps
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}
@@ -528,7 +527,7 @@ def test_nothing_is_judged_where_wind_and_gust_are_too_steep() -> None:
 def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) -> None:
     bare, angle, speed = (
         tv.availability(flight, archive, limit=np.radians(0.3), persistence=one_, **PITCH)
-        for one_ in (None, 0.001, tv.answers.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
+        for one_ in (None, 0.001, tv.ensembles.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
     )
     assert np.allclose(angle.least, bare.least + 0.001, rtol=1e-14, atol=0.0)
     for i in (3, 9):
@@ -542,7 +541,11 @@ def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
     """The jets grow by 5 m/s in 12 h, and needs nearly in proportion."""
     bare = tv.availability(flight, archive, limit=np.radians(0.3), **PITCH)
     grown = tv.availability(
-        flight, archive, limit=np.radians(0.3), persistence=tv.answers.PairGrowth(1.5, 0.5), **PITCH
+        flight,
+        archive,
+        limit=np.radians(0.3),
+        persistence=tv.ensembles.PairGrowth(1.5, 0.5),
+        **PITCH,
     )
     expected = 0.5 * np.median(np.diff(bare.least))  # (1.5/12)^(1/3) is a half
 

@@ -9,20 +9,19 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign import quick
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
-from tvclin.answers.campaign.draws import METHODS, draw
-from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.quick import part_in_a_wind, raise_to_vectors
-from tvclin.answers.campaign.statistics import (
+from tvclin.boundary.limit_shapes import limit_shape_of
+from tvclin.case.case import Case
+from tvclin.cli.app import app
+from tvclin.ensembles import dispersed_study as quick
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.dispersed_study import part_in_a_wind, raise_to_vectors
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, Dispersions, draw
+from tvclin.ensembles.statistics import (
     quantile_bound,
     sensitivities,
     success_probability,
 )
-from tvclin.answers.case import Case
-from tvclin.answers.planes import rectangle, vector_need
-from tvclin.boundary.limit_shapes import limit_shape_of
-from tvclin.cli.app import app
+from tvclin.requirement.plane_requirement import rectangle, vector_need
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +134,7 @@ def test_sensitivities_find_what_drives():
 
 
 def test_dispersed_cases_are_those_of_single_studies(nominal):
-    found = tv.answers.disperse_study(nominal, cases=50, seed=9)
+    found = tv.ensembles.disperse_study(nominal, cases=50, seed=9)
     for case in (0, 17, 49):
         values = {name: float(column[case]) for name, column in found.values.items()}
         duration = values.pop("wind_duration")
@@ -200,13 +199,13 @@ def test_what_dispersions_add_in_any_wind_is_that_of_a_loop_over_vehicles(
 
 
 def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
-    few, many = (tv.answers.disperse_study(nominal, cases=n, seed=3) for n in (40, 1500))
+    few, many = (tv.ensembles.disperse_study(nominal, cases=n, seed=3) for n in (40, 1500))
     # The many may take machine code, whose exponentials differ in their last digit.
     np.testing.assert_allclose(few.deflection, many.deflection[:40], rtol=1e-15)
     bound = stats.beta.ppf(0.05, *_counts(many, nominal.limit))
     assert many.success.lower == pytest.approx(bound, rel=1e-9)
     assert not np.array_equal(
-        few.deflection, tv.answers.disperse_study(nominal, cases=40, seed=4).deflection
+        few.deflection, tv.ensembles.disperse_study(nominal, cases=40, seed=4).deflection
     )
 
 
@@ -217,7 +216,7 @@ def _counts(found, limit):
 
 def test_one_bad_case_has_its_own_status(nominal):
     wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
-    found = tv.answers.disperse_study(nominal, wild, cases=400, seed=1)
+    found = tv.ensembles.disperse_study(nominal, wild, cases=400, seed=1)
     bad = found.values["thrust"] <= 0.0
     assert 0 < bad.sum() < 50
     np.testing.assert_array_equal(found.status == "impossible vehicle or wind", bad)
@@ -248,7 +247,7 @@ def test_the_command_line_says_the_same(nominal):
     arguments += ["--model", "fixed-path", "--sign", "frozen"]
     text = CliRunner().invoke(app, arguments).output
     document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)["dispersed"]
-    found = tv.answers.disperse_study(nominal, cases=1800, seed=2)
+    found = tv.ensembles.disperse_study(nominal, cases=1800, seed=2)
     assert document["upper_deg"] == pytest.approx(np.degrees(found.required.upper), rel=1e-12)
     assert f"{document['upper_deg']:.3f} deg" in text
     assert document["drivers"] == pytest.approx(found.drivers)
@@ -305,17 +304,17 @@ def test_bad_input_is_one_clear_sentence(attempt, message):
 def test_a_study_in_which_no_case_can_be_says_so(nominal):
     turned = tv.Dispersions((tv.Dispersion("wind_peak", "normal", 1e9),))
     with pytest.raises(tv.InputError, match="no case has an answer; the first is: impossible"):
-        tv.answers.disperse_study(nominal, turned, cases=20)
+        tv.ensembles.disperse_study(nominal, turned, cases=20)
 
 
 def test_bad_input_to_a_dispersed_study(nominal):
     with pytest.raises(tv.InputError, match="cases must be from 1 to 10000000; got 0"):
-        tv.answers.disperse_study(nominal, cases=0)
+        tv.ensembles.disperse_study(nominal, cases=0)
     with pytest.raises(tv.InputError, match="seed must be an integer"):
-        tv.answers.disperse_study(nominal, seed=-1)
+        tv.ensembles.disperse_study(nominal, seed=-1)
     gain = tv.Dispersions((tv.Dispersion("rate_gain", "normal", 0.1),))
     with pytest.raises(tv.InputError, match="rate_gain is dispersed, but has no nominal value"):
-        tv.answers.disperse_study(nominal, gain)
+        tv.ensembles.disperse_study(nominal, gain)
     result = CliRunner().invoke(app, ["study", "--disperse", "--seed", "-3"])
     assert result.exit_code == 2
     assert "Error: --seed must be an integer" in result.stderr

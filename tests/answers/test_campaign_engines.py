@@ -16,8 +16,8 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.executors import cluster, processes
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.chunk_runner import cluster, processes
 
 pytest.importorskip("pyarrow")
 
@@ -63,9 +63,9 @@ def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
         processes(2) as pool,
     ):
         tv.run_campaign(plan, tmp_path, executor=pool, progress=kill_one)
-    assert 2 * 256 <= tv.answers.open_campaign(tmp_path).cases < plan.cases
+    assert 2 * 256 <= tv.ensembles.open_campaign(tmp_path).cases < plan.cases
     with processes(1) as pool:
-        same(whole, tv.answers.resume_campaign(tmp_path, executor=pool))
+        same(whole, tv.ensembles.resume_campaign(tmp_path, executor=pool))
 
 
 @pytest.mark.thorough
@@ -90,7 +90,7 @@ def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
 
 def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("tvclin.answers.campaign.executors._TIMEOUT", 0.5)
+    monkeypatch.setattr("tvclin.ensembles.campaign.chunk_runner._TIMEOUT", 0.5)
     file = tmp_path / "my.toml"
     CliRunner().invoke(app, ["campaign", "init", str(file)])
     arguments = ["campaign", "run", str(file), "-o", str(tmp_path / "results")]
@@ -105,7 +105,7 @@ def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
 def test_a_scheduler_that_is_not_there_leaves_no_client_that_closes_for_ten_seconds(monkeypatch):
     """A `Client` that could not connect waits as it is deleted, and prints what it fails with."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("tvclin.answers.campaign.executors._TIMEOUT", 0.2)
+    monkeypatch.setattr("tvclin.ensembles.campaign.chunk_runner._TIMEOUT", 0.2)
     monkeypatch.setattr(distributed, "Client", pytest.fail)
     with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
         for port, reason in (
@@ -127,7 +127,7 @@ def test_control_c_while_workers_start_prints_no_traceback(tmp_path, seconds):
     file.write_text(
         "import os, signal\n"
         "from time import sleep\n"
-        "from tvclin.answers.campaign.executors import processes\n"
+        "from tvclin.ensembles.campaign.chunk_runner import processes\n"
         "if __name__ == '__main__':\n"
         "    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job may ignore it\n"
         "    try:\n"
@@ -152,7 +152,7 @@ def test_the_command_line_runs_on_workers(tmp_path):
     for folder, more in (("one", []), ("two", ["--workers", "2"])):
         arguments = ["campaign", "run", str(file), "-o", str(tmp_path / folder), *more]
         assert CliRunner().invoke(app, arguments).exit_code == 0
-    same(*(tv.answers.open_campaign(tmp_path / folder) for folder in ("one", "two")))
+    same(*(tv.ensembles.open_campaign(tmp_path / folder) for folder in ("one", "two")))
 
 
 def test_without_distributed_the_extra_is_named(monkeypatch):
@@ -171,8 +171,8 @@ def test_a_number_of_workers_that_is_none(workers):
 
 
 def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, monkeypatch):
-    from tvclin.answers.campaign import manifest
-    from tvclin.answers.campaign.chunks import run_chunk
+    from tvclin.ensembles.campaign import folder as manifest
+    from tvclin.ensembles.campaign.folder import run_chunk
 
     seal = manifest.begin(replace(plan, seed=4), tmp_path).seal
     monkeypatch.setattr(manifest, "version", lambda name: "99.0")

@@ -14,15 +14,15 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
-from tvclin.answers.campaign.file import parse_campaign, template
-from tvclin.answers.campaign.manifest import _KINDS, begin, read, read_manifest, written
-from tvclin.answers.campaign.outputs import columns
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.ensembles.campaign.folder import _KINDS, begin, read, read_manifest, written
+from tvclin.ensembles.campaign.outputs import columns
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS
 from tvclin.kernels.choice import available, pinned
 from tvclin.linear.plant import DEFAULT_MODEL
+from tvclin.studyfile.campaign_file import parse_campaign, template
+from tvclin.studyfile.parse import parse_study
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -35,7 +35,7 @@ def campaign(**tables):
 def test_the_template_is_a_campaign(tmp_path):
     file = tmp_path / "my.toml"
     file.write_text(template())
-    plan = tv.answers.load_campaign(file)
+    plan = tv.studyfile.load_campaign(file)
     assert plan.vehicle == tv.load_vehicle("configuration-i")
     assert plan.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
     assert plan.nozzle.limit == pytest.approx(np.radians(0.42), rel=1e-15)
@@ -296,7 +296,7 @@ def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, messa
     file = tmp_path / "many.toml"
     file.write_text(text)
     with pytest.raises(tv.InputError, match=rf"many\.toml:? .*{message}") as caught:
-        tv.answers.load_campaign(file)
+        tv.studyfile.load_campaign(file)
     assert "\n" not in str(caught.value)
 
 
@@ -324,11 +324,11 @@ def test_a_dispersed_wind_needs_a_shape(ensemble):
 
 def test_a_file_that_cannot_be_read(tmp_path):
     with pytest.raises(tv.InputError, match=r"does not exist; .* tvclin campaign init"):
-        tv.answers.load_campaign(tmp_path / "none.toml")
+        tv.studyfile.load_campaign(tmp_path / "none.toml")
     bad = tmp_path / "bad.toml"
     bad.write_text("[campaign")
     with pytest.raises(tv.InputError, match=r"bad\.toml is not valid TOML"):
-        tv.answers.load_campaign(bad)
+        tv.studyfile.load_campaign(bad)
 
 
 GUST = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.0)
@@ -381,7 +381,7 @@ def test_a_study_and_a_campaign_of_one_file_disperse_the_same_cases(name):
         **tables,
     }
     study, plan = parse_study(document), parse_campaign(document)
-    drawn = tv.answers.disperse_study(
+    drawn = tv.ensembles.disperse_study(
         tv.Study.of(study, study.dead_band),
         study.dispersions or DEFAULT_DISPERSIONS,
         cases=study.cases,
@@ -422,9 +422,9 @@ def test_a_gust_costs_a_campaign_a_megabyte_for_each_case():
 def test_both_templates_name_the_model_that_counts_without_one(tmp_path):
     own = tmp_path / "my.toml"
     own.write_text(template())
-    assert tv.answers.load_campaign(own).model == campaign().model == DEFAULT_MODEL
+    assert tv.studyfile.load_campaign(own).model == campaign().model == DEFAULT_MODEL
     assert CliRunner().invoke(app, ["init", "--study", str(tmp_path / "s.toml")]).exit_code == 0
-    assert tv.answers.load_study(tmp_path / "s.toml").model == DEFAULT_MODEL
+    assert tv.studyfile.load_study(tmp_path / "s.toml").model == DEFAULT_MODEL
 
 
 def test_a_manifest_holds_every_kind_of_value_that_a_campaign_can_hold():

@@ -7,10 +7,10 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import MODE, TANK
-from tvclin.answers.campaign.cases import draw_case, evaluate
-from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.manifest import read, written
-from tvclin.answers.campaign.replay import replay_case
+from tvclin.ensembles.campaign.case_replay import replay_case
+from tvclin.ensembles.campaign.cases import draw_case, evaluate
+from tvclin.ensembles.campaign.folder import read, written
+from tvclin.studyfile.campaign_file import parse_campaign
 
 VEHICLE = tv.load_vehicle("configuration-i")
 STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))

@@ -9,10 +9,10 @@ from scipy.stats import beta
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.manifest import read, written
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.ensembles.campaign.folder import read, written
+from tvclin.studyfile.campaign_file import parse_campaign
 
 LIMIT = np.radians(0.36)
 HEAD = {

@@ -9,10 +9,10 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.encountered_requirement import encountered_requirements
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import evaluate
+from tvclin.requirement.encountered_requirement import encountered_requirements
+from tvclin.studyfile.campaign_file import parse_campaign
 
 SPREAD = [
     {"parameter": "thrust", "shape": "truncated", "percent": 2},
@@ -155,7 +155,7 @@ def test_results_and_a_replay_show_both_planes(tmp_path) -> None:
     plan = parse_campaign(FLOWN)
     found = tv.run_campaign(plan, tmp_path)
     assert found.outputs[:3] == ("required_K1", "required_K1_pitch", "required_K1_yaw")
-    assert tv.answers.open_campaign(tmp_path).campaign == plan
+    assert tv.ensembles.open_campaign(tmp_path).campaign == plan
     assert "required_K1_yaw" in found.to_csv().partition("\n")[0]
     said = " ".join(CliRunner().invoke(app, ["campaign", "show", str(tmp_path)]).output.split())
     assert "both planes, round stop: required_K1" in said

@@ -18,19 +18,21 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.campaign.cases import evaluate, nominal
-from tvclin.answers.campaign.chunks import chunk_file, flaw, write_chunk
-from tvclin.answers.campaign.engine import damaged
-from tvclin.answers.campaign.manifest import (
+from tvclin.cli.app import app
+from tvclin.ensembles.campaign.campaign_plan import checkpoints
+from tvclin.ensembles.campaign.cases import evaluate, nominal
+from tvclin.ensembles.campaign.chunk_runner import damaged
+from tvclin.ensembles.campaign.folder import (
     NAME,
     begin,
     check_versions,
+    chunk_file,
+    flaw,
     new_manifest,
     read_manifest,
+    write_chunk,
 )
-from tvclin.answers.campaign.outputs import REGISTRY, columns
-from tvclin.answers.campaign.plan import checkpoints
-from tvclin.cli.app import app
+from tvclin.ensembles.campaign.outputs import REGISTRY, columns
 from tvclin.kernels.choice import available, pinned
 
 pytest.importorskip("pyarrow")
@@ -130,7 +132,7 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
 def test_a_part_of_no_damping_is_refused(plan):
     part = tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.3),))
     with pytest.raises(tv.InputError, match="pitch_damping"):
-        tv.answers.disperse_study(
+        tv.ensembles.disperse_study(
             tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=0.05, model="fixed-path"), part
         )
 
@@ -202,8 +204,8 @@ def test_a_killed_run_goes_on_where_it_was(plan, whole, tmp_path):
     code = f"""
 import time, tvclin as tv
 from pathlib import Path
-from tvclin.answers.campaign import engine
-from tvclin.answers.campaign.manifest import read_manifest
+from tvclin.ensembles.campaign import chunk_runner as engine
+from tvclin.ensembles.campaign.folder import read_manifest
 plan = read_manifest(Path({str(whole.folder)!r})).campaign
 inner = engine.run_chunk
 def two(*arguments):
@@ -220,7 +222,7 @@ tv.run_campaign(plan, {str(folder)!r})
     child.wait()
     kept = {file: file.stat().st_mtime_ns for file in folder.glob("chunks/0*.parquet")}
     assert len(kept) == 2 < plan.chunks
-    same(whole, tv.answers.resume_campaign(folder))
+    same(whole, tv.ensembles.resume_campaign(folder))
     assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
 
 
@@ -283,7 +285,7 @@ def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tm
     for chunk, damage in enumerate(damages):
         file = chunk_file(folder, chunk)
         pyarrow.parquet.write_table(damage(pyarrow.parquet.read_table(file)), file)
-        found = replace(tv.answers.open_campaign(folder), chunks=(chunk,))
+        found = replace(tv.ensembles.open_campaign(folder), chunks=(chunk,))
         for ask in (found.quantile, found.statuses, found.drivers, found.worst, found.success):
             with pytest.raises(tv.InputError, match=rf"{chunk}\.parquet is damaged.*it anew with"):
                 ask()
@@ -291,7 +293,7 @@ def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tm
     assert again.exit_code == 0, again.output
     for chunk in range(len(damages)):
         assert f"{chunk}.parquet is damaged" in again.output
-    same(whole, tv.answers.open_campaign(folder))
+    same(whole, tv.ensembles.open_campaign(folder))
 
 
 def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp_path):
@@ -306,8 +308,8 @@ def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp
     assert "00000000.parquet is damaged" in said[0]
     assert "is not chunk 2 of this campaign" in said[2]
     with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
-        tv.answers.open_campaign(tmp_path).quantile()
-    same(whole, tv.answers.resume_campaign(tmp_path))
+        tv.ensembles.open_campaign(tmp_path).quantile()
+    same(whole, tv.ensembles.resume_campaign(tmp_path))
 
 
 @pytest.mark.parametrize("what", ["folder", "full folder", "pipe"])
@@ -319,8 +321,8 @@ def test_what_stands_in_the_place_of_a_chunk_is_moved_aside(plan, whole, tmp_pat
     if what == "full folder":
         (file / "of somebody").write_text("else")
     with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
-        tv.answers.open_campaign(tmp_path).quantile()
-    same(whole, tv.answers.resume_campaign(tmp_path))
+        tv.ensembles.open_campaign(tmp_path).quantile()
+    same(whole, tv.ensembles.resume_campaign(tmp_path))
     (aside,) = file.parent.glob("00000000.parquet.*/00000000.parquet")
     assert not aside.is_file()
     if what == "full folder":
@@ -341,7 +343,7 @@ def test_a_damaged_manifest_says_how_it_is_mended(plan, whole, tmp_path, damage)
     text = file.read_text()
     file.write_text(damage(text))
     with pytest.raises(tv.InputError, match="delete it and run the campaign file into this folder"):
-        tv.answers.resume_campaign(tmp_path)
+        tv.ensembles.resume_campaign(tmp_path)
     file.unlink()
     same(whole, tv.run_campaign(plan, tmp_path))
     assert file.read_text() == text
@@ -355,14 +357,14 @@ def test_a_changed_manifest_is_refused(plan, tmp_path):
     file = tmp_path / NAME
     text = file.read_text()
     file.write_text(text.replace('"seed": 11', '"seed": 12'))
-    for attempt in (tv.answers.resume_campaign, tv.answers.open_campaign):
+    for attempt in (tv.ensembles.resume_campaign, tv.ensembles.open_campaign):
         with pytest.raises(tv.InputError, match="was changed after the campaign began"):
             attempt(tmp_path)
     file.write_text(text[:50])
     with pytest.raises(tv.InputError, match="is damaged: it is no manifest"):
-        tv.answers.open_campaign(tmp_path)
+        tv.ensembles.open_campaign(tmp_path)
     file.write_text(text)
-    assert tv.answers.resume_campaign(tmp_path).complete
+    assert tv.ensembles.resume_campaign(tmp_path).complete
 
 
 def test_other_versions_do_not_go_on(plan):
@@ -374,7 +376,7 @@ def test_other_versions_do_not_go_on(plan):
 
 
 def test_a_worker_without_a_compiler_refuses(plan, monkeypatch):
-    monkeypatch.setattr("tvclin.answers.campaign.manifest.available", lambda: False)
+    monkeypatch.setattr("tvclin.ensembles.campaign.folder.available", lambda: False)
     compiled = replace(new_manifest(plan), versions=new_manifest(plan).versions | {"numba": "9"})
     with pytest.raises(tv.InputError, match=r"uses compiled kernels \(numba 9\).* install"):
         check_versions(compiled)
@@ -395,9 +397,9 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_pat
         patch.setattr(pyarrow.parquet, "write_table", full)
         with pytest.raises(tv.InputError, match="cannot be written: No space left on device"):
             tv.run_campaign(plan, tmp_path)
-    assert tv.answers.open_campaign(tmp_path).cases == 256
+    assert tv.ensembles.open_campaign(tmp_path).cases == 256
     assert len(list((tmp_path / "chunks").iterdir())) == 2  # no temporary file stays behind
-    same(whole, tv.answers.resume_campaign(tmp_path))
+    same(whole, tv.ensembles.resume_campaign(tmp_path))
 
 
 def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path):
@@ -486,7 +488,7 @@ def test_it_stops_when_converged_and_at_the_same_place(plan, tmp_path):
     with ThreadPoolExecutor(3) as pool:
         again = tv.run_campaign(until, tmp_path / "two", executor=pool)
     assert again.chunks == first.chunks
-    assert tv.answers.resume_campaign(tmp_path / "two").chunks == first.chunks
+    assert tv.ensembles.resume_campaign(tmp_path / "two").chunks == first.chunks
 
 
 def test_checkpoints_rise_to_the_end():
@@ -510,7 +512,7 @@ def test_a_shard_cannot_see_convergence(plan, tmp_path):
     until = replace(plan, until=0.1)
     for attempt in (
         lambda: tv.run_campaign(until, tmp_path, shard="1/2"),
-        lambda: tv.answers.resume_campaign(tmp_path, shard="1/2"),
+        lambda: tv.ensembles.resume_campaign(tmp_path, shard="1/2"),
     ):
         with pytest.raises(
             tv.InputError, match="does not know when the whole campaign has converged"
@@ -537,7 +539,7 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
 
 def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):
     begin(plan, tmp_path)
-    found = tv.answers.open_campaign(tmp_path)
+    found = tv.ensembles.open_campaign(tmp_path)
     assert (found.cases, found.complete, found.statuses()) == (0, False, {})
     with pytest.raises(tv.InputError, match="holds no finished case with an answer"):
         found.quantile()
@@ -549,7 +551,7 @@ def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):
     for file in (old, young):
         file.write_text("half")
     os.utime(old, (time.time() - 7200, time.time() - 7200))
-    tv.answers.resume_campaign(tmp_path, shard="1/6")
+    tv.ensembles.resume_campaign(tmp_path, shard="1/6")
     assert not old.exists()
     assert young.exists()
 
@@ -563,11 +565,11 @@ def test_without_pyarrow_the_extra_is_named_and_nothing_is_begun(plan, tmp_path,
 
 def test_a_folder_without_a_campaign(tmp_path):
     with pytest.raises(tv.InputError, match="holds no campaign"):
-        tv.answers.open_campaign(tmp_path)
+        tv.ensembles.open_campaign(tmp_path)
     file = Path(tmp_path / "file")
     file.write_text("")
     with pytest.raises(tv.InputError, match="holds no campaign"):
-        tv.answers.resume_campaign(file)
+        tv.ensembles.resume_campaign(file)
 
 
 @pytest.mark.thorough
@@ -585,7 +587,7 @@ def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path)
         write_chunk(tmp_path, manifest, k, row | {"status": np.full(count, "ok", dtype=object)})
     code = f"""
 import tvclin as tv
-found = tv.answers.open_campaign({str(tmp_path)!r})
+found = tv.ensembles.open_campaign({str(tmp_path)!r})
 print(found.cases, found.quantile().estimate, list(found.drivers())[:2], len(found.worst(5)),
       found.statuses(), len(found.convergence()), sep="|")
 print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])

@@ -10,10 +10,10 @@ from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.case_requirement import case_requirement
-from tvclin.answers.encountered_requirement import encountered_batch, encountered_requirement
-from tvclin.answers.varying_equations import at_pressure
 from tvclin.ascent.flight_condition import load_flight_condition
+from tvclin.requirement.case_requirement import case_requirement
+from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
+from tvclin.requirement.varying_equations import at_pressure
 from tvclin.winds.wind_angles import pressure_ratio
 
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -244,7 +244,7 @@ def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i)
 @pytest.mark.thorough
 def test_a_flight_has_both_directions_at_each_time_and_its_total_the_larger() -> None:
     """With parameters that vary the ratio to the nominal pressure is nearly that of frozen ones."""
-    plan = tv.answers.load_sizing("configuration-i")
+    plan = tv.studyfile.load_sizing("configuration-i")
     asked = plan.sizing
     found = asked.sizing(plan)
     (pulse,) = asked.pulses(plan)
@@ -265,7 +265,7 @@ def test_a_flight_has_both_directions_at_each_time_and_its_total_the_larger() ->
     [("head", ", head wind"), ("tail", ", tail wind"), ("frozen", "")],
 )
 def test_one_sign_of_a_flight_is_counted_where_it_is_asked_for(sign, column) -> None:
-    plan = replace(tv.answers.load_sizing("configuration-i"), sign=sign)
+    plan = replace(tv.studyfile.load_sizing("configuration-i"), sign=sign)
     asked = replace(plan.sizing, every=40.0)
     found = asked.sizing(plan)
     assert asked.counted(found, sign) == f"K = 1, varying{column}"
@@ -274,7 +274,7 @@ def test_one_sign_of_a_flight_is_counted_where_it_is_asked_for(sign, column) -> 
 
 @pytest.mark.parametrize(("blows_from", "own"), [(270.0, "tail"), (90.0, "head")])
 def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
-    plan = tv.answers.load_sizing("configuration-i")
+    plan = tv.studyfile.load_sizing("configuration-i")
     east = replace(plan.wind, heading=np.radians(blows_from - 90.0))
     plan = replace(plan, wind=east)
     asked = replace(plan.sizing, every=40.0)
@@ -298,7 +298,7 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
         tv.Dispersion("wind_duration", "uniform", 0.3),
     ))  # fmt: skip
     case = tv.Case(vehicle=vehicle, wind=wind)
-    found = tv.answers.disperse_study(tv.Study.of(case), spread, cases=6)
+    found = tv.ensembles.disperse_study(tv.Study.of(case), spread, cases=6)
     for i, needed in enumerate(found.deflection.tolist()):
         peak, duration, thrust = (
             float(found.values[name][i]) for name in ("wind_peak", "wind_duration", "thrust")

@@ -7,18 +7,18 @@ import pytest
 
 import tvclin as tv
 from tests.small_launcher import write
-from tvclin.answers.findings import find
-from tvclin.answers.nozzle_cards.flown import FlownCard
-from tvclin.answers.nozzle_cards.unjudged import flight_reason
-from tvclin.answers.nozzle_cards.verdict import NozzleVerdict
-from tvclin.answers.questions import questions
 from tvclin.base.lines import text
 from tvclin.control.laws.law import NoisyLaw
 from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.nozzle.data_sheet import flight_reason
+from tvclin.nozzle.duty import NozzleVerdict
+from tvclin.nozzle.flight_duty import FlownCard
 from tvclin.show.report.verdict import sentence
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.questions import questions
 
 DEG = float(np.radians(1.0))
-HINGE = tv.answers.NozzleData(
+HINGE = tv.case.NozzleData(
     engine=tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0),
     stiffness=8e5,
     damping=1e4,
@@ -31,17 +31,17 @@ BOOSTER = SCHEDULE.vehicle
 
 
 def asked(**given):
-    return tv.answers.SizingRequest(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
+    return tv.requirement.SizingRequest(schedule=SCHEDULE, **{"start": 60.0, "stop": 70.0} | given)
 
 
 def plan(**given):
-    from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.studyfile.study_plan import StudyPlan
 
     return StudyPlan(vehicle=BOOSTER, **{"nozzle": NOZZLE, "sign": "frozen"} | given)
 
 
 def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
-    card = tv.answers.flight_card(plan(), asked())
+    card = tv.nozzle.flight_card(plan(), asked())
     assert [one.time for one in card.points] == [60.0, 65.0, 70.0]
     for one in card.points:
         case = tv.Case(vehicle=SCHEDULE.at(one.time), nozzle=NOZZLE)
@@ -60,8 +60,8 @@ def test_each_point_is_the_flight_of_its_time_and_the_minimum_of_its_wind():
 
 
 def test_a_head_wind_has_the_dynamic_pressure_of_its_peak_and_a_tail_wind_that_of_calm_air():
-    card = tv.answers.flight_card(plan(sign=None), asked(stop=60.0))
-    calm = tv.answers.flight_card(plan(), asked(stop=60.0)).points[0]
+    card = tv.nozzle.flight_card(plan(sign=None), asked(stop=60.0))
+    calm = tv.nozzle.flight_card(plan(), asked(stop=60.0)).points[0]
     head, tail = card.points
     assert tail.least == calm.least
     assert abs(tail.card.angle.value) == pytest.approx(abs(calm.card.angle.value), rel=1e-9)
@@ -86,13 +86,15 @@ JET = tv.WindProfile(height=[7e3, 10e3, 13e3, 15e3], east=[0.0, 25.0, 5.0, 0.0],
 
 
 def in_the_jet(azimuth, **told):
-    sounding = tv.answers.SoundingRequest(JET, azimuth=np.radians(azimuth))
-    return tv.answers.SizingRequest(schedule=HELD, pulse=False, soundings={"jet": sounding}, **told)
+    sounding = tv.requirement.SoundingRequest(JET, azimuth=np.radians(azimuth))
+    return tv.requirement.SizingRequest(
+        schedule=HELD, pulse=False, soundings={"jet": sounding}, **told
+    )
 
 
 @pytest.mark.parametrize("azimuth", [90.0, 270.0])
 def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(azimuth):
-    card = tv.answers.flight_card(
+    card = tv.nozzle.flight_card(
         plan(sign=None), in_the_jet(azimuth, start=60.0, stop=80.0, every=20.0)
     )
     wind = tv.fly_through(JET, HELD, azimuth=np.radians(azimuth)).wind
@@ -117,7 +119,7 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
     """On a flight that does not change, the parts are those of one flight from end to end."""
     case = plan()
     found = [
-        tv.answers.flight_card(case, in_the_jet(90.0, start=50.0, stop=90.0, every=every)).duties[0]
+        tv.nozzle.flight_card(case, in_the_jet(90.0, start=50.0, stop=90.0, every=every)).duties[0]
         for every in (5.0, 10.0, 20.0)
     ]
     whole = tv.fly_through(JET, HELD, azimuth=np.radians(90.0)).wind
@@ -133,14 +135,14 @@ def test_a_measured_wind_is_counted_once_over_the_flight():
 def test_noise_makes_travel_as_its_rms_rate_says():
     """Of a rate that is normal the mean size is sqrt(2/pi) of its rms; in 15 s within 4 percent."""
     noise = np.radians(0.05)
-    quiet = tv.answers.flight_card(plan(), asked(stop=60.0)).points[0].card
-    card = tv.answers.flight_card(plan(), asked(stop=60.0), noise=noise, seed=3)
+    quiet = tv.nozzle.flight_card(plan(), asked(stop=60.0)).points[0].card
+    card = tv.nozzle.flight_card(plan(), asked(stop=60.0), noise=noise, seed=3)
     loud = card.points[0].card
     span = 7.5 + 15.0 / float(tv.Plant.from_vehicle(SCHEDULE.at(60.0)).coefficients.pole)
     assert loud.travel > 5.0 * quiet.travel
     assert loud.travel == pytest.approx(span * np.sqrt(2.0 / np.pi) * loud.rms_rate, rel=0.04)
     # the whole flight of one time is that wind alone; of ten seconds, noise goes on between
-    longer = tv.answers.flight_card(plan(), asked(), noise=noise, seed=3)
+    longer = tv.nozzle.flight_card(plan(), asked(), noise=noise, seed=3)
     case = tv.Case(vehicle=SCHEDULE.at(65.0), nozzle=NOZZLE)
     law = NoisyLaw(tv.control.design_law("trim", case.plant, 0.09), noise=noise, seed=3)
     flown = fly_nozzle(case.plant, law, case.history, deflection_limit=DEG, **case.hardware)
@@ -155,28 +157,28 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     """The sounding begins at 7 km, where the flight is at 46 s."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[7e3, 10e3, 15e3], east=[0.0, 25.0, 0.0], north=[0.0] * 3)
-    sounding = tv.answers.SoundingRequest(jet, azimuth=np.radians(90.0))
+    sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.answers.flight_card(case, tv.answers.SizingRequest(schedule=held, **told)).verdict
+    found = tv.nozzle.flight_card(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
     assert found.met is None
     assert found.unknown == ("jet is not known below 7.0 km (46 s): --from 46 begins there",)
     assert "NOT KNOWN" in found.words
-    offered = tv.answers.SizingRequest(schedule=held, **told | {"start": 46.0})
-    assert tv.answers.flight_card(case, offered).verdict.met is True
+    offered = tv.requirement.SizingRequest(schedule=held, **told | {"start": 46.0})
+    assert tv.nozzle.flight_card(case, offered).verdict.met is True
 
 
 def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     """At 64.0294 s: what is offered is not beyond it."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
     jet = tv.WindProfile(height=[0.0, 8e3, 10004.9], east=[5.0, 25.0, 5.0], north=[0.0] * 3)
-    sounding = tv.answers.SoundingRequest(jet, azimuth=np.radians(90.0))
+    sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     told = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
-    found = tv.answers.flight_card(case, tv.answers.SizingRequest(schedule=held, **told)).verdict
+    found = tv.nozzle.flight_card(case, tv.requirement.SizingRequest(schedule=held, **told)).verdict
     assert found.unknown == ("jet is not known above 10.0 km (64.03 s): --to 64.02 ends there",)
-    offered = tv.answers.SizingRequest(schedule=held, stop=64.02, **told)
-    assert tv.answers.flight_card(case, offered).verdict.met is True
+    offered = tv.requirement.SizingRequest(schedule=held, stop=64.02, **told)
+    assert tv.nozzle.flight_card(case, offered).verdict.met is True
 
 
 def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_is_named(tmp_path):
@@ -191,8 +193,8 @@ def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_
     case = plan(nozzle=tv.Nozzle(limit=5.0 * DEG))
 
     def card(start, model="drift-exact"):
-        flown = tv.answers.SizingRequest(schedule=flight, start=start, stop=20.0, every=10.0)
-        return tv.answers.flight_card(replace(case, model=model), flown)
+        flown = tv.requirement.SizingRequest(schedule=flight, start=start, stop=20.0, every=10.0)
+        return tv.nozzle.flight_card(replace(case, model=model), flown)
 
     found = card(10.0)
     assert found.verdict.met is None
@@ -228,7 +230,7 @@ def test_noise_is_that_of_the_gyro_for_each_sample():
 def test_both_planes_have_their_part_of_the_stop():
     wind = tv.ShapedWind("triangular", 5.0 * DEG, 7.5, heading=np.radians(200.0))
     nozzle = replace(NOZZLE, stop="round")
-    card = tv.answers.flight_card(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
+    card = tv.nozzle.flight_card(plan(wind=wind, nozzle=nozzle, sign=None), asked(stop=60.0))
     pitch, yaw = card.points
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
@@ -249,7 +251,7 @@ def test_both_planes_have_their_part_of_the_stop():
     ],
 )
 def test_the_worst_line_heads_the_verdict(sheet, worst, met):
-    found = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
+    found = tv.nozzle.flight_card(plan(nozzle=replace(NOZZLE, **sheet)), asked()).verdict
     assert found.needs[0].name == worst
     assert found.met is met
     assert worst in found.words
@@ -278,7 +280,7 @@ def test_what_a_lost_flight_needs_is_not_known_to_be_there():
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
-    card = tv.answers.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
+    card = tv.nozzle.flight_card(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), asked())
     assert card.verdict.met is False
     assert "trim is lost at 60 s" in card.verdict.words
     (rate,) = (one for one in card.verdict.needs if one.name == "rate limit")
@@ -287,10 +289,10 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
 
 def test_what_is_missing_is_named():
     with pytest.raises(tv.InputError, match="--limit-deg, limit_deg in"):
-        tv.answers.flight_card(plan(nozzle=tv.Nozzle()), asked())
+        tv.nozzle.flight_card(plan(nozzle=tv.Nozzle()), asked())
     with pytest.raises(tv.InputError, match="mass_kg and arm_m"):
         tv.Nozzle(limit=DEG, torque_limit=1e4)
-    card = tv.answers.flight_card(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
+    card = tv.nozzle.flight_card(plan(nozzle=tv.Nozzle(limit=DEG)), asked(stop=60.0))
     assert any("torque, power and energy need" in note for note in card.notes)
 
 

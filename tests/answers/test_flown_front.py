@@ -21,7 +21,7 @@ def found():
     }
     told = []
     rates = np.radians([0.3])
-    fronts = tv.answers.flown_fronts(
+    fronts = tv.nozzle.flown_fronts(
         cases, rates, laws=LAWS, progress=lambda done, total: told.append((done, total))
     )
     return cases, fronts, told
@@ -68,16 +68,16 @@ def test_no_law_needs_less_than_its_bound_and_more_rate_is_never_worse(found):
 def test_unknown_laws_and_what_is_no_case_are_refused():
     case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
     with pytest.raises(tv.InputError, match="laws must be one of"):
-        tv.answers.flown_fronts({"one": case}, laws=("trm",))
+        tv.nozzle.flown_fronts({"one": case}, laws=("trm",))
     with pytest.raises(tv.InputError, match="cases must"):
-        tv.answers.flown_fronts({"one": VEHICLE})
+        tv.nozzle.flown_fronts({"one": VEHICLE})
 
 
 def test_progress_advances_within_a_boundary():
     told = []
     case = tv.Case(vehicle=VEHICLE, nozzle=NOZZLE)
     options = {"laws": ("trim",), "progress": lambda done, total: told.append(done / total)}
-    tv.answers.flown_fronts({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
+    tv.nozzle.flown_fronts({"now": case}, NOZZLE.rate_limit * np.ones(1), **options)
     assert len(told) > 2
     assert 0.0 < told[0] < 0.3
     assert told[-1] == 1.0
@@ -90,4 +90,4 @@ def test_more_samples_than_can_be_flown_are_refused_at_once(given):
     design = tv.AutopilotDesign(sample_rate=given.get("sample_rate"))
     case = tv.Case(vehicle=VEHICLE, wind=wind, nozzle=NOZZLE, design=design)
     with pytest.raises(tv.InputError, match=r"at most 2e\+09 samples"):
-        tv.answers.flown_fronts({"one": case})
+        tv.nozzle.flown_fronts({"one": case})

@@ -8,11 +8,10 @@ from scipy.linalg import eig
 import tvclin as tv
 from tests.small_launcher import sounding, write
 from tests.turns import usual
-from tvclin.answers.sizing import flight_mode
-from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import FlightWind
-from tvclin.answers.study_file.parse import parse_study
-from tvclin.answers.time_varying import FLIGHT_PARTS, LimitedFlights, over_steps
+from tvclin.requirement.flight import flight_requirement as flight_mode
+from tvclin.requirement.flight.flight_requirement import FlightMode, FlightWind
+from tvclin.requirement.time_varying import FLIGHT_PARTS, LimitedFlights, over_steps
+from tvclin.studyfile.parse import parse_study
 
 EAST = np.radians(90.0)
 

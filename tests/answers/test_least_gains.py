@@ -9,11 +9,10 @@ from scipy.linalg import block_diag, expm
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.least_gains import least as search_of
-from tvclin.answers.least_gains.question import MISSES, Question
-from tvclin.answers.least_gains.race import needs, stopped
-from tvclin.answers.search import least_points
 from tvclin.control.autopilot.wind_response import deflection_peaks
+from tvclin.design import least_gains as search_of
+from tvclin.design.gain_search import MISSES, Question, needs, stopped
+from tvclin.design.search import least_points
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = {"actuator": tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7), "delay": 0.02}
@@ -261,7 +260,7 @@ def test_more_disk_margin_costs_what_another_search_says():
         criteria=tv.control.Criteria.custom(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.answers.least_gains_front(found, [1.2, 1.4])
+    front = tv.design.least_gains_front(found, [1.2, 1.4])
     assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
     assert front.relative[1] == np.inf
     assert front.each[1] is None
@@ -273,7 +272,7 @@ def test_more_disk_margin_costs_what_another_search_says():
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     plants = tv.Plant.from_coefficients(c)
-    found = tv.answers.least_gain_schedule(
+    found = tv.design.least_gain_schedule(
         [40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE
     )
     assert tv.CRITERIA["classic"].are_satisfied(found.schedule.margins(plants)).all()

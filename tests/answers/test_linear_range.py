@@ -146,8 +146,8 @@ def test_above_ten_degrees_each_answer_has_the_doubt(command, deg) -> None:
 def test_dispersed_winds_beyond_the_range_count_as_not_covered() -> None:
     """Peaks of 28 deg, spread by a tenth: those above 30 are as many as the normal law says."""
     nominal = study(28.0, limit=np.radians(80.0), sign="frozen")
-    spread = tv.answers.Dispersion("wind_peak", "normal", 0.1, relative=True)
-    found = tv.answers.disperse_study(nominal, tv.answers.Dispersions((spread,)), cases=400)
+    spread = tv.ensembles.Dispersion("wind_peak", "normal", 0.1, relative=True)
+    found = tv.ensembles.disperse_study(nominal, tv.ensembles.Dispersions((spread,)), cases=400)
     beyond = found.values["wind_peak"] > np.radians(30.0)
     assert 0.15 < beyond.mean() < 0.35  # 0.238 +- 0.021
     assert np.array_equal(np.isinf(found.deflection), beyond)

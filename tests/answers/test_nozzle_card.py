@@ -8,15 +8,15 @@ import sympy as sp
 from scipy.integrate import quad, simpson, solve_ivp
 
 import tvclin as tv
-from tvclin.answers.flexible import law_asked
-from tvclin.answers.nozzle_cards.card import card_of
-from tvclin.answers.nozzle_cards.flown import FlownCard
-from tvclin.answers.nozzle_cards.motion import Motion
-from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.case.flexible_autopilot import law_asked
 from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.nozzle.duty import card_of
+from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.motion import Motion
+from tvclin.studyfile.study_plan import StudyPlan
 
 PER_DEGREE = 180.0 / np.pi
-BENCH = tv.answers.NozzleData(
+BENCH = tv.case.NozzleData(
     engine=tv.vehicle.Engine(mass=1.0, arm=0.0, moment_of_inertia=1400.0),
     stiffness=15200.0 * PER_DEGREE,
     damping=174.0 * PER_DEGREE,
@@ -25,7 +25,7 @@ BENCH = tv.answers.NozzleData(
 
 def test_a_sine_asks_for_what_its_phasor_says():
     times = np.linspace(0.0, 1.0, 60_001)
-    card = tv.answers.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
+    card = tv.nozzle.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
     work = card.work
     X, w = np.radians(1.0), 6.0 * np.pi
     torque = X * np.hypot(BENCH.stiffness - 1400.0 * w**2, BENCH.damping * w)
@@ -53,9 +53,9 @@ def ramp(t):
     [(0.0, [14731.2, 489.67, 138.31]), (2000.0, [16731.2, 559.48, 173.22])],
 )
 def test_a_ramp_asks_for_what_is_integrated_of_its_parts(friction, expected):
-    nozzle = tv.answers.NozzleData(**vars(BENCH) | {"friction": friction})
+    nozzle = tv.case.NozzleData(**vars(BENCH) | {"friction": friction})
     times = np.linspace(0.0, 0.6, 30_001)
-    work = tv.answers.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
+    work = tv.nozzle.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
     found = [work.torque.value, work.power.value, work.energy]
     assert found == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
 
@@ -99,10 +99,10 @@ def test_a_flight_s_torque_has_every_term():
     vehicle = tv.load_vehicle("configuration-i")
     engine = tv.vehicle.Engine(mass=2000.0, arm=0.8, moment_of_inertia=300.0)
     data = {"stiffness": 1e5, "damping": 1e4, "friction": 500.0}
-    nozzle = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
+    nozzle = tv.case.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
     times = np.linspace(0.0, 2.0, 2001)
     delta, theta, alpha = 0.01 * times**2, 0.003 * times**2, 0.02 * times
-    found = tv.answers.nozzle_card(
+    found = tv.nozzle.nozzle_card(
         times, delta, nozzle=nozzle, vehicle=vehicle, angle_of_attack=alpha, attitude=theta
     ).work.torque
     T, m, F = vehicle.thrust, vehicle.mass, vehicle.axial_force
@@ -118,7 +118,7 @@ def test_a_flight_s_torque_has_every_term():
 def test_time_at_the_stop_and_the_steady_rate():
     times = np.linspace(0.0, 4.0, 4001)
     delta = np.clip(0.01 * times, 0.0, 0.02) - np.clip(0.01 * (times - 3.0), 0.0, 1.0)
-    card = tv.answers.nozzle_card(times, delta, limit=0.02, window=1.5)
+    card = tv.nozzle.nozzle_card(times, delta, limit=0.02, window=1.5)
     assert card.time_at_stop == pytest.approx(1.0, abs=0.005)
     assert card.steady_rate == pytest.approx(0.01, rel=1e-9)
     assert card.reversals == 1
@@ -137,7 +137,7 @@ def test_time_at_the_stop_and_the_steady_rate():
 )
 def test_what_is_no_motion_is_refused(given, words):
     with pytest.raises(tv.InputError, match=words):
-        tv.answers.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)
+        tv.nozzle.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)
 
 
 STEPS = 10
@@ -181,7 +181,7 @@ def test_the_card_of_a_flight_is_that_of_an_integration_by_small_steps(rate):
     """Torque and power by the nozzle's own equation, with friction, offsets and the vehicle."""
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
     hinge = {"stiffness": 15200.0 * PER_DEGREE, "damping": 174.0 * PER_DEGREE, "friction": 900.0}
-    data = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **hinge)
+    data = tv.case.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **hinge)
     most = None if rate is None else np.radians(rate)
     nozzle = tv.Nozzle(limit=np.radians(0.6), rate_limit=most, data=data)
     v = tv.load_vehicle("configuration-i")
@@ -279,7 +279,7 @@ def test_between_slow_samples_the_card_follows_a_quick_actuator():
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
     hinge = {"stiffness": 15200.0 * PER_DEGREE, "damping": 174.0 * PER_DEGREE, "friction": 2000.0}
     quick = tv.Actuator(natural_frequency=125.6, damping=0.7)
-    data = tv.answers.NozzleData(engine=engine, **hinge)
+    data = tv.case.NozzleData(engine=engine, **hinge)
     v = tv.load_vehicle("configuration-i")
     case = StudyPlan(
         vehicle=v,
@@ -318,7 +318,7 @@ def test_a_load_between_slow_samples_is_that_of_the_finely_shown_flight():
     design = tv.AutopilotDesign(attitude_gain=0.4, rate_gain=0.5, sample_rate=2.0)
     case = StudyPlan(vehicle=v, wind=wind, nozzle=nozzle, design=design)
     law = law_asked(case, "autopilot", np.inf)
-    found = tv.answers.FlownLoad.of(case, "autopilot", law)
+    found = tv.case.FlownLoad.of(case, "autopilot", law)
     times = np.linspace(0.0, 30.0, 6001)
     told = {"deflection_limit": rad(2.0), "sample_rate": 2.0}
     shown = tv.fly(case.plant, law, wind, times, **told).outputs

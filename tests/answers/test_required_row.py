@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.study import Study
-from tvclin.answers.study_tables import boundaries, verdict
 from tvclin.base.lines import text
+from tvclin.requirement.study import Study
+from tvclin.requirement.study_tables import boundaries, verdict
 
 
 def marked(study: Study) -> list[str]:

@@ -13,8 +13,6 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import drawn
-from tvclin.answers.time_varying import batch_requirements
-from tvclin.answers.varying_equations import Equations
 from tvclin.boundary.limit import PAIRED_POLES
 from tvclin.boundary.open_loop import (
     Reason,
@@ -22,6 +20,8 @@ from tvclin.boundary.open_loop import (
 )
 from tvclin.cli.app import app
 from tvclin.flights.flown_boundary import planar_verdict
+from tvclin.requirement.time_varying import batch_requirements
+from tvclin.requirement.varying_equations import Equations
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(5.0)

@@ -9,8 +9,8 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.answers.sizing.frozen import slow_mode
-from tvclin.answers.sizing.placing import place
+from tvclin.requirement.flight.flight_requirement import slow_mode
+from tvclin.requirement.flight.flight_winds import place
 
 PEAK = np.radians(5)
 
@@ -59,7 +59,7 @@ def test_dead_bands_that_differ_in_the_seventh_digit_have_a_number_each(configur
     needed = np.abs(tv.required_deflection(plant, wind, bands).deflection)
     assert needed[0] > needed[1]
     for K, deflection in zip(bands, needed, strict=True):
-        requirement = tv.answers.Requirement(dead_band=K)
+        requirement = tv.requirement.Requirement(dead_band=K)
         assert found.required[requirement][0, 0] == pytest.approx(deflection, rel=1e-12)
         assert found.required[f"K = {K}"] is found.required[requirement]
 

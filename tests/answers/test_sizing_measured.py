@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.sizing.flight_requirement import FlightWind
-from tvclin.answers.sizing.tables import each_wind, over_time
-from tvclin.answers.sizing.total import total_table
 from tvclin.ascent.measured_wind import gust_of_speed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
+from tvclin.requirement.flight.flight_requirement import FlightWind
+from tvclin.requirement.flight.sizing_tables import each_wind, over_time
+from tvclin.requirement.flight.total import total_table
 from tvclin.winds.soundings.levels import wind_components
 
 EAST = np.radians(90)
@@ -178,7 +178,7 @@ def test_a_worst_time_at_an_end_of_the_flight_is_said_beside_it(flight) -> None:
     for found, word in ((first, "the first that is sized"), (whole, "the first of the schedule")):
         caption = total_table(tv.worst_total(found, "K = 1")).caption
         assert caption.endswith(f" s, {word}: more may be needed before")
-        ratio = tv.answers.controllability_ratio(found, 0.02)
+        ratio = tv.requirement.controllability_ratio(found, 0.02)
         assert ratio.table.caption.endswith("more may be needed before")
     single = tv.size(flight, wind, times=60.0, dead_bands=1.0)
     assert total_table(tv.worst_total(single, "K = 1")).caption.endswith("time, 60 s")

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.answers.planes import rectangle
+from tvclin.requirement.plane_requirement import rectangle
 from tvclin.winds.wind_angles import angles_from_speed, angles_from_vector_size
 
 GUST = tv.TriangularWind(peak=0.08, duration=7.5)

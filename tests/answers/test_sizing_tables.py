@@ -6,13 +6,13 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.findings import find
-from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.total import total_table
-from tvclin.answers.study_file.read import load_study
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app
+from tvclin.requirement.flight import sizing_tables as tables
+from tvclin.requirement.flight.total import total_table
 from tvclin.show.report import flight
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.read import load_study
 
 TEXT = """
 [study]

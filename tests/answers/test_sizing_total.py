@@ -6,8 +6,8 @@ import pytest
 import tvclin as tv
 from tests.small_launcher import rows, sounding, write
 from tvclin import InputError
-from tvclin.answers.sizing.total import DeflectionTotal, Line
 from tvclin.base.lines import text
+from tvclin.requirement.flight.total import DeflectionTotal, Line
 
 SCHEDULE = tv.load_schedule("configuration-i")
 
@@ -33,7 +33,7 @@ def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
 
 def test_an_offset_takes_the_deflection_that_balances_its_moment(configuration_i) -> None:
     v = configuration_i.replace(control_force_slope=0.5 * configuration_i.thrust)
-    found = tv.answers.total_deflection(
+    found = tv.requirement.total_deflection(
         v, 0.004, thrust_offset=-0.002, gravity_offset=0.1, nominal=-1e-4
     )
     size = {line.name: line.deflection for line in found.lines}
@@ -80,13 +80,13 @@ def test_the_worst_total_is_that_of_the_flight_time_with_most(configuration_i) -
 )
 def test_bad_numbers_are_refused(configuration_i, changes, words) -> None:
     with pytest.raises(InputError, match=words):
-        tv.answers.total_deflection(configuration_i, **({"wind": 0.01} | changes))
+        tv.requirement.total_deflection(configuration_i, **({"wind": 0.01} | changes))
 
 
 def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None:
     batch = configuration_i.replace(thrust=[2e6, 3e6])
     with pytest.raises(InputError, match="one vehicle; got a batch"):
-        tv.answers.total_deflection(batch, 0.01)
+        tv.requirement.total_deflection(batch, 0.01)
     schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 80.0]))
     turns = tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0])
     found = tv.size(schedule, turns, times=[60.0])
@@ -108,30 +108,32 @@ def test_a_rate_limit_adds_what_a_ramp_needs_more():
     )
     plant = tv.Plant.from_vehicle(SCHEDULE.at(66.0), "fixed-path")
     for rate in np.radians([0.15, 0.4, 2.0]):
-        total = tv.answers.worst_total(found, "K = 0", rate_limit=float(rate), limit=0.1)
+        total = tv.requirement.worst_total(found, "K = 0", rate_limit=float(rate), limit=0.1)
         slow = tv.boundary.optimum_with_rate_limit(plant, wind, float(rate), 0.0).peak
         parts = {one.name: one.deflection for one in total.lines}
         assert parts["wind"] + parts["rate limit"] == pytest.approx(slow, rel=1e-4)
-        exact = tv.answers.worst_total(found, "K = 0", rate_limit=float(rate), limit=total.total)
+        exact = tv.requirement.worst_total(
+            found, "K = 0", rate_limit=float(rate), limit=total.total
+        )
         assert exact.needed_rate == pytest.approx(rate, rel=1e-9)
 
 
 def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
     found = tv.size(SCHEDULE, wind, times=[66.0], varying=False)
-    total = tv.answers.worst_total(found, "K = 1", rate_limit=1e-3, limit=0.1)
+    total = tv.requirement.worst_total(found, "K = 1", rate_limit=1e-3, limit=0.1)
     assert total.sufficient is False
     words = " ".join(text(line) for line in total.verdict)
     assert "NOT SUFFICIENT at this rate limit" in words
     assert f"{np.degrees(total.needed_rate):.3f} deg/s required" in words
-    assert tv.answers.worst_total(found, "K = 1", rate_limit=1e-3).sufficient is False
+    assert tv.requirement.worst_total(found, "K = 1", rate_limit=1e-3).sufficient is False
 
 
 def test_the_controllability_ratio_is_that_of_its_parts():
     booster = SCHEDULE.at(66.0)
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
     wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust, gust_at=3.75)
-    asked = tv.answers.SizingRequest(
+    asked = tv.requirement.SizingRequest(
         schedule=SCHEDULE,
         start=66.0,
         stop=66.0,
@@ -163,10 +165,10 @@ def test_in_a_sounding_the_controllability_ratio_pairs_each_angle_with_the_vehic
 ):
     """B(t) and alpha_w(t) of (B1e) from the rows of the schedule alone, every hundredth second."""
     flight = tv.load_schedule(write(tmp_path / "pad.csv"))
-    asked = tv.answers.SizingRequest(
+    asked = tv.requirement.SizingRequest(
         schedule=flight,
         pulse=False,
-        soundings={"jet": tv.answers.SoundingRequest(sounding(), np.radians(90.0))},
+        soundings={"jet": tv.requirement.SoundingRequest(sounding(), np.radians(90.0))},
         window=window,
         varying=False,
         every=10.0,
@@ -192,7 +194,7 @@ def test_a_wind_beyond_linear_aerodynamics_has_no_trim_in_the_controllability_ra
     """What is 12 deg about 50 s is 40 deg about 70 s, where nothing is sized."""
     wind = tv.SampledWind(time=[45, 50, 55, 65, 70, 75], angle=np.radians([0, 12, 0, 0, 40, 0]))
     found = tv.size(SCHEDULE, wind, times=[50.0, 70.0], placing="flight", window=10.0)
-    ratio = tv.answers.controllability_ratio(found, np.radians(5.0))
+    ratio = tv.requirement.controllability_ratio(found, np.radians(5.0))
     assert np.isnan(found.required["trim"][1, 0])
     assert ratio.takes.time < 60.0
     assert "where the winds are known" in ratio.words

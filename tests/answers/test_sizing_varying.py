@@ -5,10 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import flight_requirement
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
+from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirement
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)

@@ -13,12 +13,12 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.studies import FLIGHT
-from tvclin.answers.campaign.file import TABLES, parse_campaign
-from tvclin.answers.sizing.request import SoundingRequest
-from tvclin.answers.study_file.parse import parse_study
-from tvclin.answers.study_file.read import example
 from tvclin.base.units import UNITS
 from tvclin.cli.app import app
+from tvclin.requirement.flight.request import SoundingRequest
+from tvclin.studyfile.campaign_file import TABLES, parse_campaign
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.read import example
 
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -31,7 +31,7 @@ def run(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(one) for one in arguments])
 
 
-def plan(**tables: object) -> tv.answers.StudyPlan:
+def plan(**tables: object) -> tv.studyfile.StudyPlan:
     return parse_study({"study": HEAD, "wind": WIND} | tables)
 
 
@@ -84,7 +84,7 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     assert run("init", "--study", file).exit_code == 0
-    study, campaign = tv.load_study(file), tv.answers.load_campaign(file)
+    study, campaign = tv.load_study(file), tv.studyfile.load_campaign(file)
 
     for name in ("vehicle", "model", "plane", "wind", "nozzle", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name
@@ -184,7 +184,7 @@ def test_the_three_ways_to_name_a_vehicle_are_the_same(tmp_path: Path) -> None:
 def test_a_vehicle_alone_is_a_plan_with_nothing_else(tmp_path: Path) -> None:
     bare = tv.load_study("configuration-i")
 
-    assert bare == tv.answers.StudyPlan(vehicle=tv.load_vehicle("configuration-i"))
+    assert bare == tv.studyfile.StudyPlan(vehicle=tv.load_vehicle("configuration-i"))
 
 
 def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
@@ -386,11 +386,13 @@ def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.answers.SizingRequest(schedule=schedule, **given).sizing(plan())
+            tv.requirement.SizingRequest(schedule=schedule, **given).sizing(plan())
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    asked = tv.answers.SizingRequest(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
+    asked = tv.requirement.SizingRequest(
+        schedule=tv.load_schedule("configuration-i"), peak_speed=60.0
+    )
     for plane in ("pitch", "yaw"):
         case = replace(plan(), plane=plane)
         met = asked.at(case, 66.0, case.wind)
@@ -407,7 +409,9 @@ def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
         ('[campaign]\nvehicle = "configuration-i"\ncases = 3\n', r"\[wind\] is missing"),
     ],
 )
-@pytest.mark.parametrize("load", [tv.load_study, tv.answers.load_sizing, tv.answers.load_campaign])
+@pytest.mark.parametrize(
+    "load", [tv.load_study, tv.studyfile.load_sizing, tv.studyfile.load_campaign]
+)
 def test_a_table_that_is_missing_is_named(
     tmp_path: Path, load: Callable[[Path], object], text: str, message: str
 ) -> None:
@@ -417,7 +421,7 @@ def test_a_table_that_is_missing_is_named(
         load(file)
 
 
-@pytest.mark.parametrize("load", [tv.load_study, tv.answers.load_sizing])
+@pytest.mark.parametrize("load", [tv.load_study, tv.studyfile.load_sizing])
 def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, load: Callable[[Path], object]) -> None:
     file = tmp_path / "half.toml"
     file.write_text("[study\n")
@@ -485,7 +489,7 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
     assert lines == [f"{path}: {line}" for line in said]
     assert found.stdout == ""
     with pytest.raises(tv.InputError) as error:
-        tv.answers.load_campaign(path)
+        tv.studyfile.load_campaign(path)
     assert str(error.value).split("\n") == lines
 
 

@@ -8,13 +8,13 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tvclin.answers.findings import Findings, find
-from tvclin.answers.planes import missing_part, rectangle
-from tvclin.answers.questions import questions
-from tvclin.answers.study_file.parse import parse_study
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.limit_shapes import CircularShape, PolygonShape
 from tvclin.cli.app import app
+from tvclin.requirement.plane_requirement import missing_part, rectangle
+from tvclin.studyfile.findings import Findings, find
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.questions import questions
+from tvclin.studyfile.study_plan import StudyPlan
 
 HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")
 JET = (*HEADING, "--peak-speed", "50", "--model", "fixed-path")

@@ -8,14 +8,13 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers import time_varying
-from tvclin.answers.campaign.cases import nominal
-from tvclin.answers.encountered_requirement import encountered_requirement
-from tvclin.answers.sizing.flight_mode import FlightMode
-from tvclin.answers.sizing.flight_requirement import flight_requirement
-from tvclin.answers.time_varying import varying_requirement
-from tvclin.answers.varying_equations import Equations, at_pressure
+from tvclin.ensembles.campaign.cases import nominal
 from tvclin.kernels import choice
+from tvclin.requirement import time_varying
+from tvclin.requirement.encountered_requirement import encountered_requirement
+from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirement
+from tvclin.requirement.time_varying import varying_requirement
+from tvclin.requirement.varying_equations import Equations, at_pressure
 from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
@@ -195,7 +194,7 @@ def test_a_cross_wind_has_its_own_dynamic_pressure(configuration_i, shape, deg, 
 )
 def test_along_a_flight_the_wind_triangle_is_that_of_each_time(duration, sign, needed) -> None:
     """Configuration II at 93.5 s, whose path falls by ten degrees within the wind."""
-    plan = tv.answers.load_sizing("configuration-ii")
+    plan = tv.studyfile.load_sizing("configuration-ii")
     pulse = tv.ShapedWind("rectangular", np.radians(6.5), duration)
     plan = replace(plan, sign=sign, wind=pulse)
     asked = replace(plan.sizing, start=93.5, stop=93.5, dead_bands=(1.0,))
@@ -259,7 +258,7 @@ def test_a_campaign_of_one_case_requires_what_a_study_does() -> None:
     wind = tv.ShapedWind("rectangular", np.radians(5.79583), 21.629)
     case = {"vehicle": LARGE, "wind": wind, "model": "drift", "sign": "tail"}
     study = tv.Study.of(tv.Case(**case))
-    campaign = tv.answers.Campaign(**case, cases=1)
+    campaign = tv.ensembles.Campaign(**case, cases=1)
     assert nominal(campaign)["required_K1"] == pytest.approx(study.required_deflection, rel=1e-9)
     assert np.degrees(study.required_deflection) == pytest.approx(0.56744, rel=2e-5)
     half = encountered_requirement(wind, LARGE, "drift", "pitch", "tail", 0.5).required[0]

@@ -41,5 +41,5 @@ def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:
 def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> None:
     nominal = study(configuration_i, model="fixed-path")
     fixed = study(configuration_i, model="fixed-path", gust_at=nominal.wind_in_plane.gust_at)
-    one, other = (tv.answers.disperse_study(each, cases=20) for each in (nominal, fixed))
+    one, other = (tv.ensembles.disperse_study(each, cases=20) for each in (nominal, fixed))
     np.testing.assert_array_equal(one.deflection, other.deflection)

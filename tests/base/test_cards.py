@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.campaign.statistics import quantile_bound
 from tvclin.base.cards import Shown, card
+from tvclin.ensembles.statistics import quantile_bound
 
 
 class Cells(HTMLParser):
@@ -159,9 +159,7 @@ def test_a_sizing_shows_its_worst_and_a_total_its_lines_in_degrees():
 
 def test_trials_are_one_table_of_laws_and_winds():
     fixed = tv.Plant.from_coefficients(PLANT.coefficients)
-    trials = tv.answers.law_trials(
-        fixed, {"<trim>": tv.TrimLaw(fixed)}, {"gust": WIND}, loads=False
-    )
+    trials = tv.design.law_trials(fixed, {"<trim>": tv.TrimLaw(fixed)}, {"gust": WIND}, loads=False)
     heads, row = Cells(trials._repr_html_()).rows
 
     assert heads[:2] == ["law", "wind"]

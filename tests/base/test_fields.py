@@ -8,11 +8,6 @@ import numpy as np
 import pytest
 
 from tests.doors import hostile
-from tvclin.answers.availability.request import AvailabilityRequest
-from tvclin.answers.nozzle import Nozzle
-from tvclin.answers.sizing.request import SIZE_TABLE, SizingRequest
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import example
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, positive, small_angle
 from tvclin.base.fields import (
@@ -30,7 +25,12 @@ from tvclin.base.fields import (
 )
 from tvclin.base.files import tables_of
 from tvclin.base.lines import text as as_text
+from tvclin.case.nozzle import Nozzle
 from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest
+from tvclin.studyfile.read import example
+from tvclin.studyfile.study_plan import StudyPlan
 
 EACH = (SizingRequest, StudyPlan, Nozzle, AutopilotDesign, AvailabilityRequest)
 

@@ -14,8 +14,8 @@ from scipy.signal import lsim
 from scipy.sparse import bmat, eye_array
 
 import tvclin as tv
-from tvclin.answers.requirement import required_deflection
 from tvclin.boundary.open_loop import Reason
+from tvclin.requirement.nominal_requirement import required_deflection
 
 PEAK = np.radians(5.0)
 CELLS, FINER = 400, 4000

@@ -12,9 +12,9 @@ import tvclin as tv
 from tests.schedules.samples import GIVEN, OPENROCKET
 from tests.small_launcher import sounding, write
 from tests.turns import by_turns
-from tvclin.answers.sizing.placing import PlacedWind, WindOf, place_in
 from tvclin.ascent.measured_wind import MeasuredWind, gust_of_speed
 from tvclin.cli.app import app
+from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, place_in
 
 ARMS = {
     "stable at first": ([0, 25, 35, 122], [-0.5, 0.0, 4.0, 3.0]),

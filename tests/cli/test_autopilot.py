@@ -8,10 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.trial_tables import _limit
-from tvclin.answers.trials import law_trials, standard_laws
 from tvclin.base.lines import text
 from tvclin.cli.app import app
+from tvclin.design.standard_trials import _limit, law_trials, standard_laws
 
 
 def run(*arguments):
@@ -201,7 +200,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
 
 def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
-    monkeypatch.setattr("tvclin.answers.trials.law_trials", lambda *_, **__: [])
+    monkeypatch.setattr("tvclin.design.standard_trials.law_trials", lambda *_, **__: [])
     monkeypatch.setattr(
         "tvclin.plots.trade_offs.law_curve", lambda _, __, tau, ___, **____: np.ones_like(tau)
     )
@@ -229,7 +228,7 @@ def test_a_boundary_beyond_the_range_is_no_number():
 
 def test_a_law_that_lets_a_mode_creep_away_is_marked():
     law = tv.TrimLaw(booster("drift-exact"))
-    winds = {"triangle": tv.answers.standard_winds(0.08, 7.0)["triangle"]}
+    winds = {"triangle": tv.design.standard_winds(0.08, 7.0)["triangle"]}
     (found,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
     assert found.creeps
     assert found.growth == pytest.approx(0.0129, abs=1e-4)

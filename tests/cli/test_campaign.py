@@ -7,8 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.chunks import chunk_file
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.folder import chunk_file
 
 pytest.importorskip("pyarrow")
 
@@ -32,7 +32,7 @@ def place(tmp_path_factory):
 
 
 def test_show_says_what_the_library_finds(place):
-    found = tv.answers.open_campaign(place / "results")
+    found = tv.ensembles.open_campaign(place / "results")
     document = json.loads(run("show", place / "results", "--json").stdout)
     required = found.quantile()
     assert document["estimate_deg"] == pytest.approx(np.degrees(required.estimate), rel=1e-15)
@@ -52,7 +52,7 @@ def test_show_says_what_the_library_finds(place):
 def test_show_answers_other_questions(place):
     options = ["--output", "minimum", "--probability", "0.9", "--limit-deg", "0.2", "--json"]
     document = json.loads(run("show", place / "results", *options).stdout)
-    found = tv.answers.open_campaign(place / "results")
+    found = tv.ensembles.open_campaign(place / "results")
     values = found.column("minimum")
     assert document["estimate_deg"] == np.degrees(np.quantile(values, 0.9, method="inverted_cdf"))
     assert document["success"]["estimate"] == np.mean(values <= np.radians(0.2))
@@ -66,7 +66,7 @@ def test_show_says_which_dead_band_trusts_a_forecast(place):
 
 
 def test_replay_is_the_case_to_the_bit(place):
-    found = tv.answers.open_campaign(place / "results")
+    found = tv.ensembles.open_campaign(place / "results")
     worst = int(found.worst(1)[0])
     document = json.loads(run("replay", place / "results", worst, "--json").stdout)
     for name in found.outputs:

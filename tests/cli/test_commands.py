@@ -46,7 +46,7 @@ def test_a_help_leaves_the_line_ends_of_its_paragraphs_to_the_terminal() -> None
 
 
 def test_a_help_names_what_there_is_to_choose() -> None:
-    for wind in tv.answers.standard_winds(0.1, 7.0):
+    for wind in tv.design.standard_winds(0.1, 7.0):
         assert wind in helps("laws")
     for command in ("study", "size"):
         for stop in LIMIT_SHAPES:
@@ -186,7 +186,7 @@ def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> N
     def broken(_: object) -> None:
         raise ValueError("operands could not be broadcast together")
 
-    monkeypatch.setattr("tvclin.answers.study_file.read.load_any_vehicle", broken)
+    monkeypatch.setattr("tvclin.studyfile.read.load_any_vehicle", broken)
     result = run("poles")
 
     assert result.exit_code == 1

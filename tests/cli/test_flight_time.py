@@ -107,7 +107,7 @@ def test_study_and_campaign_files_name_a_schedule_with_its_time(folder):
     assert tv.load_study("s.toml").vehicle == tv.load_study("flight.csv", 52.0).vehicle
     text = f'[campaign]\nvehicle = "flight.csv"\ntime_s = 52\ncases = 10\n{wind}'
     (folder / "c.toml").write_text(text)
-    assert tv.answers.load_campaign("c.toml").vehicle == tv.load_schedule("flight.csv").at(52.0)
+    assert tv.studyfile.load_campaign("c.toml").vehicle == tv.load_schedule("flight.csv").at(52.0)
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, "report", "explore", "init --from"])

@@ -123,7 +123,7 @@ def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
 def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
     result = run(mine, "--law", law, *NOTCH, "--limit-deg", 0.6, "--json")
     document, plant = json.loads(result.stdout), plant_of(mine)
-    chosen = tv.answers.standard_laws(plant.rigid, np.radians(5))[law]
+    chosen = tv.design.standard_laws(plant.rigid, np.radians(5))[law]
     filtered = tv.control.FilteredLaw(
         chosen, filters=(tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5),)
     )
@@ -159,7 +159,7 @@ def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path
 
 
 def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
-    every = tv.answers.standard_laws
+    every = tv.design.standard_laws
     monkeypatch.setattr(
         "tvclin.cli.laws.standard_laws",
         lambda plant, peak, *_: {"trim": every(plant, peak)["trim"]},
@@ -168,7 +168,7 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
     plant = plant_of(mine)
     law = tv.control.FilteredLaw(
-        tv.answers.standard_laws(plant.rigid, np.radians(5))["trim"],
+        tv.design.standard_laws(plant.rigid, np.radians(5))["trim"],
         filters=(tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5),),
     )
     expected = tv.closed_loop_boundary(plant, law, WIND, highest=4.0, **NOZZLE)

@@ -6,9 +6,9 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.findings import find
-from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.cli.app import app
+from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.studyfile.findings import find
 
 STUDY = """
 [study]

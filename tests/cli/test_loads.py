@@ -10,10 +10,10 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.findings import find
-from tvclin.answers.questions import questions
-from tvclin.answers.study_file.read import load_study
 from tvclin.cli.app import app
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.questions import questions
+from tvclin.studyfile.read import load_study
 
 STUDY = """
 [study]

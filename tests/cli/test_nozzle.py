@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tvclin.answers.nozzle_cards.flown import FlownCard
 from tvclin.cli.app import app
+from tvclin.nozzle.flight_duty import FlownCard
 
 
 def run(*arguments: str) -> Result:
@@ -141,7 +141,7 @@ def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(
     plan = tv.load_study(tmp_path / "my.toml")
     engine = tv.vehicle.Engine(mass=1200.0, arm=1.35, moment_of_inertia=400.0)
     hinge = {"stiffness": np.degrees(15200.0), "damping": np.degrees(174.0), "friction": 2000.0}
-    nozzle = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **hinge)
+    nozzle = tv.case.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **hinge)
     assert vars(plan.nozzle.data) == pytest.approx(vars(nozzle))
 
     law = tv.control.design_law("trim", plan.plant, float(plan.history.peak))
@@ -201,7 +201,7 @@ def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     needed = json.loads(result.stdout)["laws"]
     case = tv.load_study(file)
-    expected = tv.answers.flown_fronts({"": case}, laws=("trim",))[""]
+    expected = tv.nozzle.flown_fronts({"": case}, laws=("trim",))[""]
     assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.needed["trim"]))
     assert needed["survives"] == {"trim": True}
     assert figure.stat().st_size > 5000

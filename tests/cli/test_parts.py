@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.archives import Balloon, jet, write
-from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
+from tvclin.case.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
@@ -313,7 +313,7 @@ def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
         if "file" in document["wind"]:
             document["wind"] = change["wind"]
         (folder / "campaign.toml").write_text(in_toml(document))
-        columns = evaluate(tv.answers.load_campaign(folder / "campaign.toml"), 0, 4)
+        columns = evaluate(tv.studyfile.load_campaign(folder / "campaign.toml"), 0, 4)
         return {name: values.tolist() for name, values in columns.items()}
 
     nominal, wrong = json.dumps(found({})), []

@@ -10,15 +10,15 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign import engine
-from tvclin.answers.campaign.file import parse_campaign, template
-from tvclin.answers.findings import find
 from tvclin.base.files import tables_of
 from tvclin.base.warned import MachineWarning
 from tvclin.cli import progress
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign import chunk_runner as engine
 from tvclin.kernels import choice
 from tvclin.show import reproduce
+from tvclin.studyfile.campaign_file import parse_campaign, template
+from tvclin.studyfile.findings import find
 
 
 def test_a_pipe_gets_a_line_now_and_then(
@@ -61,7 +61,7 @@ def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
 
 def test_a_page_tells_of_each_part() -> None:
     plan = tv.load_study("configuration-i")
-    asked = tv.answers.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
+    asked = tv.studyfile.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
     told: list[tuple[float, float]] = []
     find(asked, lambda done, total: told.append((done, total)))
 

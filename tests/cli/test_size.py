@@ -11,11 +11,11 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.campaign.quick import part_in_a_wind
-from tvclin.answers.case import Case
-from tvclin.answers.sizing.request import SizingRequest
+from tvclin.case.case import Case
 from tvclin.cli.app import app
+from tvclin.ensembles.dispersed_study import part_in_a_wind
 from tvclin.plots import curves_of, sizing_chart
+from tvclin.requirement.flight.request import SizingRequest
 
 
 def run(*arguments: str) -> Result:
@@ -51,7 +51,7 @@ def test_json_equals_the_library() -> None:
 
     times = [60.0, 70.0, 80.0]
     found = tv.size(schedule, {"w": met}, times=times, dead_bands=1.0)
-    counted = tv.answers.Requirement(varying=True, direction="head")
+    counted = tv.requirement.Requirement(varying=True, direction="head")
     needs = np.radians(document["required_deg"][counted.label])
     pulse = tv.ShapedWind("triangular", 0.05, 7.5)
     studies = [
@@ -234,7 +234,7 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
         peak=np.radians(5),
         model="fixed-path",
     )
-    found = tv.answers.disperse_study(nominal)
+    found = tv.ensembles.disperse_study(nominal)
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
     part = found.required.upper / nominal.required_deflection - 1.0
     assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-12)
@@ -263,7 +263,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
         **({"gust": gust} if more[0] == "--gust" else heading),
     )
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
-    part = tv.answers.disperse_study(nominal).required.upper / nominal.required_deflection - 1.0
+    part = tv.ensembles.disperse_study(nominal).required.upper / nominal.required_deflection - 1.0
     assert lines["dispersions"] == pytest.approx(part * lines["wind"], rel=1e-9)
 
 

@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.findings import find
-from tvclin.answers.parts import told
+from tvclin.case.parts import told
 from tvclin.cli.app import app
 from tvclin.flights.theory_comparison import fly_sampled
+from tvclin.studyfile.findings import find
 
 STUDY = """
 [study]

@@ -13,9 +13,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tvclin.answers.glossary import TERMS
 from tvclin.base.quantities import QUANTITIES, satisfaction, sufficiency, survival
 from tvclin.cli.app import app
+from tvclin.studyfile.glossary import TERMS
 
 WIND = ("--wind", "triangular", "--duration", "7.5", "--peak-deg", "5")
 LIMIT = ("--limit-deg", "0.4")

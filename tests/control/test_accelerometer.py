@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.answers.load import FlownLoad
+from tvclin.case.load import FlownLoad
 
 BOOSTER = tv.load_vehicle("configuration-i")
 GAINS = tv.control.half_relief_gains(BOOSTER)

@@ -9,9 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
 from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.studyfile.parse import parse_study
 from tvclin.vehicle.filters import filter_cells
 
 TABLES = """

@@ -5,12 +5,12 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.campaign.cases import batch, draw_case
-from tvclin.answers.campaign.file import template
-from tvclin.answers.campaign.flights import law_of
-from tvclin.answers.study_file.read import example
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import LAWS
+from tvclin.ensembles.campaign.cases import batch, draw_case
+from tvclin.ensembles.campaign.outputs import law_of
+from tvclin.studyfile.campaign_file import template
+from tvclin.studyfile.read import example
 
 PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
 PEAK = 0.08
@@ -29,7 +29,7 @@ def test_a_law_is_the_same_in_trials_and_in_campaigns(name):
     law = tv.control.design_law(name, PLANT, PEAK)
     assert law.numbers is not None  # the compiled flights know it
     flown = law_of(plan, batch(plan, draw_case(plan, 0)))
-    assert law.numbers == flown.numbers == tv.answers.standard_laws(PLANT, PEAK)[name].numbers
+    assert law.numbers == flown.numbers == tv.design.standard_laws(PLANT, PEAK)[name].numbers
 
 
 @pytest.mark.parametrize("name", ["trim", "dead-band"])
@@ -53,7 +53,7 @@ def test_a_law_takes_its_own_and_nothing_else():
     autopilot = tv.Autopilot(attitude_gain=0.4, rate_gain=0.5, integral_gain=0.1)
     law = tv.control.design_law("autopilot", PLANT, PEAK, autopilot=autopilot)
     assert law == tv.SaturatedLaw(autopilot)
-    assert tv.answers.standard_laws(PLANT, PEAK, autopilot)["autopilot"] == law
+    assert tv.design.standard_laws(PLANT, PEAK, autopilot)["autopilot"] == law
     for name, own in (("trim", {"dead_band": 0.5}), ("dead-band", {"autopilot": autopilot})):
         with pytest.raises(tv.InputError, match=f"is not of the law {name}; leave it out"):
             tv.control.design_law(name, PLANT, PEAK, **own)

@@ -473,7 +473,7 @@ def test_a_law_needs_in_six_degrees_what_it_needs_in_the_linear_theory(
     """The linear values are those of `closed_loop_boundary` at 100 Hz, in 7.5 s."""
     plant = drifting(configuration_i)
     wind = tv.TriangularWind(peak=DEGREE, duration=7.5)
-    chosen = tv.answers.standard_laws(plant, DEGREE)[law]
+    chosen = tv.design.standard_laws(plant, DEGREE)[law]
     flown = in_jsbsim(configuration_i, wind, law=chosen, tolerance=2e-3)
 
     assert flown.limit == pytest.approx(linear, abs=5e-3)

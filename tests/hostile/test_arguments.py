@@ -199,8 +199,8 @@ def test_a_file_of_tables_in_tables_is_refused_in_one_sentence(
     key: str, depth: int, tmp_path: Path
 ) -> None:
     file = tmp_path / "deep.toml"
-    loads = (tv.load_vehicle, tv.load_schedule, tv.load_study, tv.answers.load_sizing)
-    loads += (tv.answers.load_campaign,)
+    loads = (tv.load_vehicle, tv.load_schedule, tv.load_study, tv.studyfile.load_sizing)
+    loads += (tv.studyfile.load_campaign,)
     deep = "[" * depth + "]" * depth, "{a=" * depth + "1" + "}" * depth
     for text in (
         *(f"{key} = {one}\n" for one in deep),

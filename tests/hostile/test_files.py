@@ -119,12 +119,12 @@ def test_no_number_and_no_nesting_is_a_traceback(tmp_path: Path, text: str, said
     file = tmp_path / "my.toml"
     file.write_text(text)
 
-    for load in (tv.load_vehicle, tv.load_study, tv.answers.load_sizing, tv.load_schedule):
+    for load in (tv.load_vehicle, tv.load_study, tv.studyfile.load_sizing, tv.load_schedule):
         with pytest.raises(tv.InputError, match=said.replace("+", r"\+")) as caught:
             load(file)
         assert len(str(caught.value)) < 900
     with pytest.raises(tv.InputError, match=said.replace("+", r"\+")):
-        tv.answers.load_campaign(file)
+        tv.studyfile.load_campaign(file)
 
 
 @pytest.mark.parametrize(

@@ -23,9 +23,9 @@ import tvclin as tv
 from tests.clock import THERE, ending
 from tests.studies import FLIGHT as FLIGHT_STUDY
 from tests.turns import drawn
-from tvclin.answers.campaign.file import template as campaign_template
-from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app
+from tvclin.studyfile.campaign_file import template as campaign_template
+from tvclin.studyfile.read import example as study_example
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 SOUNDINGS = Path(__file__).parents[1] / "soundings"
@@ -353,7 +353,7 @@ def test_no_campaign_file_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", re.sub(r"^cases = \d+", "cases = 20", text, flags=re.MULTILINE))
         try:
-            plan = tv.answers.load_campaign("my.toml")
+            plan = tv.studyfile.load_campaign("my.toml")
         except tv.InputError:
             plan = None
         if plan is None or plan.cases <= 100:

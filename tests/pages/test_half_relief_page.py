@@ -139,7 +139,7 @@ WINDS = {
 def test_what_other_winds_ask_for(words, name):
     ((short, long),) = re.findall(words, PROSE)
     for shown, tau_beta in ((float(short), 4), (float(long), 8)):
-        wind = tv.answers.standard_winds(PEAK, tau_beta / BETA)[name]
+        wind = tv.design.standard_winds(PEAK, tau_beta / BETA)[name]
         tried = (shown + np.array([-0.009, 0.006, 0.02, 0.05, 0.1])) * TRIM
         options = {"actuator": SERVO, "sample_rate": 60.0}
         found = tv.fly_many(EXACT, HALF, wind, deflection_limit=tried, **options)

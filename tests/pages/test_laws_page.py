@@ -41,7 +41,7 @@ def shown(number: str, value: float) -> None:
     assert float(number) == pytest.approx(value, abs=0.5 * 10.0**-digits + 2e-5)
 
 
-REVERSAL = tv.answers.standard_winds(PEAK, triangle(4.0).duration)["full reversal"]
+REVERSAL = tv.design.standard_winds(PEAK, triangle(4.0).duration)["full reversal"]
 OBSERVER = tv.control.WindEstimator(bandwidth=1.0, seed=1)
 MEASURED = {
     r"without one the limit is (\S+), and": lambda: needs(lean(design_peak=None), REVERSAL, 50.0),

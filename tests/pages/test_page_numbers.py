@@ -38,7 +38,7 @@ def triangle(vehicle: tv.Vehicle, degrees: float = 1.0) -> tv.TriangularWind:
 def test_the_laws_flown_on_both_pages(law: str) -> None:
     vehicle = FLIGHT[0]
     plant, found = tv.Plant.from_vehicle(vehicle, "drift-exact"), []
-    control = tv.answers.standard_laws(plant, DEGREE)[law]
+    control = tv.design.standard_laws(plant, DEGREE)[law]
     rectangle = tv.RectangularWind(peak=DEGREE, duration=triangle(vehicle).duration)
     for wind in (triangle(vehicle), rectangle):
         found.append(tv.closed_loop_boundary(plant, control, wind, sample_rate=100).limit)
@@ -109,7 +109,7 @@ def test_along_the_trajectory(label: str, degrees: float, plane: str) -> None:
     wind = peak.shift(vehicle.time - peak.duration / 2.0)
     options = {"plane": plane, "frozen": False}
     options["condition"] = load_flight_condition("configuration-i")
-    laws = tv.answers.standard_laws(tv.Plant.from_vehicle(vehicle, "drift-exact", plane), peak.peak)
+    laws = tv.design.standard_laws(tv.Plant.from_vehicle(vehicle, "drift-exact", plane), peak.peak)
 
     found = [
         tv.flown_boundary(vehicle, wind, K, engine=engine, tolerance=1e-5, **options).limit

@@ -105,7 +105,7 @@ def boundary_map(vehicle):
 
 def least_gains(vehicle):
     found = tv.least_deflection_gains(rigid(vehicle), WIND, actuator=tv.Actuator(), delay=0.02)
-    return plots.least_gains_chart([tv.answers.least_gains_front(found, [0.6, 0.8, 1.0])])
+    return plots.least_gains_chart([tv.design.least_gains_front(found, [0.6, 0.8, 1.0])])
 
 
 CHARTS = {

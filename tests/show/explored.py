@@ -7,7 +7,7 @@ from tvclin.show.explorer import controls
 from tvclin.show.explorer.choices import Choices
 
 
-def values(plan: tv.answers.StudyPlan) -> dict[str, Any]:
+def values(plan: tv.studyfile.StudyPlan) -> dict[str, Any]:
     """Return where the controls begin for a plan."""
     return {
         **{field: one[2] for field, one in controls.lists(plan, ["vehicle"]).items()},

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.findings import Findings, find
 from tvclin.base.lines import Number, text
 from tvclin.show.report import basis, rests, sections, verdict
+from tvclin.studyfile.findings import Findings, find
 
 HEADER = re.compile(r"<header.*?</header>", re.DOTALL)
 
@@ -77,7 +77,7 @@ def test_the_panel_does_not_judge_a_wind_of_60_degrees() -> None:
     from tvclin.show.explorer.choices import Choices
 
     wind = tv.winds.ShapedWind("triangular", float(np.radians(60.0)), 7.5)
-    plan = tv.answers.StudyPlan(
+    plan = tv.studyfile.StudyPlan(
         vehicle=tv.load_vehicle("configuration-i"), wind=wind, nozzle=tv.Nozzle(limit=0.2)
     )
     said = answer(Choices(plan=plan, law="trim"), 4).verdict

@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tests.show.explored import moved
 from tests.turns import usual
-from tvclin.answers.campaign.cases import nominal
-from tvclin.answers.findings import find
 from tvclin.cli.app import app
+from tvclin.ensembles.campaign.cases import nominal
 from tvclin.show.explorer.answer import answer
+from tvclin.studyfile.findings import find
 from tvclin.vehicle.vehicle_file import vehicle_file, vehicle_table
 
 VEHICLES = ("configuration-i", "configuration-ii", "made-up-booster")
@@ -126,7 +126,7 @@ def test_every_entry_point_says_the_same(seed: int, tmp_path: Path) -> None:
     page = find(plan).study.required_deflection
     panel = answer(moved(str(tmp_path / "study.toml")), 4).required
     shared = {key: getattr(one_case, key) for key in ("model", "plane", "sign", "wind", "nozzle")}
-    campaign = tv.answers.Campaign(vehicle=vehicle, cases=1, dead_bands=(K,), **shared)
+    campaign = tv.ensembles.Campaign(vehicle=vehicle, cases=1, dead_bands=(K,), **shared)
     dispersed = nominal(campaign)[f"required_K{K:g}"]
     if "nozzle" in tables:
         given[given.index("--plane") + 1] = "both"

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.explored import moved, values
-from tvclin.answers.parts import COMPUTED, OPTIONS, TOLD, entry
+from tvclin.case.parts import COMPUTED, OPTIONS, TOLD, entry
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.kernels.choice import pinned
@@ -173,7 +173,7 @@ def test_each_part_that_the_table_calls_computed_is_asked() -> None:
 @pytest.mark.parametrize("law", CONTROLS)
 def test_what_cannot_be_answered_says_why(few: None, arm: float, law: str) -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
-    plan = tv.answers.StudyPlan(vehicle=stable, model="drift")
+    plan = tv.studyfile.StudyPlan(vehicle=stable, model="drift")
     found = answer(choices_of(plan, stable, values(plan) | {"law": law}))
 
     assert all(len(note.split()) > 3 for note in found.notes)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from tests.archives import Balloon, days, jet, write
-from tvclin.answers.findings import Findings
-from tvclin.answers.questions import questions
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.plots import study_chart
 from tvclin.show.report.page import page_of
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.questions import questions
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")

@@ -10,12 +10,11 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.answers.asked_table import asked_table
-from tvclin.answers.findings import Findings, find
-from tvclin.answers.questions import all_yes, questions, sufficient
 from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.show.report import verdict
+from tvclin.studyfile.findings import Findings, find
+from tvclin.studyfile.questions import all_yes, asked_table, questions, sufficient
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.control.Criteria.custom("loose", aero_margin_dB=3.0)
@@ -24,7 +23,7 @@ DESIGN = tv.AutopilotDesign(design="poles", natural_frequency=2.0, damping=0.8)
 
 def found_for(limit_deg: float | None, **changes: object) -> Findings:
     limit = None if limit_deg is None else float(np.radians(limit_deg))
-    plan = tv.answers.StudyPlan(
+    plan = tv.studyfile.StudyPlan(
         vehicle=tv.load_vehicle("configuration-i"),
         nozzle=tv.Nozzle(limit=limit),
         cases=400,

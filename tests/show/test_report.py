@@ -12,18 +12,18 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.findings import find
-from tvclin.answers.glossary import TERMS
-from tvclin.answers.questions import questions
-from tvclin.answers.study_file.parse import parse_study
-from tvclin.answers.study_file.read import example
-from tvclin.answers.trials import law_trials
 from tvclin.base.lines import Number, text
 from tvclin.cli.app import app
+from tvclin.design.standard_trials import law_trials
 from tvclin.linear.plant import MODELS
 from tvclin.show.report import basis, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.glossary import TERMS
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.questions import questions
+from tvclin.studyfile.read import example
 from tvclin.vehicle.vehicle_file import template
 from tvclin.winds.shaped import SHAPES
 
@@ -91,16 +91,16 @@ def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
 
 
 @pytest.fixture(scope="module")
-def plan() -> tv.answers.StudyPlan:
+def plan() -> tv.studyfile.StudyPlan:
     """Return the example in calm air's dynamic pressure, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.answers.LawsRequest(names=("trim", "autopilot"), sample_rate=20.0)
+    laws = tv.design.LawsRequest(names=("trim", "autopilot"), sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight, sign="frozen")
 
 
 @pytest.fixture(scope="module")
-def html(plan: tv.answers.StudyPlan) -> str:
+def html(plan: tv.studyfile.StudyPlan) -> str:
     return tv.report_html(plan)
 
 
@@ -188,9 +188,9 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
     }
 
 
-def expected_laws(plan: tv.answers.StudyPlan, study: tv.Study) -> dict[str, float]:
+def expected_laws(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, float]:
     plant = tv.Plant.from_vehicle(plan.vehicle, plan.model)
-    laws = tv.answers.standard_laws(plant, study.wind.peak)
+    laws = tv.design.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"any": tv.forecast_free_limit(plant, study.wind).limit}
     parts["minimum"] = np.degrees(tv.optimum_deflection(plant, study.wind).peak) / trim
@@ -272,8 +272,8 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
     )
 
 
-def expected_dispersed(plan: tv.answers.StudyPlan, study: tv.Study) -> dict[str, float]:
-    d = tv.answers.disperse_study(study, plan.dispersions, cases=300, seed=1)
+def expected_dispersed(plan: tv.studyfile.StudyPlan, study: tv.Study) -> dict[str, float]:
+    d = tv.ensembles.disperse_study(study, plan.dispersions, cases=300, seed=1)
     return {
         "asked.probability": 99.865,
         "basis.success": 100.0 * d.success.estimate,
@@ -289,7 +289,7 @@ def expected_dispersed(plan: tv.answers.StudyPlan, study: tv.Study) -> dict[str,
     } | {f"dispersed.driver.{name}": rank for name, rank in d.drivers.items()}
 
 
-def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
+def expected_flight(plan: tv.studyfile.StudyPlan) -> dict[str, float]:
     """Each flight time by itself, and the sum of the worst one as the text of the page has it."""
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     schedule = tv.load_schedule("configuration-i")
@@ -344,7 +344,7 @@ def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
     }
 
 
-def test_every_number_is_that_of_the_library(plan: tv.answers.StudyPlan, page: Page) -> None:
+def test_every_number_is_that_of_the_library(plan: tv.studyfile.StudyPlan, page: Page) -> None:
     study = plan.study()
     expected = (
         expected_verdict(study)
@@ -381,7 +381,7 @@ def test_every_number_is_that_of_the_library(plan: tv.answers.StudyPlan, page: P
         assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
 
 
-def test_the_response_is_the_exact_one(plan: tv.answers.StudyPlan, page: Page) -> None:
+def test_the_response_is_the_exact_one(plan: tv.studyfile.StudyPlan, page: Page) -> None:
     """Against a dense sample of the report's eq (13) flown to the end that the page names."""
     study = plan.study()
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
@@ -404,7 +404,7 @@ def test_the_response_is_the_exact_one(plan: tv.answers.StudyPlan, page: Page) -
     assert shown["response.angle_of_attack_s"] == pytest.approx(times[attack.argmin()], abs=1e-3)
 
 
-def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.answers.StudyPlan) -> None:
+def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.studyfile.StudyPlan) -> None:
     lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
     found = find(lost)
     shown = numbers(sections.response(found))
@@ -478,7 +478,7 @@ def test_formulas_are_mathml_and_the_glossary_has_what_stands_on_the_page(html: 
     assert "<math" in glossary
 
 
-def test_the_same_inputs_give_the_same_bytes(plan: tv.answers.StudyPlan, html: str) -> None:
+def test_the_same_inputs_give_the_same_bytes(plan: tv.studyfile.StudyPlan, html: str) -> None:
     again = tv.report_html(plan)
     for _ in range(2):
         if again == html:  # else some work became worth machine code, which changes last digits
@@ -488,7 +488,7 @@ def test_the_same_inputs_give_the_same_bytes(plan: tv.answers.StudyPlan, html: s
     assert len(html.encode()) < 2_000_000
 
 
-def test_the_seal_is_that_of_the_inputs(plan: tv.answers.StudyPlan, html: str) -> None:
+def test_the_seal_is_that_of_the_inputs(plan: tv.studyfile.StudyPlan, html: str) -> None:
     short = replace(plan, laws=None, design=None, criteria=None, dispersions=None)
     nearly = replace(short, nozzle=tv.Nozzle(limit=plan.nozzle.limit * (1 + 1e-15)))
 
@@ -516,10 +516,10 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
 
 
 def test_a_pulse_without_a_closed_form_is_named_no_equation(
-    plan: tv.answers.StudyPlan, monkeypatch: pytest.MonkeyPatch
+    plan: tv.studyfile.StudyPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
-    bare = tv.answers.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
+    bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
     told = set(cells(basis.equations(find(bare))))
 
     assert {"(4b)", "(5)", "(B7)"} <= told
@@ -546,9 +546,9 @@ def test_a_measured_wind_is_told_with_its_station_its_date_and_the_direction_of_
     ],
 )
 def test_each_model_has_the_equation_that_glossary_and_conventions_say(
-    plan: tv.answers.StudyPlan, model: str, named: set[str], others: set[str]
+    plan: tv.studyfile.StudyPlan, model: str, named: set[str], others: set[str]
 ) -> None:
-    bare = tv.answers.StudyPlan(vehicle=plan.vehicle, model=model)
+    bare = tv.studyfile.StudyPlan(vehicle=plan.vehicle, model=model)
     told = set(cells(basis.equations(find(bare))))
     assert named | {"(12)"} <= told
     assert not others & told
@@ -559,7 +559,7 @@ def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'
     vehicle = tv.load_vehicle("configuration-i").replace(name=name)
     criteria = tv.control.Criteria.custom("--><script>", aero_margin_dB=3)
-    html = tv.report_html(tv.answers.StudyPlan(vehicle=vehicle, criteria=criteria))
+    html = tv.report_html(tv.studyfile.StudyPlan(vehicle=vehicle, criteria=criteria))
     page = Page(html)
 
     assert not {"script", "b"} & {tag for tag, _ in page.tags}
@@ -636,7 +636,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
 
 
 def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
-    plan: tv.answers.StudyPlan,
+    plan: tv.studyfile.StudyPlan,
 ) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.75)
     wind = replace(plan.wind, gust=gust, gust_at=3.75)
@@ -656,10 +656,10 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
 
 
 def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
-    plan: tv.answers.StudyPlan,
+    plan: tv.studyfile.StudyPlan,
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
-    fixed = tv.answers.StudyPlan(
+    fixed = tv.studyfile.StudyPlan(
         vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once, sign="frozen"
     )
     short = find(fixed)
@@ -695,7 +695,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     said = (
         "the flight is that of configuration-i, not of the study's vehicle, my.toml; give its own"
     )
-    asked = tv.answers.load_sizing(study).sizing
+    asked = tv.studyfile.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["size", str(study)])
 
@@ -705,8 +705,8 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     assert f"\nNote: {said}" in sized.output
 
 
-def test_a_flight_without_an_answer_says_why(plan: tv.answers.StudyPlan) -> None:
-    late = tv.answers.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
+def test_a_flight_without_an_answer_says_why(plan: tv.studyfile.StudyPlan) -> None:
+    late = tv.studyfile.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
     said = " ".join(words(flight.over_flight(find(late))))
     assert said.startswith("There is no answer: time must be between 41 and 116 s")
 
@@ -737,7 +737,7 @@ def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
     vehicle = tv.load_vehicle("configuration-i")
     limit = None if limit is None else np.radians(limit)
     heading = verdict.sentence(
-        find(tv.answers.StudyPlan(vehicle=vehicle, nozzle=tv.Nozzle(limit=limit)))
+        find(tv.studyfile.StudyPlan(vehicle=vehicle, nozzle=tv.Nozzle(limit=limit)))
     )
     words = "".join(one if isinstance(one, str) else one.text for one in heading)
 
@@ -745,11 +745,11 @@ def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
 
 
 def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
-    plan: tv.answers.StudyPlan,
+    plan: tv.studyfile.StudyPlan,
 ) -> None:
     edge = tv.boundary.single_pole_validity(tv.Coefficients.from_vehicle(plan.vehicle))
     for duration, told in ((0.999 * edge, False), (1.001 * edge, True)):
-        long = tv.answers.StudyPlan(
+        long = tv.studyfile.StudyPlan(
             vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration)
         )
         doubts = [text(one.line) for one in rests.rests(find(long)) if one.state == "doubt"]
@@ -764,13 +764,13 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(
     ],
 )
 def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
-    plan: tv.answers.StudyPlan,
+    plan: tv.studyfile.StudyPlan,
     change: dict[str, float],
     duration: float,
     dead_band: float,
     said: str,
 ) -> None:
-    asked = tv.answers.StudyPlan(
+    asked = tv.studyfile.StudyPlan(
         vehicle=plan.vehicle.replace(**change),
         wind=replace(plan.wind, duration=duration),
         model="drift-exact",
@@ -783,9 +783,9 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     assert said in sections.response(found).blocks[0].caption
 
 
-def test_a_page_says_where_no_limit_is_enough(plan: tv.answers.StudyPlan) -> None:
+def test_a_page_says_where_no_limit_is_enough(plan: tv.studyfile.StudyPlan) -> None:
     slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
-    asked = tv.answers.StudyPlan(
+    asked = tv.studyfile.StudyPlan(
         vehicle=slow,
         wind=plan.wind,
         model="drift-exact",
@@ -804,8 +804,8 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.answers.StudyPlan) -> Non
     assert sections.response(endless) is None
 
 
-def test_the_page_tells_every_doubt_of_the_study(plan: tv.answers.StudyPlan) -> None:
-    long = tv.answers.StudyPlan(
+def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -> None:
+    long = tv.studyfile.StudyPlan(
         vehicle=plan.vehicle,
         wind=replace(plan.wind, duration=60.0),
         model="drift-exact",
@@ -825,7 +825,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.answers.StudyPlan) -> 
 def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     limit = tv.Nozzle(limit=np.radians(0.4))
-    page = Page(tv.report_html(tv.answers.StudyPlan(vehicle=vehicle, nozzle=limit)))
+    page = Page(tv.report_html(tv.studyfile.StudyPlan(vehicle=vehicle, nozzle=limit)))
     study = tv.Study.of(tv.Case(vehicle=vehicle, nozzle=limit))
     needs = {name: np.degrees(one) for name, one in study.encountered.items()}
 
@@ -844,7 +844,7 @@ def test_where_the_autopilot_decides_the_page_survives_what_its_flight_survives(
     """In calm air it scales with its wind; in a head wind the dynamic pressure grows with it."""
     vehicle, limit = tv.load_vehicle("configuration-i"), np.radians(0.2)
     nozzle, design = tv.Nozzle(limit=limit), tv.AutopilotDesign(design="canonical")
-    calm = tv.answers.StudyPlan(vehicle=vehicle, nozzle=nozzle, design=design, sign="frozen")
+    calm = tv.studyfile.StudyPlan(vehicle=vehicle, nozzle=nozzle, design=design, sign="frozen")
     told = {}
     for plan in (calm, replace(calm, sign=None)):
         (peak, *_) = Page(tv.report_html(plan)).numbers["facts.survivable_peak_deg"]
@@ -881,14 +881,14 @@ def test_a_notebook_shows_a_short_table() -> None:
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
-def test_a_stable_vehicle_has_a_page_too(plan: tv.answers.StudyPlan) -> None:
+def test_a_stable_vehicle_has_a_page_too(plan: tv.studyfile.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))
 
     assert "that the whole flight of configuration-i requires" in html
     assert html.count("There is no answer:") == 2
     assert "No deflection is needed" in tv.report_html(
-        tv.answers.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
+        tv.studyfile.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
     )
 
 
@@ -932,7 +932,7 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
-def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.answers.StudyPlan) -> None:
+def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.studyfile.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
     enough, found = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
     loop = found.comparison

@@ -11,12 +11,12 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
-from tvclin.answers.availability.request import AVAILABILITY_TABLE
-from tvclin.answers.findings import find
-from tvclin.answers.questions import questions
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
+from tvclin.ensembles.availability.availability_request import AVAILABILITY_TABLE
 from tvclin.show.report.flight import availability
+from tvclin.studyfile.findings import find
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.questions import questions
 
 LIMIT = 0.5
 """deg; the wind of the study needs 0.37."""
@@ -43,7 +43,7 @@ def document(limit_deg: float | None = LIMIT, **changes: object) -> dict[str, di
     return {"study": head, "wind": wind, "availability": ASKED | changes} | question
 
 
-def the_library(folder, **changes: object) -> tv.answers.Availability:
+def the_library(folder, **changes: object) -> tv.ensembles.Availability:
     asked = {"limit": np.radians(LIMIT), "azimuth": np.radians(90), "plane": "pitch"}
     asked |= {"persistence": np.radians(0.02)} | changes
     archive = tv.read_soundings(folder / "s-data.txt")

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 import tvclin as tv
-from tvclin.answers.study_file.parse import parse_study
-from tvclin.answers.study_file.read import example
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.read import example
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
@@ -61,7 +61,7 @@ _LINES = """return [...document.querySelectorAll('figure svg path')]
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Open the example's page, with fewer laws and cases, in a browser without a window."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.answers.LawsRequest(
+    laws = tv.design.LawsRequest(
         names=("trim",), winds=("triangle", "1 - cosine"), sample_rate=20.0
     )
     page = tmp_path_factory.mktemp("page") / "report.html"

@@ -10,13 +10,13 @@ import pytest
 
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
-from tvclin.answers.findings import Findings, find
-from tvclin.answers.least_gains import asked
-from tvclin.answers.questions import questions, sufficient
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.base.lines import Number
+from tvclin.design import least_gains_curves as asked
 from tvclin.show.report import basis, control, flexible, sections
 from tvclin.show.report.page import page_of
+from tvclin.studyfile.findings import Findings, find
+from tvclin.studyfile.parse import parse_study
+from tvclin.studyfile.questions import questions, sufficient
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 pytest.importorskip("jinja2")
@@ -56,12 +56,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def plan(folder: Path) -> tv.answers.StudyPlan:
+def plan(folder: Path) -> tv.studyfile.StudyPlan:
     return tv.load_study(folder / "all.toml")
 
 
 @pytest.fixture(scope="module")
-def page(plan: tv.answers.StudyPlan) -> tuple[str, Findings]:
+def page(plan: tv.studyfile.StudyPlan) -> tuple[str, Findings]:
     return page_of(plan)
 
 
@@ -216,6 +216,6 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
 def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):
-        laws = tv.answers.LawsRequest(names=("trim",), sample_rate=rate)
+        laws = tv.design.LawsRequest(names=("trim",), sample_rate=rate)
         found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
         assert f"sampled at {rate:g} Hz" in str(control.laws(found))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.answers.study_file.parse import parse_study
 from tvclin.show.report.page import page_of
+from tvclin.studyfile.parse import parse_study
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")

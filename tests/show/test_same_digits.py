@@ -8,13 +8,13 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.findings import find
-from tvclin.answers.study_tables import verdict
-from tvclin.answers.trial_tables import bounds, needed
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app
 from tvclin.control.margins.criteria import margin_table
+from tvclin.design.standard_trials import bounds, needed
+from tvclin.requirement.study_tables import verdict
 from tvclin.show.report import control, sections
+from tvclin.studyfile.findings import find
 
 TEXT = """
 [study]
@@ -95,8 +95,8 @@ def test_a_sizing_has_the_digits_of_its_csv_in_the_terminal(tmp_path):
 def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     winds = {"triangle": tv.TriangularWind(peak=np.radians(5.0), duration=3.0)}
-    laws = tv.answers.standard_laws(plant, np.radians(5.0))
-    trials = tv.answers.law_trials(plant, laws, winds, sample_rate=20.0)
+    laws = tv.design.standard_laws(plant, np.radians(5.0))
+    trials = tv.design.law_trials(plant, laws, winds, sample_rate=20.0)
     options = ("--duration", 3, "--wind", "triangle", "--sample-rate", 20)
     printed = run("laws", "configuration-i", "--model", "fixed-path", *options)
     over_trim = needed(trials, bounds(plant, winds))[1]

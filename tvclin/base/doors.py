@@ -45,7 +45,12 @@ CHAPTERS = (
     "boundary",
     "control",
     "flights",
-    "answers",
+    "case",
+    "requirement",
+    "nozzle",
+    "ensembles",
+    "design",
+    "studyfile",
     "plots",
 )
 

@@ -195,7 +195,7 @@ def _sentence(error: Exception) -> str | None:
     if isinstance(error, InputError):
         return str(error)
     if type(error).__name__ == "NoSuchOption":
-        from tvclin.answers.parts import refusal
+        from tvclin.case.parts import refusal
 
         context = getattr(error, "ctx", None)
         return context and refusal(str(context.info_name), str(vars(error)["option_name"]))

@@ -7,17 +7,12 @@ from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.autopilot_requirement import AutopilotRequirement, autopilot_requirement
-from tvclin.answers.case_requirement import CaseRequirement, study_requirement
-from tvclin.answers.gain_notes import gain_notes
-from tvclin.answers.least_gains.asked import autopilot_asked
-from tvclin.answers.least_gains.record import LeastGains
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency
+from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
 from tvclin.cli.inputs import case_of, note_nominal_pressure
@@ -44,6 +39,11 @@ from tvclin.control.comparison import (
     compare_with_trim,
     worst_duration,
 )
+from tvclin.design.least_gains import LeastGains
+from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.requirement.autopilot_requirement import AutopilotRequirement, autopilot_requirement
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import ATTACK, beyond_linear, linear_notes
@@ -281,7 +281,7 @@ class _Answer:
         from tvclin import plots
 
         if self.sought is not None:
-            from tvclin.answers.least_gains.front import least_gains_front
+            from tvclin.design.least_gains_curves import least_gains_front
 
             plots.save_figure(plots.least_gains_chart([least_gains_front(self.sought)]), plot)
         elif self.compared.margins.stable:

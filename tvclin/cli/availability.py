@@ -8,9 +8,6 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from tvclin.answers.availability import answer_tables
-from tvclin.answers.availability.growth import PairGrowth
-from tvclin.answers.availability.record import Availability, Today
 from tvclin.ascent.schedule_file import load_schedule
 from tvclin.base.errors import InputError, within
 from tvclin.cli.inputs import note_source, only_with
@@ -29,6 +26,9 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, draw, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import FormatOptions, GustOptions, noted_sounding
+from tvclin.ensembles.availability import availability_record as answer_tables
+from tvclin.ensembles.availability.availability_record import Availability, Today
+from tvclin.ensembles.availability.sounding_winds import PairGrowth
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
@@ -138,7 +138,8 @@ def availability(
     model: Given = MODEL,
     sign: Given = replace(SIGN, shown={"sign": "that of each sounding"}),
     question: Given = Given(
-        "answers.availability.request.AvailabilityRequest", "plane known_to confidence"
+        "ensembles.availability.availability_request.AvailabilityRequest",
+        "plane known_to confidence",
     ),
     only: ArchiveOptions = GROUP,
     begin: float | None = asked(
@@ -164,7 +165,7 @@ def availability(
     in every direction; 1: it is not, or that is not known; 2: bad input.
     """
     from tvclin import plots
-    from tvclin.answers.availability.availability import availability as availability_of
+    from tvclin.ensembles.availability.availability import availability as availability_of
 
     limit = float(np.radians(within("--limit-deg", limit_deg, 0.0, 90.0)))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))

@@ -5,14 +5,14 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
 from tvclin.base.errors import InputError
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import known
 from tvclin.cli.output import print_tables, say
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import Criteria
+from tvclin.design.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind

@@ -10,19 +10,25 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
-from tvclin.answers.campaign.engine import damaged, open_campaign, resume_campaign, run_campaign
-from tvclin.answers.campaign.executors import cluster, processes
-from tvclin.answers.campaign.file import load_campaign, template
-from tvclin.answers.campaign.manifest import read_manifest
-from tvclin.answers.campaign.results import CampaignResults
-from tvclin.answers.campaign.summary import CampaignSummary
 from tvclin.base.errors import InputError, number, positive
 from tvclin.base.files import called, write_new
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import GROUP, SIGN, AsJson, Given, asked, grouped
 from tvclin.cli.output import answer, print_tables, say
 from tvclin.cli.progress import bar
+from tvclin.ensembles.campaign.chunk_runner import (
+    cluster,
+    damaged,
+    open_campaign,
+    processes,
+    resume_campaign,
+    run_campaign,
+)
+from tvclin.ensembles.campaign.folder import read_manifest
+from tvclin.ensembles.campaign.results import CampaignResults
+from tvclin.ensembles.campaign.summary import CampaignSummary
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS
+from tvclin.studyfile.campaign_file import load_campaign, template
 
 campaign = typer.Typer(
     no_args_is_help=True,

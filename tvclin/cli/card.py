@@ -6,8 +6,6 @@ from typing import Annotated
 
 import typer
 
-from tvclin.answers.nozzle_cards.record import FlightCard
-from tvclin.answers.nozzle_cards.whole import flight_card
 from tvclin.base.errors import nonnegative, number, one_of, positive
 from tvclin.base.lines import listed
 from tvclin.cli.gains import FlownLaw
@@ -17,6 +15,8 @@ from tvclin.cli.output import answer, print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.size import SOURCE, FlightOptions, PlaneOptions, flight_asked
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.nozzle.data_sheet import FlightCard
+from tvclin.nozzle.flight_duty import flight_card
 
 _SIZING_FIELDS = "start stop every window"
 """Fields of `SizingRequest` that a card takes as options too."""
@@ -37,7 +37,7 @@ def card(
     ),
     seed: int | None = asked("Seed of the noise.", shown="0"),
     steady: float = asked("Length of the window of the steady rate, in s.", 0.5),
-    question: Given = Given("answers.sizing.request.SizingRequest", _SIZING_FIELDS, "sizing"),
+    question: Given = Given("requirement.flight.request.SizingRequest", _SIZING_FIELDS, "sizing"),
     model: Given = MODEL,
     planes: PlaneOptions = GROUP,
     sign: Given = Given(STUDY, "sign"),

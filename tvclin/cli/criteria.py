@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import nonnegative, one_of
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import asked
 from tvclin.control.margins.criteria import CRITERIA
+from tvclin.studyfile.study_plan import StudyPlan
 
 MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
 

@@ -34,11 +34,11 @@ def explore(
     """
     from importlib.util import find_spec
 
-    from tvclin.answers.case_requirement import pulse_of
-    from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError, missing
     from tvclin.base.files import exists, write_text
+    from tvclin.requirement.case_requirement import pulse_of
     from tvclin.show.explorer.lab import notebook_text, open_notebook
+    from tvclin.studyfile.read import load_study
 
     words = list(options or ())
     source = words.pop(0) if words and not words[0].startswith("-") else None

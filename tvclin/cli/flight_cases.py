@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.least_gains.asked import autopilot_asked
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.ascent.flight_condition import FlightCondition
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL, survival
@@ -15,12 +13,14 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
+from tvclin.design.least_gains_curves import autopilot_asked
 from tvclin.flights.flown_boundary import ENGINES, flown_boundary
 from tvclin.flights.nozzle_command import ReportControl
 from tvclin.flights.theory_comparison import FlightComparison, compare_flight, linear_boundary
 from tvclin.flights.verdict import verdict_time
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

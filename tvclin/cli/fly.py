@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 import typer
 
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import vehicle_source
 from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.base.errors import Faults, one_of, within
 from tvclin.base.lines import listed
@@ -34,6 +32,8 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.flights.flown_boundary import ENGINES
+from tvclin.studyfile.read import vehicle_source
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 
 _MAX_UNTIL = 20.0

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.flexible import with_filters
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.base.quantities import NOMINAL, survival
+from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.flight_cases import REPORT, Flying
 from tvclin.cli.fly_shown import Compared, wind_line
 from tvclin.cli.margin_tables import parts_line
@@ -18,6 +17,7 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS, SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
+from tvclin.studyfile.study_plan import StudyPlan
 
 _LIMIT_OVER_BOUNDARY = 1.1
 """Limit of a flight without --limit-deg, over its boundary."""

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_requirement import CaseRequirement, study_requirement
 from tvclin.base.documents import picked
 from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_json, print_tables, say, say_notes, say_required
 from tvclin.cli.wind import wind_words
 from tvclin.flights.theory_comparison import PEAKS, FlightComparison
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.winds.wind_angles import linear_notes
 
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
-from tvclin.answers.nozzle import USUAL_ACTUATOR
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, nonnegative, number, positive
+from tvclin.case.nozzle import USUAL_ACTUATOR
 from tvclin.cli.inputs import only_with
 from tvclin.cli.options import DESIGN, GROUP, SAMPLE_RATE, Given, asked
 from tvclin.control.autopilot.design_rules import (
@@ -16,6 +15,7 @@ from tvclin.control.autopilot.design_rules import (
     RULE_KEYS,
     AutopilotDesign,
 )
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.filters import Filter
 
 

@@ -5,17 +5,17 @@ from functools import cached_property
 
 import numpy as np
 
-from tvclin.answers.case import Case
-from tvclin.answers.case_requirement import CaseRequirement, study_requirement
-from tvclin.answers.requirement import covers, required_deflection
 from tvclin.base.errors import InputError, within
 from tvclin.base.quantities import NOMINAL
+from tvclin.case.case import Case
 from tvclin.cli.wind import wind_words
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import Extremes, Loads, ResponseEnd, extremes, response_end, wind_loads
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.verdict import Verdict, judge
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.requirement.nominal_requirement import covers, required_deflection
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 

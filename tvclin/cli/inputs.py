@@ -4,13 +4,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from tvclin.answers.case import Case
-from tvclin.answers.parts import told, wholly_rigid
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import InputError
 from tvclin.base.lines import listed
+from tvclin.case.case import Case
+from tvclin.case.parts import told, wholly_rigid
 from tvclin.cli.output import say
+from tvclin.studyfile.read import load_study
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.vehicle.vehicle_file import source_tables
@@ -84,7 +84,7 @@ def note_left_out(case: Case, *questions: str) -> None:
 
 def note_nominal_pressure(case: Case) -> None:
     """Print on stderr that an answer is at nominal dynamic pressure, and a head wind's rise."""
-    from tvclin.answers.study_notes import nominal_pressure  # late: with all of a study
+    from tvclin.requirement.study import nominal_pressure  # late: with all of a study
 
     for words in nominal_pressure(case) if case.sign is None else ():
         say(f"Note: the answer is {words} (tvclin study counts it).", err=True)

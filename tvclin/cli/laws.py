@@ -5,15 +5,11 @@ from functools import partial
 from math import degrees
 from typing import Any
 
-from tvclin.answers.flexible import with_filters
-from tvclin.answers.least_gains.asked import autopilot_asked
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.trial_tables import LEGEND, Bounds, bounds, doubts, loads, needed, tried
-from tvclin.answers.trials import WINDS, LawTrials, law_trials, standard_laws, standard_winds
 from tvclin.base.documents import picked
 from tvclin.base.errors import one_of, within
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
+from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.margin_tables import parts_line
@@ -23,8 +19,24 @@ from tvclin.cli.progress import bar
 from tvclin.cli.wind import BlowingOptions
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.design.least_gains_curves import autopilot_asked
+from tvclin.design.standard_trials import (
+    LEGEND,
+    WINDS,
+    Bounds,
+    LawTrials,
+    bounds,
+    doubts,
+    law_trials,
+    loads,
+    needed,
+    standard_laws,
+    standard_winds,
+    tried,
+)
 from tvclin.linear.flexible import AnyPlant, plant_of
 from tvclin.linear.plant import Plant
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import linear_notes

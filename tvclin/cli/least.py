@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass, replace
 
-from tvclin.answers.case import Case
-from tvclin.answers.least_gains.asked import least_asked
-from tvclin.answers.least_gains.record import LeastGains
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.case.case import Case
 from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import asked, switch
 from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.margins.criteria import Criteria
+from tvclin.design.least_gains import LeastGains
+from tvclin.design.least_gains_curves import least_asked
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.shaped import ShapedWind
 
 _DURATION_RATIOS = (1.0, 0.5, 2.0)

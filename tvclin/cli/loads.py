@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from tvclin.answers.case_requirement import CaseRequirement, study_requirement
-from tvclin.answers.load import FlownLoad
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
+from tvclin.case.load import FlownLoad
 from tvclin.cli.fly_linear import law_with_a_stop
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import case_of, note_left_out, note_nominal_pressure
@@ -27,6 +25,8 @@ from tvclin.cli.output import answer, print_tables, say, say_bound, say_notes
 from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.studyfile.study_plan import StudyPlan
 
 
 def loads(
@@ -34,7 +34,7 @@ def loads(
     time: At = None,
     blows: WindOptions = GROUP,
     limits: Given = BOTH_LIMITS,
-    bound: Given = Given("answers.load.LoadBound", "load", "load"),
+    bound: Given = Given("case.load.LoadBound", "load", "load"),
     law: list[str] | None = asked(
         f"Also fly this law with the limit, and tell its load: {listed(LAWS, 'or')}; gains below"
         f" are of {AUTOPILOT}. May be given several times.",

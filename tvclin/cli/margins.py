@@ -5,12 +5,10 @@ from functools import cached_property
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from tvclin.answers.gain_notes import gain_notes
-from tvclin.answers.least_gains.asked import autopilot_asked
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.quantities import NOMINAL
+from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.cli.box import Box, BoxFound, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.gains import GAINS, LoopOptions
@@ -35,7 +33,9 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
 from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.design.least_gains_curves import autopilot_asked
 from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
+from tvclin.studyfile.study_plan import StudyPlan
 
 if TYPE_CHECKING:
     from control import ControlPlot

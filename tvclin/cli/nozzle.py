@@ -1,9 +1,5 @@
 """`tvclin nozzle`: angle and rate that a wind requires, and the duty in a law's flight."""
 
-from tvclin.answers.case_requirement import CaseRequirement, study_requirement
-from tvclin.answers.flown_front import FlownFront, flown_fronts
-from tvclin.answers.nozzle_cards.flown import FlownCard
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.base.quantities import NOMINAL
@@ -27,6 +23,10 @@ from tvclin.cli.output import answer, print_tables, say, say_bound, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import WindOptions
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.nozzle.flight_duty import FlownCard
+from tvclin.nozzle.flown_trade_off import FlownFront, flown_fronts
+from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.studyfile.study_plan import StudyPlan
 
 _FLIGHT_LIMITS = ("acceleration_limit", "travel_limit", "torque_limit", "power_limit")
 """Limits that only a flight can exceed: the theory has no bound for them."""

@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import typer
 
-from tvclin.answers.case_requirement import study_requirement
-from tvclin.answers.optimum import KnownWind
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of
 from tvclin.cli.options import GROUP, MOTION, RATE_LIMIT, At, Given, ShownCurves, Source, asked
@@ -14,6 +12,8 @@ from tvclin.cli.output import print_json, print_tables, say, say_notes, say_requ
 from tvclin.cli.wind import WindOptions
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
+from tvclin.requirement.case_requirement import study_requirement
+from tvclin.requirement.nominal_requirement import KnownWind
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import linear_notes
 

@@ -102,7 +102,7 @@ def switch(flag: str, help: str) -> Any:
 class Given:
     """Options of declared fields of a case or a question; `grouped` gives them to a command.
 
-    `kind`: the module of the dataclass, and its name: "answers.nozzle.Nozzle". `names`: its fields;
+    `kind`: the module of the dataclass, and its name: "case.nozzle.Nozzle". `names`: its fields;
     without, all that have an option. `at`: which part of a plan it is; the plan itself where it is
     empty. `shown`: what stands for the default of an option, where that is not the one declared.
     `values`: what was given, by field, in SI units.
@@ -205,9 +205,9 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
 GROUP: Any = object()
 """The default of a parameter that is a dataclass of options."""
 SHAPE = asked(f"Shape of the wind: {listed(SHAPES, 'or')}.", shown="triangular")
-STUDY = "answers.study_file.plan.StudyPlan"
+STUDY = "studyfile.study_plan.StudyPlan"
 DESIGN = "control.autopilot.design_rules.AutopilotDesign"
-NOZZLE = "answers.nozzle.Nozzle"
+NOZZLE = "case.nozzle.Nozzle"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot"}
 """Panels of the help, by the record whose options they group."""
 MOTION = Given(STUDY, "model plane")

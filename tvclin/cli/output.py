@@ -13,10 +13,10 @@ import typer
 if TYPE_CHECKING:
     from control import ControlPlot
 
-    from tvclin.answers.case_requirement import CaseRequirement
     from tvclin.base.lines import Line, Table
     from tvclin.boundary.limit_over_load import LoadTradeOff
     from tvclin.boundary.limit_over_rate import RateTradeOff
+    from tvclin.requirement.case_requirement import CaseRequirement
 
 
 _MAX_COLUMN_PADDING = 3

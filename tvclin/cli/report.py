@@ -5,14 +5,14 @@ from typing import Annotated
 
 import typer
 
-from tvclin.answers.findings import Findings
-from tvclin.answers.questions import all_yes, sufficient
-from tvclin.answers.study_file.read import example_plan, load_study
 from tvclin.base.files import called, write_whole
 from tvclin.cli.inputs import note_left_out, only_with
 from tvclin.cli.options import At
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.questions import all_yes, sufficient
+from tvclin.studyfile.read import example_plan, load_study
 
 
 def report(

@@ -9,24 +9,13 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from tvclin.answers.campaign.quick import disperse_study, part_in_a_wind
-from tvclin.answers.case import FROZEN
-from tvclin.answers.quantity import DEAD_BAND, Requirement
-from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.notes import hundredths
-from tvclin.answers.sizing.ratio import ControllabilityRatio
-from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.request import SizingRequest, SoundingRequest
-from tvclin.answers.sizing.total import DeflectionTotal, total_table
-from tvclin.answers.study import Study
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import load_sizing
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
 from tvclin.boundary.limit_shapes import LimitShape
+from tvclin.case.case import FROZEN
 from tvclin.cli.gains import FlownLaw
 from tvclin.cli.inputs import changed, chosen, note_source, only_with
 from tvclin.cli.options import (
@@ -46,6 +35,16 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, draw, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import BiasOptions, ShapedOptions, azimuth_of
+from tvclin.ensembles.dispersed_study import disperse_study, part_in_a_wind
+from tvclin.requirement.flight import sizing_tables as tables
+from tvclin.requirement.flight.controllability import ControllabilityRatio
+from tvclin.requirement.flight.request import SizingRequest, SoundingRequest
+from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
+from tvclin.requirement.flight.total import DeflectionTotal, total_table
+from tvclin.requirement.required_quantity import DEAD_BAND, Requirement
+from tvclin.requirement.study import Study
+from tvclin.studyfile.read import load_sizing
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.winds.soundings.sounding_files import read_sounding
 
@@ -158,7 +157,7 @@ def size(
     planes: PlaneOptions = GROUP,
     sign: Given = SIGN,
     limits: Given = BOTH_LIMITS,
-    question: Given = Given("answers.sizing.request.SizingRequest", at="sizing"),
+    question: Given = Given("requirement.flight.request.SizingRequest", at="sizing"),
     disperse: bool = switch(
         "--disperse",
         "Find what dispersions add from 2000 cases at the worst time, as tvclin study --disperse.",

@@ -4,18 +4,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from tvclin.answers import study_tables as tables
-from tvclin.answers.findings import Findings, find
-from tvclin.answers.questions import (
-    all_yes,
-    loop_notes,
-    nominal_notes,
-    overall,
-    questioned,
-    questions,
-    sufficient,
-)
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
 from tvclin.cli.inputs import case_of, changed
 from tvclin.cli.options import (
@@ -34,6 +22,18 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, print_tables, say, say_lines, say_notes
 from tvclin.cli.progress import bar, waiting
 from tvclin.cli.wind import ShapedOptions
+from tvclin.requirement import study_tables as tables
+from tvclin.studyfile.findings import Findings, find
+from tvclin.studyfile.questions import (
+    all_yes,
+    loop_notes,
+    nominal_notes,
+    overall,
+    questioned,
+    questions,
+    sufficient,
+)
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle_file import numbers_as_written
 
 
@@ -53,7 +53,7 @@ def _with_limit_shape(stop: str | None, disperse: bool, plan: StudyPlan) -> Stud
     plan = replace(plan, nozzle=changed(plan.nozzle, stop=stop))
     if not disperse or plan.dispersions is not None:
         return plan
-    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+    from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS
 
     return replace(plan, dispersions=DEFAULT_DISPERSIONS)
 
@@ -125,7 +125,7 @@ def _print(findings: Findings, source: str, explain: bool) -> None:
     say(tables.LEGEND)
     say_notes(s.notes)
     if explain:
-        from tvclin.answers.glossary import quantity_table, symbol_table
+        from tvclin.studyfile.glossary import quantity_table, symbol_table
 
         say("")
         print_tables(symbol_table(), quantity_table())
@@ -142,7 +142,7 @@ def _print_questions(findings: Findings) -> None:
     if len(asked_questions) < 2:
         say_notes(loop_notes(findings))
         return
-    from tvclin.answers.asked_table import asked_table
+    from tvclin.studyfile.questions import asked_table
 
     say("")
     print_tables(asked_table(findings))

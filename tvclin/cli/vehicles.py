@@ -51,10 +51,10 @@ def init(
     time: At = None,
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
-    from tvclin.answers.study_file.read import example
     from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
     from tvclin.cli.inputs import only_with
+    from tvclin.studyfile.read import example
     from tvclin.vehicle.vehicle_file import list_vehicles, read_vehicle_text, template
 
     sources = {"--study": study, "--vehicle": vehicle is not None, "--from": schedule is not None}

@@ -7,10 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.case import Case
-from tvclin.answers.case_requirement import CaseRequirement, pulse_of
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import vehicle_source
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
     Faults,
@@ -23,9 +19,13 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.base.quantities import NOMINAL
+from tvclin.case.case import Case
 from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import SHAPE, TIME_HELP, asked
 from tvclin.cli.output import say
+from tvclin.requirement.case_requirement import CaseRequirement, pulse_of
+from tvclin.studyfile.read import vehicle_source
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.winds import wind_file
 from tvclin.winds.histories import History
@@ -282,7 +282,7 @@ class BlowingOptions(BiasOptions):
 
         As in `tvclin size`, only the wind with the sign of its peak counts.
         """
-        from tvclin.answers.sizing.placing import place
+        from tvclin.requirement.flight.flight_winds import place
 
         assert self.winds is not None
         fields = ("duration", "peak_deg", "peak_speed", "gust_at", "wind_direction_deg")

@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.answers.case import FROZEN
-from tvclin.answers.requirement import required_deflection
-from tvclin.answers.study import Study
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, instance, one_row, positive, shown, single, within
 from tvclin.boundary.closed_forms import (
@@ -18,6 +15,7 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
+from tvclin.case.case import FROZEN
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
@@ -37,6 +35,8 @@ from tvclin.plots.style import (
     literal,
     new_axes,
 )
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.study import Study
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import load_vehicle

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.answers.availability.record import Availability
-from tvclin.answers.quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
-from tvclin.answers.sizing.record import Sizing
 from tvclin.base.errors import InputError, instance, number, positive, small_angle
 from tvclin.base.lines import plural
+from tvclin.ensembles.availability.availability_record import Availability
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, cycle, draw
+from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 
 if TYPE_CHECKING:

@@ -7,12 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.flown_front import FlownFront
-from tvclin.answers.least_gains.front import GainsFront
-from tvclin.answers.load import FlownLoad
-from tvclin.answers.requirement import required_deflection
-from tvclin.answers.study import Study
-from tvclin.answers.trials import law_curve
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import (
     InputError,
@@ -36,12 +30,18 @@ from tvclin.boundary.limit_shapes import LimitShape, limit_shape_of
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.plane_bounds import PlanePair, checked_batch
 from tvclin.boundary.plane_limits import plane_limit
+from tvclin.case.load import FlownLoad
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import LAWS
+from tvclin.design.least_gains_curves import GainsFront
+from tvclin.design.standard_trials import law_curve
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
+from tvclin.nozzle.flown_trade_off import FlownFront
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw, law_styles
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.study import Study
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.plane_wind import PlaneWind, unit_vector
 from tvclin.winds.pulses import TriangularWind

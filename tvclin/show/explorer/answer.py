@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.answers.case_requirement import CaseRequirement
-from tvclin.answers.parts import told
-from tvclin.answers.planes import words_of
-from tvclin.answers.requirement import covers
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_notes import along_the_path, doubts, gust_placed
 from tvclin.base.arrays import FloatArray
 from tvclin.base.quantities import NOMINAL, sufficiency
+from tvclin.case.parts import told
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.theory_comparison import OUTCOME_WORDS
 from tvclin.kernels.choice import compiling_nothing
+from tvclin.requirement.case_requirement import CaseRequirement
+from tvclin.requirement.nominal_requirement import covers
+from tvclin.requirement.plane_requirement import words_of
+from tvclin.requirement.study import along_the_path, doubts, gust_placed
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.choices import REPORT, Choices
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.wind_angles import linear_notes
 
 _HELD = (

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tvclin.answers.case_requirement import pulse_of
-from tvclin.answers.nozzle import Nozzle
-from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.case.nozzle import Nozzle
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
+from tvclin.requirement.case_requirement import pulse_of
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.shaped import ShapedWind
 
 REPORT, TRIM = "report (open loop)", "trim"

@@ -10,17 +10,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.answers.case import FROZEN, SIGNS
-from tvclin.answers.least_gains.asked import autopilot_asked
-from tvclin.answers.nozzle import USUAL_ACTUATOR, Nozzle
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
+from tvclin.case.case import FROZEN, SIGNS
+from tvclin.case.nozzle import USUAL_ACTUATOR, Nozzle
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.design.least_gains_curves import autopilot_asked
 from tvclin.linear.plant import MODELS
 from tvclin.show.explorer.choices import CONTROLS, REPORT, TRIM, Choices, loop_of
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import round_up
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
 from tvclin.winds.histories import History

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_requirement import pulse_of
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import load_study, vehicle_source
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.requirement.case_requirement import pulse_of
 from tvclin.show.explorer import controls as asked
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import Choices
 from tvclin.show.explorer.lab import end, is_open
 from tvclin.show.explorer.picture import new_picture
 from tvclin.show.explorer.study import write_study
+from tvclin.studyfile.read import load_study, vehicle_source
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle

@@ -10,12 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.case_requirement import CaseRequirement, case_requirement
-from tvclin.answers.flexible import law_asked
-from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.warned import warned
+from tvclin.case.flexible_autopilot import law_asked
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
@@ -24,7 +22,9 @@ from tvclin.flights.theory_comparison import NOT_KNOWN
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
+from tvclin.requirement.case_requirement import CaseRequirement, case_requirement
 from tvclin.show.explorer.choices import CONTROLS, REPORT
+from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import beyond_linear

@@ -7,11 +7,8 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from importlib.resources import files
 
-from tvclin.answers.findings import Findings
-from tvclin.answers.glossary import SYMBOLS, TERMS
-from tvclin.answers.questions import nominal_notes
-from tvclin.answers.study_notes import OUTLASTS
 from tvclin.base.lines import Formula, Line, Table, labelled, text
+from tvclin.requirement.study import OUTLASTS
 from tvclin.show.report.blocks import (
     Checks,
     Figure,
@@ -20,6 +17,9 @@ from tvclin.show.report.blocks import (
     as_sentence,
     checks,
 )
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.glossary import SYMBOLS, TERMS
+from tvclin.studyfile.questions import nominal_notes
 from tvclin.winds.wind_angles import DOUBTFUL
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")

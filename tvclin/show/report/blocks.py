@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from tvclin.answers.findings import Findings
 from tvclin.base.lines import Line, Table
+from tvclin.studyfile.findings import Findings
 
 
 @dataclass(frozen=True)

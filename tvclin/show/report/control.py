@@ -2,21 +2,20 @@
 
 import numpy as np
 
-from tvclin.answers.findings import Findings
-from tvclin.answers.gain_notes import gain_notes
-from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
-from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Line, degrees, number, quantities
 from tvclin.base.quantities import NOMINAL, satisfaction
+from tvclin.case.autopilot_assumptions import gain_notes
 from tvclin.control.comparison import TrimComparison
 from tvclin.control.margins.criteria import margin_table
 from tvclin.control.margins.margins import Margins
+from tvclin.design.standard_trials import LEGEND, bounds, doubts, needed, standard_winds
 from tvclin.flights.closed_loop.flown_margins import flown_table
 from tvclin.flights.closed_loop.survival_limit import OK
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
 from tvclin.show.report.figures import figure_of
+from tvclin.studyfile.findings import Findings
 
 _NOMINAL = f", {NOMINAL}"
 """Suffix of a title where the verdict also covers the dynamic pressure in a head wind."""

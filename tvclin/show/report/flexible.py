@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.findings import Findings
-from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, significant
+from tvclin.case.flexible_autopilot import FlexibleAnswer, shift_of
 from tvclin.control.margins.criteria import band_table
 from tvclin.linear.flexible import FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks
 from tvclin.show.report.figures import figure_of
+from tvclin.studyfile.findings import Findings
 from tvclin.vehicle.filters import filter_cells
 from tvclin.vehicle.structure import Structure
 

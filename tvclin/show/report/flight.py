@@ -4,17 +4,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tvclin.answers.availability import answer_tables
-from tvclin.answers.availability.record import Availability
-from tvclin.answers.findings import Findings
-from tvclin.answers.sizing import tables
-from tvclin.answers.sizing.record import STEADY, Sizing
-from tvclin.answers.sizing.request import SizingRequest
-from tvclin.answers.sizing.total import total_table
 from tvclin.base.lines import Line, degrees, number
+from tvclin.ensembles.availability import availability_record as answer_tables
+from tvclin.ensembles.availability.availability_record import Availability
 from tvclin.plots import availability_chart, sizing_chart
+from tvclin.requirement.flight import sizing_tables as tables
+from tvclin.requirement.flight.request import SizingRequest
+from tvclin.requirement.flight.sizing import STEADY, Sizing
+from tvclin.requirement.flight.total import total_table
 from tvclin.show.report.blocks import Block, Paragraph, Section, checks, section_of
 from tvclin.show.report.figures import figure_of
+from tvclin.studyfile.findings import Findings
 
 
 def over_flight(findings: Findings) -> Section | None:

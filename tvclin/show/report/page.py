@@ -6,15 +6,15 @@ from importlib.resources import files
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from tvclin.answers.findings import Findings, Told, find
-from tvclin.answers.questions import sufficient
-from tvclin.answers.study import Study
-from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
 from tvclin.base.lines import Formula, Number
+from tvclin.requirement.study import Study
 from tvclin.show.report import basis, control, flexible, flight, rests, sections, verdict
 from tvclin.show.report.blocks import Section
+from tvclin.studyfile.findings import Findings, Told, find
+from tvclin.studyfile.questions import sufficient
+from tvclin.studyfile.read import load_study
+from tvclin.studyfile.study_plan import StudyPlan
 
 if TYPE_CHECKING:
     from jinja2 import Template

@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from tvclin.answers.case import FROZEN
-from tvclin.answers.findings import Findings
-from tvclin.answers.quantity import Requirement
-from tvclin.answers.sizing.record import STEADY
-from tvclin.answers.study import outlasts_one_pole
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.case.case import FROZEN
+from tvclin.requirement.flight.sizing import STEADY
+from tvclin.requirement.required_quantity import Requirement
+from tvclin.requirement.study import outlasts_one_pole
 from tvclin.show.report.blocks import Check, Checks, Section
 from tvclin.show.report.verdict import SURVIVES
+from tvclin.studyfile.findings import Findings
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.wind_angles import (
     BEYOND_LINEAR,

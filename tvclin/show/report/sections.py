@@ -5,9 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers import study_tables as tables
-from tvclin.answers.case_requirement import pulse_of
-from tvclin.answers.findings import Findings
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, Table, degrees, number, quantities, significant
 from tvclin.linear.deflections import trim_then_hold
@@ -31,9 +28,12 @@ from tvclin.plots import (
     study_planes_chart,
     vehicle_chart,
 )
+from tvclin.requirement import study_tables as tables
+from tvclin.requirement.case_requirement import pulse_of
 from tvclin.show.report.blocks import Block, Paragraph, Section, as_sentence, section_of
 from tvclin.show.report.figures import figure_of
 from tvclin.show.report.flexible import given
+from tvclin.studyfile.findings import Findings
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 

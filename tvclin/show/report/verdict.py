@@ -2,21 +2,21 @@
 
 import numpy as np
 
-from tvclin.answers.asked_table import asked_table, measured
-from tvclin.answers.findings import Findings
-from tvclin.answers.questions import (
+from tvclin.base.lines import Line, degrees, minimum_limit, number, significant
+from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
+from tvclin.boundary.open_loop import Reason
+from tvclin.requirement.study import TRUSTS, Study
+from tvclin.requirement.study_tables import survivable
+from tvclin.show.report.blocks import Section
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.questions import (
     Question,
+    asked_table,
+    measured,
     questions,
     sufficient,
     without_stop,
 )
-from tvclin.answers.study import Study
-from tvclin.answers.study_notes import TRUSTS
-from tvclin.answers.study_tables import survivable
-from tvclin.base.lines import Line, degrees, minimum_limit, number, significant
-from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
-from tvclin.boundary.open_loop import Reason
-from tvclin.show.report.blocks import Section
 from tvclin.winds.shaped import ShapedWind
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."

@@ -1,0 +1,9 @@
+"""One case: a vehicle in a wind, with its nozzle, its autopilot and what its structure bears.
+
+`Case` and `Nozzle`; the bound on a load, `LoadBound` and `FlownLoad`; the numbers of a nozzle's
+data sheet, `NozzleData`.
+"""
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

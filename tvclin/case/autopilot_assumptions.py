@@ -1,0 +1,104 @@
+"""Notes on gains and an actuator that were not specified, and a rule whose gains are better."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from tvclin.base.errors import InputError
+from tvclin.case.case import Case
+from tvclin.case.nozzle import USUAL_ACTUATOR
+from tvclin.control.autopilot.design_rules import AutopilotDesign
+from tvclin.control.margins.criteria import Criteria
+from tvclin.linear.flexible import FlexiblePlant
+
+_FREQUENCIES_OVER_POLE = (1.5, 2.0, 3.0, 4.0, 6.0)
+"""Natural frequencies that are tried, normalised by the unstable pole."""
+
+
+def gain_notes(case: Case, criteria: Criteria, satisfied: bool) -> Iterator[str]:
+    """Yield that gains or the actuator were not specified, and what satisfies the criteria.
+
+    `satisfied`: whether the gains of the case satisfy them.
+    """
+    if case.asked.unspecified:
+        yield (
+            "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
+            " specifies others"
+        )
+    if not satisfied:
+        yield _better(case, criteria)
+    yield from actuator_notes(case)
+
+
+def actuator_notes(case: Case) -> Iterator[str]:
+    """Yield that the actuator is assumed, where neither a file nor an option specifies it."""
+    if case.nozzle.actuator is USUAL_ACTUATOR:
+        yield (
+            f"an actuator of {USUAL_ACTUATOR.natural_frequency:g} rad/s and damping"
+            f" {USUAL_ACTUATOR.damping:g} is assumed (--actuator-frequency, or"
+            " actuator_frequency_rad_per_s in [nozzle]; 0: none)"
+        )
+
+
+def _better(case: Case, criteria: Criteria) -> str:
+    """Return which rule has gains that satisfy the criteria, or which command seeks them."""
+    rule = satisfying_rule(case, criteria)
+    if rule is None:
+        return (
+            f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
+            " unstable one nor lqr; tvclin autopilot --least seeks them, and a bending mode may"
+            " need a notch (--notch-hz)"
+        )
+    if rule.design is not None:
+        words = f'--design {rule.design}, or design = "{rule.design}" in [autopilot]'
+    else:
+        frequency = f"{rule.natural_frequency:g}"
+        words = (
+            f"--natural-frequency {frequency}, or natural_frequency_rad_per_s = {frequency} in"
+            " [autopilot]"
+        )
+    return f"gains that satisfy the criteria {criteria.name}: {words}, in place of other gains"
+
+
+def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
+    """Return the first of some designs whose gains satisfy the criteria; None if none does.
+
+    They are poles at multiples of the unstable one, and the linear quadratic regulator, with the
+    actuator, delay, filters and sample rate of the case.
+    """
+    base = replace(
+        case.asked,
+        design=None,
+        natural_frequency=None,
+        damping=None,
+        attitude_gain=None,
+        rate_gain=None,
+        alpha_gain=None,
+        crossover=None,
+    )
+    rules = []
+    with suppress(InputError):  # a stable vehicle has no such pole
+        pole = float(case.plant.rigid.coefficients.pole)
+        rules = [
+            replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
+            for ratio in _FREQUENCIES_OVER_POLE
+        ]
+    rules.append(replace(base, design="lqr"))  # last, for it loads python-control
+    return next((rule for rule in rules if _satisfies(replace(case, design=rule), criteria)), None)
+
+
+def _satisfies(case: Case, criteria: Criteria) -> bool:
+    """Return whether the loop of a case is stable and satisfies the criteria."""
+    plant = case.plant
+    with suppress(InputError, np.linalg.LinAlgError, ArithmeticError):
+        margins = case.autopilot.margins(plant)
+        if not isinstance(plant, FlexiblePlant):
+            return bool(criteria.are_satisfied(margins))
+        return bool(margins.stable) and bool(
+            criteria.are_satisfied(case.autopilot.band_margins(plant))
+        )
+    return False

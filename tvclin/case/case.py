@@ -1,0 +1,192 @@
+"""One case: a vehicle in a wind, its nozzle and autopilot, on a model and in a plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.base.errors import InputError, between, instance, number, shown
+from tvclin.base.fields import checked, word
+from tvclin.case.nozzle import Nozzle
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS, default_model, flexible_model
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.autopilot.design_rules import AutopilotDesign
+    from tvclin.linear.flexible import AnyPlant
+
+DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
+SIGNS = {"head": -1.0, "tail": 1.0}
+"""Sign of the wind angle in the pitch plane, by direction."""
+CROSS = "cross"
+"""A wind across the path."""
+DIRECTIONS = (*SIGNS, CROSS)
+"""Directions of a wind, on which the dynamic pressure encountered depends."""
+FROZEN = "frozen"
+"""The nominal dynamic pressure, for either sign of the wind."""
+ANY_NOZZLE = Nozzle()
+"""Without limits, and with the usual actuator."""
+_FLIGHT_SAMPLE_RATE_HZ = 100.0
+"""Sample rate [Hz] in flights of an autopilot that is continuous."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A vehicle in a wind, with its nozzle and its autopilot.
+
+    Attributes
+    ----------
+    vehicle : Vehicle or LinearVehicle
+        The vehicle, one, with its structure; `vehicle.rigid` leaves that out.
+    model : str
+        Model of the motion.
+    plane : str
+        Plane of the motion.
+    wind : ShapedWind, WindEnsemble or History
+        The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
+        given. An ensemble is for campaigns, and any other history for flights.
+    nozzle : Nozzle
+        What the nozzle can do; with a stop of both planes both are judged.
+    design : AutopilotDesign, optional
+        The autopilot; questions that need one take the canonical gains where nothing is said.
+    sign : str, optional
+        Which sign of a wind along the path counts in what is required, with the dynamic pressure
+        encountered in it: head, tail, or frozen, the nominal one; the worst of both without it.
+        A wind with a direction, and measured ones, have their own.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range and unknown names.
+    """
+
+    vehicle: AnyVehicle
+    model: str = word(
+        MODELS,
+        "",
+        shown=f"{DEFAULT_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
+    )
+    plane: str = word(PLANES, "pitch")
+    wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
+    nozzle: Nozzle = ANY_NOZZLE
+    design: AutopilotDesign | None = None
+    sign: str | None = word((*SIGNS, FROZEN), None, shown="the worst of these")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.vehicle, LinearVehicle):
+            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if isinstance(self.model, str) and not self.model:
+            object.__setattr__(self, "model", default_model(self.vehicle))
+        checked(self)
+        if not isinstance(self.wind, ShapedWind | WindEnsemble | History):
+            raise InputError(
+                f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
+            )
+        instance("nozzle", self.nozzle, Nozzle, "of a limit, a stop, a rate limit, an actuator")
+        if self.design is not None:
+            from tvclin.control.autopilot.design_rules import AutopilotDesign
+
+            instance("design", self.design, AutopilotDesign, "of gains, or a rule for them")
+
+    @property
+    def shape(self) -> str:
+        """Shape of the wind."""
+        return str(getattr(self.wind, "shape", "sampled"))
+
+    @property
+    def planes(self) -> str:
+        """The plane that is judged, or both, where the nozzle has a stop of both."""
+        return self.plane if self.nozzle.stop is None else BOTH
+
+    @property
+    def loop_model(self) -> str:
+        """The model that the autopilot controls: of a structure "drift-exact" for "drift"."""
+        return flexible_model(self.vehicle, self.model)
+
+    @property
+    def law_model(self) -> str:
+        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
+        return DEFAULT_MODEL if self.model == "drift-and-speed" else self.loop_model
+
+    @cached_property
+    def plant(self) -> AnyPlant:
+        """Plant that flies and that the autopilot controls: flexible where the vehicle bends."""
+        from tvclin.linear.flexible import plant_of
+
+        return plant_of(self.vehicle, self.loop_model, self.plane)
+
+    @property
+    def heading(self) -> float | None:
+        """The heading of the wind [rad], where it has one."""
+        return getattr(self.wind, "heading", None)
+
+    def wind_at(self, dead_band: float) -> ShapedWind:
+        """Return a wind of one shape, its gust at its time, or at the worst for a dead band."""
+        in_plane = self.wind_in_plane_at(dead_band)
+        assert isinstance(self.wind, ShapedWind)
+        assert isinstance(in_plane, ShapedWind)
+        return replace(self.wind, gust_at=in_plane.gust_at)
+
+    @cached_property
+    def wind_in_plane(self) -> ShapedWind | WindEnsemble | History:
+        """The wind in the plane, its gust at its time, or else at the worst one with K = 1."""
+        return self.wind_in_plane_at(1.0)
+
+    def wind_in_plane_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
+        """Return the wind in the plane, with the gust at the worst time for a dead band."""
+        wind = self.wind
+        if not isinstance(wind, ShapedWind):
+            return wind
+        if wind.heading is not None:
+            vehicle = complete_vehicle(self.vehicle, "a wind with a direction")
+            wind = wind.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
+        if wind.gust is None:
+            return wind
+        from tvclin.case.worst_gust import placed_worst
+        from tvclin.linear.plant import Plant
+
+        return placed_worst(
+            wind, Plant.from_vehicle(self.vehicle, self.model, self.plane), dead_band
+        )
+
+    @property
+    def history(self) -> History:
+        """The wind as a history; of an ensemble the first."""
+        return self.history_at(1.0)
+
+    def history_at(self, dead_band: float) -> History:
+        """Return the wind as a history, with the gust at the worst time for a dead band."""
+        K = number("dead_band", dead_band, between(0.0, 1.0))
+        wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)
+        return wind if isinstance(wind, History) else wind.history({})
+
+    @property
+    def hardware(self) -> dict[str, Any]:
+        """Arguments of `fly_many` for a sampled law, other than its limit."""
+        design, rate = self.asked, self.nozzle.rate_limit
+        return {
+            "actuator": self.nozzle.actuator,
+            "rate_limit": np.inf if rate is None else rate,
+            "delay": design.delay,
+            "sample_rate": design.sample_rate or _FLIGHT_SAMPLE_RATE_HZ,
+        }
+
+    @property
+    def asked(self) -> AutopilotDesign:
+        """The design of the autopilot; the canonical gains where nothing is said."""
+        from tvclin.control.autopilot.design_rules import AutopilotDesign
+
+        return self.design or AutopilotDesign()
+
+    @cached_property
+    def autopilot(self) -> Autopilot:
+        """The autopilot, designed on the rigid plant; `InputError` as its design."""
+        return self.asked.autopilot(self.plant.rigid, self.nozzle.actuator)

@@ -1,0 +1,179 @@
+"""Load limit of a structure in a wind, and largest load in the flight of a law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, between, instance, nonzero, number, positive, small_angle
+from tvclin.base.fields import checked, file_table, quantity
+from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
+from tvclin.case.case import Case
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.flights.closed_loop.fly_many import SURVIVED
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
+from tvclin.winds.wind_angles import beyond_linear
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadBound:
+    """The largest load that a structure bears: an angle, a product with pressure, or a moment.
+
+    Attributes
+    ----------
+    load : float, optional
+        Largest angle of attack [rad] that the structure bears.
+    q_alpha : float, optional
+        The same times the dynamic pressure [Pa rad], which must be given then.
+    dynamic_pressure : float, optional
+        Dynamic pressure [Pa].
+    moment : float, optional
+        Largest bending moment [N m] at a station, of what follows.
+    alpha_moment, deflection_moment : float, optional
+        By how much the angle of attack and the deflection bend there [N m/rad].
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, more bounds than one, and a bound without what it is made of.
+    """
+
+    load: float | None = quantity("angle", None, small_angle("a load", positive))
+    q_alpha: float | None = quantity("pressure angle", None, positive, option=None)
+    dynamic_pressure: float | None = quantity("pressure", None, positive, option=None)
+    moment: float | None = quantity("moment", None, positive, option=None)
+    alpha_moment: float | None = quantity("moment slope", None, nonzero, option=None)
+    deflection_moment: float | None = quantity("moment slope", None, option=None)
+
+    def __post_init__(self) -> None:
+        checked(self)
+        bounds = [name for name in ("load", "q_alpha", "moment") if getattr(self, name) is not None]
+        if len(bounds) != 1:
+            raise InputError(
+                "[load] needs one bound: load, q_alpha or moment"
+                f"{'; got ' + ' and '.join(bounds) if bounds else ''}"
+            )
+        for bound, needed in (("q_alpha", "dynamic_pressure"), ("moment", "alpha_moment")):
+            if (bound in bounds) != (getattr(self, needed) is not None):
+                raise InputError(f"[load] needs {bound} and {needed} together")
+        if self.deflection_moment is not None and self.alpha_moment is None:
+            raise InputError("[load] needs alpha_moment beside deflection_moment")
+
+    @property
+    def bound(self) -> float:
+        """Bound as an angle [rad]."""
+        if self.load is not None:
+            return self.load
+        if self.q_alpha is not None and self.dynamic_pressure is not None:
+            return self.q_alpha / self.dynamic_pressure
+        assert self.moment is not None
+        assert self.alpha_moment is not None
+        return self.moment / abs(self.alpha_moment)
+
+    @property
+    def ratio(self) -> float:
+        """Ratio of moment slopes M_delta/M_alpha."""
+        return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
+
+    def front(self, case: Case, part: float = 1.0) -> LoadTradeOff:
+        """Return the trade-off curve of limit over load, with the fraction `part` of the limit."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        part = number("part", part, between(1e-9, 1.0))
+        limit = case.nozzle.limit
+        return load_trade_off(
+            case.plant.rigid,
+            case.history,
+            limit=None if limit is None else limit * part,
+            load=self.bound,
+            rate_limit=case.hardware["rate_limit"],
+            moment_ratio=self.ratio,
+        )
+
+
+LOAD_TABLE = file_table("[load]", LoadBound)
+
+
+@dataclass(frozen=True)
+class FlownLoad(Shown):
+    """The largest load in a law's flight, during the wind and after it.
+
+    Attributes
+    ----------
+    law, status : str
+        Name of the law, and outcome of its flight; see `fly_many`.
+    load, time : float
+        Largest load [rad] and its time [s]; infinite for a flight that diverges, NaN where it is
+        not known.
+    bound : float or None
+        Load limit of the structure [rad].
+    """
+
+    law: str
+    status: str
+    load: float
+    time: float
+    bound: float | None
+
+    as_dict = keyed("law status load_deg time_s bound_deg survives_within")
+
+    @classmethod
+    def of(cls, case: Case, name: str, law: Law, bound: LoadBound | None = None) -> Self:
+        """Return the load of a law in the wind of a case, with its nozzle, which has a limit.
+
+        Parameters
+        ----------
+        case : Case
+            The vehicle, the wind, and the nozzle with its deflection limit.
+        name : str
+            Name of the law.
+        law : Law
+            It is flown with the stop of the nozzle.
+        bound : LoadBound, optional
+            Load limit of the structure.
+
+        Raises
+        ------
+        InputError
+            For another kind of value, a nozzle without a limit, and as `fly_many`.
+        """
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("law", law, Law, "such as TrimLaw")
+        instance("name", name, str, "of the law")
+        if bound is not None:
+            instance("bound", bound, LoadBound, "of what the structure bears")
+        limit, max_load = case.nozzle.limit, None if bound is None else bound.bound
+        if limit is None:
+            raise InputError("case must have a deflection limit, the stop of its nozzle")
+        if beyond_linear(float(case.history.peak)):
+            return cls(name, NOT_KNOWN, np.nan, np.nan, max_load)
+        flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
+        if not flight.times.size:
+            return cls(name, flight.status, np.inf, np.nan, max_load)
+        ratio = 0.0 if bound is None else bound.ratio
+        loads = np.abs(flight.angle_of_attack + ratio * flight.deflection)
+        worst = int(np.argmax(loads))
+        return cls(name, flight.status, float(loads[worst]), float(flight.times[worst]), max_load)
+
+    @property
+    def survives_within(self) -> bool | None:
+        """Whether the law survives within the bound; None beyond linear aerodynamics."""
+        if self.status == NOT_KNOWN:
+            return None
+        return self.status == SURVIVED and (self.bound is None or self.load <= self.bound)
+
+    @property
+    def words(self) -> str:
+        """Outcome of the flight and its largest load, in words."""
+        outcome = f"{self.law} {OUTCOME_WORDS[self.status]} with this limit"
+        if not np.isfinite(self.load):
+            return outcome
+        load = f"{outcome}, with a load of {np.degrees(self.load):.3f} deg at {self.time:.2f} s"
+        if self.bound is None:
+            return load
+        relation = "within" if self.load <= self.bound else "NOT within"
+        return f"{load}, {relation} {np.degrees(self.bound):.3f} deg"

@@ -1,0 +1,10 @@
+"""Design: gains for the least nozzle, laws in standard winds, the worst case in a box.
+
+- Gains: `least_deflection_gains`, `least_gain_schedule`, `least_gains_front`.
+- Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`, by a `LawsRequest`.
+- The worst case in a box: `tvclin.worst_case`.
+"""
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

@@ -1,0 +1,13 @@
+from .least_gains import LeastGains as LeastGains
+from .least_gains import least_deflection_gains as least_deflection_gains
+from .least_gains_curves import GainsFront as GainsFront
+from .least_gains_curves import LeastSchedule as LeastSchedule
+from .least_gains_curves import least_gain_schedule as least_gain_schedule
+from .least_gains_curves import least_gains_front as least_gains_front
+from .standard_trials import LawsRequest as LawsRequest
+from .standard_trials import LawTrial as LawTrial
+from .standard_trials import law_trials as law_trials
+from .standard_trials import standard_laws as standard_laws
+from .standard_trials import standard_winds as standard_winds
+from .worst_case import Worst as Worst
+from .worst_case import WorstCase as WorstCase

@@ -1,0 +1,354 @@
+"""Specification of gains for the least nozzle, and the limits that rows of gains require.
+
+Limits are found by flights, only as accurately as the search needs them. A row is flown with
+falling limits until a flight is lost, so that the highest lost limit counts, as in
+`closed_loop_boundary`. A row with a loss above the goal is not bracketed any closer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.errors import (
+    InputError,
+    each,
+    ending,
+    flag,
+    instance,
+    nonnegative,
+    number,
+    positive,
+    shown,
+    single,
+    whole_number,
+)
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.margins.bands import band_margins
+from tvclin.control.margins.criteria import Criteria, Requirement
+from tvclin.control.margins.margins import MARGINS, Margins, margins_of
+from tvclin.flights.closed_loop.checks import check_sample_rate
+from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, fly_many
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant, named_modes
+from tvclin.vehicle.filters import Filter
+from tvclin.winds.histories import History
+
+FREE = (("attitude", "rate"), ("attitude", "rate", "alpha"))
+"""Combinations of free gains."""
+CROSSOVER = "crossover"
+"""Name of the upper limit of the gain crossover."""
+MISSES = 10.0
+"""Cost of gains that miss a criterion, to which the missing fraction is added."""
+_UNSTABLE = 100.0
+"""Missing fraction of an unstable loop, larger than of any stable loop."""
+_FLOWN_RATE = 100.0
+"""Sample rate of flights [Hz] of an autopilot without one."""
+_LEAST_STIFFNESS, _LEAST_RATE = 1.01, 0.05
+"""Smallest (a0 + b0)/B and a1 beta/B of the search range."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Question:
+    """A plant, its winds and nozzle, and the required margins of its autopilot.
+
+    The attributes are the arguments of `least_deflection_gains`.
+    """
+
+    plant: AnyPlant
+    winds: tuple[History, ...]
+    criteria: Criteria
+    gains: Sequence[str]
+    actuator: Actuator | None
+    delay: float
+    crossover: float | None
+    filters: tuple[Filter, ...]
+    attitude_filters: tuple[Filter, ...] = ()
+    rate_filters: tuple[Filter, ...] = ()
+    limits: bool
+    stops: int
+    sample_rate: float | None
+
+    def __post_init__(self) -> None:
+        check_plant(self.plant)
+        single("plant", self.plant.batch)
+        object.__setattr__(self, "winds", _checked_winds(self.winds))
+        instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
+        names = self.gains if isinstance(self.gains, list | tuple) else ()
+        free = tuple(name for name in names if isinstance(name, str))
+        if free not in FREE or len(free) < len(names):
+            raise InputError(
+                f"gains must be {' or '.join(map(str, FREE))}: those that are free, in this order;"
+                f" got {shown(self.gains)}"
+            )
+        object.__setattr__(self, "gains", free)
+        if not isinstance(self.actuator, Actuator | None):
+            raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
+        single("actuator", () if self.actuator is None else self.actuator.batch)
+        if self.sample_rate is not None:
+            rate = number("sample_rate", self.sample_rate, positive, "Hz")
+            object.__setattr__(self, "sample_rate", rate)
+        if flag("limits", self.limits):
+            check_sample_rate(self.flown_rate, self.actuator)
+        object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
+        if self.crossover is not None:
+            limit = number("crossover", self.crossover, positive, "rad/s")
+            object.__setattr__(self, "crossover", limit)
+        if whole_number("stops", self.stops) and not self.limits:
+            raise InputError(
+                "stops are sudden ends of a wind in flights with a limit: give limits=True with"
+                " them, or stops=0"
+            )
+        mu_alpha = float(self.plant.coefficients.mu_alpha)
+        if mu_alpha <= 0.0:
+            raise InputError(
+                "gains for the least nozzle are sought for an aerodynamically unstable vehicle,"
+                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (a stable one needs no deflection)"
+            )
+        if not np.isfinite(self.fastest):
+            raise InputError(
+                "without actuator, delay and crossover the gains for the least deflection are"
+                " infinite: give one of these"
+            )
+        _ = self.autopilot(np.full((1, len(free)), 0.5))  # checks actuator, delay and filters
+
+    @property
+    def chains(self) -> dict[str, Any]:
+        """The filters of the autopilot by field."""
+        return {name: getattr(self, name) for name in CHAINS}
+
+    @property
+    def flown_rate(self) -> float:
+        """The sample rate of flights [Hz]."""
+        return self.sample_rate or _FLOWN_RATE
+
+    @property
+    def fastest(self) -> float:
+        """Largest useful frequency [rad/s]: the lowest of crossover limit, actuator and delay."""
+        frequencies = [np.inf if self.crossover is None else self.crossover]
+        if self.actuator is not None:
+            frequencies.append(float(np.max(self.actuator.natural_frequency)))
+        if self.delay:
+            frequencies.append(0.5 * np.pi / self.delay)
+        return min(frequencies)
+
+    @property
+    def trims(self) -> FloatArray:
+        """Largest trim deflections ``|B alpha_w,max|`` [rad], ``(winds,)``."""
+        peaks = [float(wind.peak) for wind in self.winds]
+        return np.abs(float(self.plant.coefficients.B) * np.array(peaks))
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the winds, by peak and duration."""
+        return [
+            f"wind of {np.degrees(float(w.peak)):.3g} deg, {float(w.end - w.onset):.3g} s"
+            for w in self.winds
+        ]
+
+    def autopilot(self, points: FloatArray) -> Autopilot:
+        """Return the autopilots at points of the unit box, ``(..., axes)``.
+
+        The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
+        """
+        B, beta, (stiffest, fastest) = self._scales
+        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[..., 0]
+        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[..., 1]
+        share = points[..., 2] if len(self.gains) > 2 else np.zeros(points.shape[:-1])
+        return Autopilot(
+            attitude_gain=B * stiffness * (1.0 - share),
+            rate_gain=B / beta * rate,
+            alpha_gain=B * stiffness * share,
+            actuator=self.actuator,
+            delay=self.delay,
+            sample_rate=self.sample_rate,
+            **self.chains,
+        )
+
+    def point(self, autopilot: Autopilot) -> FloatArray:
+        """Return the point of the gains of an autopilot in the unit box, ``(axes,)``."""
+        B, beta, (stiffest, fastest) = self._scales
+        a0, a1, b0 = (
+            float(gain)
+            for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
+        )
+        stiffness, rate = (a0 + b0) / B / _LEAST_STIFFNESS, a1 * beta / B / _LEAST_RATE
+        axes = [
+            np.log(stiffness) / np.log(stiffest / _LEAST_STIFFNESS),
+            np.log(rate) / np.log(fastest / _LEAST_RATE),
+            b0 / (a0 + b0),
+        ]
+        return np.clip(axes[: len(self.gains)], 0.0, 1.0)
+
+    @property
+    def _scales(self) -> tuple[float, float, tuple[float, float]]:
+        """B, beta [rad/s], and the largest (a0 + b0)/B and a1 beta/B of the search range."""
+        c = self.plant.coefficients
+        beta = float(np.sqrt(c.mu_alpha))
+        pace = max(self.fastest / beta, 2.0)
+        return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
+
+    def lacks(self, points: FloatArray) -> FloatArray:
+        """Return the largest missing fraction of a required margin by row of gains, ``(n,)``.
+
+        Zero or less where all criteria are satisfied.
+        """
+        rows = self.autopilot(points)
+        loop = rows.exact_loop(self.plant)
+        margins = margins_of(loop.analysis(delays=self._of_delay), loop.batch)
+        fractions = [np.full(len(points), -np.inf)]
+        fractions += [
+            lacking(r, getattr(margins, r.margin))
+            for r in self.criteria.requirements
+            if r.margin in MARGINS
+        ]
+        if self.crossover is not None:
+            with np.errstate(over="ignore"):  # with a denormal crossover
+                fractions.append(highest_crossover(margins) / self.crossover - 1.0)
+        worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
+        lacks = np.where(margins.stable, worst, _UNSTABLE)
+        good = np.flatnonzero(lacks <= 0.0)
+        if self.plant.structure is not None and good.size and self._of_modes:
+            lacks[good] = np.maximum(lacks[good], self._lacks_of_modes(points[good]))
+        return np.asarray(lacks)
+
+    @property
+    def _of_delay(self) -> bool:
+        """Whether a delay margin is required."""
+        return any(r.margin == "delay_margin" for r in self.criteria.requirements)
+
+    @property
+    def _of_modes(self) -> tuple[Requirement, ...]:
+        """The required margins of modes."""
+        return tuple(r for r in self.criteria.requirements if r.margin not in MARGINS)
+
+    def _lacks_of_modes(self, points: FloatArray) -> FloatArray:
+        """Return the largest missing fraction of margins of modes by row of gains, ``(n,)``."""
+        assert isinstance(self.plant, FlexiblePlant)
+        loop = self.autopilot(points).exact_loop(self.plant)
+        bands = band_margins(loop, *named_modes(self.plant), delays=False)
+        worst = np.full(len(points), -np.inf)
+        for verdict in replace(self.criteria, requirements=self._of_modes).judge(bands):
+            surplus = np.asarray(verdict.surplus) / max(verdict.requirement.limit, 1e-9)
+            worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
+        return worst
+
+
+def _checked_winds(winds: Any) -> tuple[History, ...]:
+    """Return winds; `InputError` for none, a batch, and a wind without an end or peak."""
+    checked = each("winds", winds, History, "such as TriangularWind")
+    if not checked:
+        raise InputError("winds must be one or more; got none")
+    for wind in checked:
+        single("wind", wind.batch)
+        ending("wind", wind.end)
+        number("the peak of a wind", abs(float(wind.peak)), positive, "rad")
+    return checked
+
+
+def lacking(requirement: Requirement, value: Any) -> FloatArray:
+    """Return the missing fraction of a required margin, ``(n,)``; negative where satisfied."""
+    lack = (requirement.limit - np.asarray(value)) / max(requirement.limit, 1e-9)
+    return np.asarray(-lack if requirement.is_upper_limit else lack)
+
+
+def highest_crossover(margins: Margins) -> FloatArray:
+    """Return the highest gain crossover [rad/s] of each loop, ``(n,)``; zero without any."""
+    frequencies = np.nan_to_num(margins.crossings.gain_frequencies, nan=0.0)
+    return np.asarray(np.max(frequencies, axis=-1, initial=0.0))
+
+
+HIGHEST, LOWEST = 2.0, 0.02
+"""Range of limits, normalised by the largest trim deflection; as of `closed_loop_boundary`."""
+_LIMIT_RATIO = 0.9
+"""Ratio of each falling limit to the limit before it."""
+_LIMITS_TOGETHER = 4
+"""Number of falling limits that are flown together."""
+_SUBDIVISIONS, _REFINEMENTS = 8, 3
+"""Parts of a bracket of the boundary, and number of subdivisions: to 1/512 of the last step."""
+_MAX_SCAN_RATIO = 1.5
+"""End of the scan for windows of losses, as a ratio to the required limit."""
+
+
+def stopped(winds: tuple[History, ...], stops: int) -> History:
+    """Return winds as a batch, each whole and with `stops` sudden ends at even instants."""
+    combined = reduce(
+        add, (wind * row for wind, row in zip(winds, np.eye(len(winds)), strict=True))
+    )
+    times = np.linspace(combined.onset, combined.end, stops + 2)[1:]
+    return combined.before(times).cases(np.arange(times.size), times.shape)
+
+
+def needs(question: Question, points: FloatArray, goal: float, clean: int) -> FloatArray:
+    """Return the limit that each row of gains requires, normalised by the largest trim, ``(n,)``.
+
+    `points`: in the unit box, ``(n, axes)``. `goal`: limit above which no accuracy is needed.
+    `clean`: number of limits above the required limit that are flown as well, because windows of
+    losses lie there.
+    """
+    rows = question.autopilot(points)
+    winds = stopped(question.winds, question.stops)
+    steps = int(np.ceil(np.log(LOWEST / HIGHEST) / np.log(_LIMIT_RATIO)))
+    falling = HIGHEST * _LIMIT_RATIO ** np.arange(steps + 1)
+    above = int(np.sum(falling > goal)) + 1
+    lost, survived = np.full(len(points), np.inf), np.full(len(points), np.inf)
+    open_rows, first, size = np.arange(len(points)), 0, max(_LIMITS_TOGETHER, above)
+    while open_rows.size and first < falling.size:
+        limits = falling[first : first + size]
+        outcome = _survive(question, rows, open_rows, winds, np.tile(limits, (open_rows.size, 1)))
+        at = np.where(outcome.all(axis=1), limits.size, np.argmin(outcome, axis=1))
+        lasts = np.where(at > 0, limits[at - 1], survived[open_rows])
+        survived[open_rows] = lasts
+        ends = at < limits.size
+        lost[open_rows[ends]] = limits[at[ends]]
+        open_rows, first, size = open_rows[~ends], first + size, _LIMITS_TOGETHER
+    survived[open_rows] = lost[open_rows] = falling[-1]  # the lowest limit is sufficient
+    bracketed = np.flatnonzero(np.isfinite(survived) & (lost < goal) & (lost < survived))
+    for _ in range(_REFINEMENTS):
+        if not bracketed.size:
+            break
+        brackets = np.linspace(survived[bracketed], lost[bracketed], _SUBDIVISIONS + 1, axis=1)
+        outcome = _survive(question, rows, bracketed, winds, brackets[:, 1:-1])
+        at = np.where(outcome.all(axis=1), _SUBDIVISIONS - 1, np.argmin(outcome, axis=1))
+        survived[bracketed], lost[bracketed] = (
+            np.take_along_axis(brackets, (at + k)[:, np.newaxis], axis=1)[:, 0] for k in (0, 1)
+        )
+    candidates = np.flatnonzero(survived < goal)
+    if candidates.size:
+        scan = survived[candidates, np.newaxis] * np.linspace(1.0, _MAX_SCAN_RATIO, clean + 1)
+        lossy = ~_survive(question, rows, candidates, winds, scan)
+        highest = clean - np.argmax(lossy[:, ::-1], axis=1)  # index of the highest lost limit
+        above = scan[np.arange(candidates.size), np.minimum(highest + 1, clean)]
+        survived[candidates] = np.where(lossy.any(axis=1), above, survived[candidates])
+    return survived
+
+
+def _survive(
+    question: Question, rows: Autopilot, which: IndexArray, winds: History, limits: FloatArray
+) -> BoolArray:
+    """Return whether rows survive all winds with limits relative to trim, ``(k, n)``."""
+    law = Autopilot(
+        attitude_gain=rows.attitude_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
+        rate_gain=rows.rate_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
+        alpha_gain=rows.alpha_gain[which, np.newaxis, np.newaxis],  # type: ignore[index]
+        **question.chains,
+    )
+    flown = fly_many(
+        question.plant,
+        law,
+        winds,
+        deflection_limit=np.minimum(
+            limits[..., np.newaxis] * question.trims.max(), MAX_DEFLECTION_LIMIT
+        ),
+        actuator=question.actuator,
+        sample_rate=question.flown_rate,
+        delay=question.delay,
+    )
+    return np.all(flown.status == SURVIVED, axis=-1)

@@ -1,0 +1,246 @@
+"""Gains for the least nozzle over the required disk margin, over a flight, and of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.errors import InputError, instance, one_row, positive, times_row
+from tvclin.base.quantities import WIND_KNOWN
+from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
+from tvclin.control.autopilot.gains import GainSchedule
+from tvclin.control.margins.criteria import Criteria
+from tvclin.design.least_gains import LeastGains, answered, least_deflection_gains
+from tvclin.linear.plant import PLANT_HINT, Plant
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from tvclin.case.case import Case
+
+
+def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
+    """Return the autopilot of a case, in a wind and by criteria for the least nozzle."""
+    if case.asked.design != LEAST_NOZZLE:
+        return case.autopilot
+    return least_asked(case, wind, criteria).autopilot
+
+
+def least_asked(
+    case: Case, winds: History | Sequence[History], criteria: Criteria, **options: Any
+) -> LeastGains:
+    """Return the gains for the least nozzle with the nozzle, delay, samples and filters of a case.
+
+    `InputError` for gains and numbers of other rules in the same design, and as
+    `least_deflection_gains`.
+    """
+    design = case.asked
+    chains: dict[str, Any] = design.chains
+    conflicting = [
+        name
+        for name in (
+            *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
+            "integral_gain",
+        )
+        if getattr(design, name) not in (None, 0.0)
+    ]
+    if conflicting:
+        raise InputError(
+            "gains for the least nozzle are sought: give no"
+            f" {', '.join(name.replace('_', ' ') for name in conflicting)} with them"
+        )
+    return least_deflection_gains(
+        case.plant,
+        winds,
+        criteria=criteria,
+        actuator=case.nozzle.actuator,
+        delay=design.delay,
+        crossover=design.crossover,
+        sample_rate=design.sample_rate,
+        **chains,
+        **options,
+    )
+
+
+DEAD_BANDS = (1.0, 0.5)
+"""Dead bands K of the boundaries that are shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class GainsFront(Shown):
+    """Minimum deflection over the required disk margin, with the limits of the theory.
+
+    Attributes
+    ----------
+    disk_margin : ndarray
+        Required disk margins, rising, ``(n,)``.
+    relative : ndarray
+        Minimum deflection with each disk margin, normalised by the largest trim, ``(n,)``; infinite
+        where no gains have the margin.
+    each : tuple of LeastGains or None
+        Gains for each disk margin; None where no gains have it.
+    limits : dict of str to float
+        Boundaries of the report and minimum of appendix C in the worst wind, normalised by the
+        largest trim.
+    """
+
+    disk_margin: FloatArray
+    relative: FloatArray
+    each: tuple[LeastGains | None, ...]
+    limits: dict[str, float]
+
+    @property
+    def gains(self) -> tuple[str, ...]:
+        """Names of the free gains."""
+        return next(tuple(least.question.gains) for least in self.each if least is not None)
+
+    @property
+    def meaning(self) -> str:
+        """Meaning of the deflection, "peak" or "boundary"; see `LeastGains`."""
+        return next(least.meaning for least in self.each if least is not None)
+
+    _keys = "disk_margin over_trim=relative limits"
+
+
+def least_gains_front(
+    found: LeastGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
+) -> GainsFront:
+    """Return the minimum deflection of gains over the required disk margin.
+
+    Parameters
+    ----------
+    found : LeastGains
+        Gains for the least nozzle; all their other specifications are kept.
+    disk_margin : array_like
+        Disk margins, rising, ``(n,)``.
+
+    Returns
+    -------
+    GainsFront
+        The search at each disk margin begins near the gains of the previous disk margin.
+
+    Raises
+    ------
+    InputError
+        For disk margins that are not positive and rising, and when no gains have the smallest.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    >>> gains = tv.least_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
+    >>> tv.design.least_gains_front(gains, [0.8, 1.2]).relative.round(2)
+    array([1.03, 1.1 ])
+    """
+    instance("found", found, LeastGains, "see least_deflection_gains")
+    margins = positive("disk_margin", one_row("disk_margin", disk_margin))
+    if not margins.size or np.any(np.diff(margins) <= 0.0):
+        raise InputError("disk_margin must be one or more rising numbers")
+    question, start = found.question, found.question.point(found.autopilot)
+    each: list[LeastGains | None] = []
+    for margin in margins.tolist():
+        criteria = question.criteria.with_limits("the front", disk_margin=margin)
+        if each and each[-1] is None:
+            each.append(None)
+            continue
+        try:
+            each.append(answered(replace(question, criteria=criteria), start[np.newaxis]))
+        except InputError:
+            if not each:
+                raise
+            each.append(None)
+            continue
+        start = question.point(each[-1].autopilot)  # type: ignore[union-attr]
+    trim = question.trims.max()
+    relative = [np.inf if gains is None else gains.deflection / trim for gains in each]
+    return GainsFront(margins, np.array(relative), tuple(each), _limits(found))
+
+
+def _limits(found: LeastGains) -> dict[str, float]:
+    """Return the boundaries and the minimum in the worst wind, normalised by the largest trim."""
+    question, plant = found.question, found.question.plant.rigid
+    trim, limits = question.trims.max(), {}
+    for K in DEAD_BANDS:
+        values: Any = [boundary_limit(plant, wind, K).deflection for wind in question.winds]
+        limits[f"boundary, K = {K:g}"] = float(np.max(np.abs(values)) / trim)
+    minimum = max(float(optimum_deflection(plant, wind).peak) for wind in question.winds)
+    return limits | {WIND_KNOWN: minimum / trim}
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSchedule:
+    """Gains for the least nozzle at several flight times.
+
+    Attributes
+    ----------
+    schedule : GainSchedule
+        The gains, straight lines between the times.
+    each : tuple of LeastGains
+        Gains for the least nozzle at each time.
+    """
+
+    schedule: GainSchedule
+    each: tuple[LeastGains, ...]
+
+    @property
+    def deflection(self) -> float:
+        """Largest deflection of all times [rad], which the flight requires of the nozzle."""
+        return max(gains.deflection for gains in self.each)
+
+
+def least_gain_schedule(
+    time: ArrayLike, plants: Plant, winds: History | Sequence[History], **options: Any
+) -> LeastSchedule:
+    """Return the gains for the least nozzle at each time of a flight.
+
+    Parameters
+    ----------
+    time : array_like
+        Flight times [s], rising, ``(n,)``.
+    plants : Plant
+        Plant at each time, ``(n,)``.
+    winds, **options
+        Same parameters as of `least_deflection_gains`; the winds may occur at any of the times.
+
+    Raises
+    ------
+    InputError
+        As `GainSchedule` and `least_deflection_gains`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
+    >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    >>> least = tv.design.least_gain_schedule(
+    ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
+    ... )
+    >>> [round(gains.relative, 2) for gains in least.each]
+    [1.03, 1.14]
+    """
+    instance("plants", plants, Plant, PLANT_HINT)
+    times = times_row("time", time)
+    if plants.batch != times.shape:
+        raise InputError(
+            f"plants must be one for each of the {times.size} times; got a batch of shape"
+            f" {plants.batch}"
+        )
+    each = tuple(
+        least_deflection_gains(plants.case(k, plants.batch), winds, **options)
+        for k in range(times.size)
+    )
+    a0, a1, b0 = (
+        np.array([getattr(least.autopilot, name) for least in each])
+        for name in ("attitude_gain", "rate_gain", "alpha_gain")
+    )
+    gains = replace(each[0].autopilot, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
+    return LeastSchedule(GainSchedule(times, gains), each)

@@ -1,0 +1,429 @@
+"""Trials of laws: the same standard winds for all, and the limit that each law requires.
+
+Every wind has the same peak and is measured by the duration of the triangle it belongs to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tvclin.base import lines
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown, table
+from tvclin.base.errors import InputError, callable_for, each, flag, instance, number, positive
+from tvclin.base.fields import checked, file_table, quantity, word
+from tvclin.base.lines import Line, Table
+from tvclin.base.lines import number as number_cell
+from tvclin.base.quantities import WIND_KNOWN
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.survival_limit import (
+    ABOVE,
+    ALWAYS,
+    NEVER,
+    OK,
+    PARTS,
+    STEPS,
+    closed_loop_boundary,
+)
+from tvclin.kernels.choice import repeated
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import (
+    AsymmetricTriangularWind,
+    OneMinusCosineGust,
+    SampledWind,
+    TrapezoidalWind,
+    TriangularWind,
+)
+
+WINDS = (
+    *("triangle", "sawtooth, stops dead", "sawtooth, jumps first", "1 - cosine", "trapezoid"),
+    *("two gusts", "opposite gusts", "flip to 0.3", "full reversal"),
+)
+"""The winds of trials, see `standard_winds`."""
+_LOAD_LIMIT_RATIO = 1.2
+"""Limit of the flights for loads, as a ratio to the boundary."""
+_LOAD_POINTS = 801
+"""Number of times of the flights for loads."""
+_MAX_LIMIT = 4.0
+"""Largest limit that is tried, normalised by trim."""
+_SAMPLE_RATE = 100.0
+"""Sample rate of laws by default [Hz]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawsRequest:
+    """Specification of the laws that are flown, and of their winds.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of `standard_laws`.
+    winds : tuple of str
+        Names of `standard_winds`.
+    sample_rate : float
+        Sample rate of the laws [Hz].
+    """
+
+    names: tuple[str, ...] = word(LAWS, tuple(LAWS), many=True)
+    winds: tuple[str, ...] = word(WINDS, ("triangle",), many=True)
+    sample_rate: float = quantity("sample rate", 50.0, positive)
+
+    def __post_init__(self) -> None:
+        checked(self)
+
+
+LAWS_TABLE = file_table("[laws]", LawsRequest)
+
+
+@dataclass(frozen=True)
+class LawTrial(Shown):
+    """Trial of a law in a wind.
+
+    Attributes
+    ----------
+    law, wind : str
+        Names of law and wind.
+    limit : float
+        Boundary: minimum deflection limit, normalised by ``|B alpha_w,max|``; infinite if none is
+        sufficient, and the lowest that was tried if that survives.
+    status : str
+        "ok", or a reservation on the boundary in words, as of `ClosedLoopBoundary`.
+    lowest, highest : float
+        Range of limits that were tried, normalised by trim.
+    growth : float
+        Growth rate [1/s] of the worst mode in the linear range, as of `ClosedLoopBoundary`.
+    creeps : bool
+        Whether the law lets that mode creep away, though it survives the wind.
+    monotone : bool
+        Whether every limit that was tried above one that survives survives as well.
+    looked : tuple of pairs of float
+        Steps in which limits were tried above the boundary, and up to where, as of
+        `ClosedLoopBoundary`.
+    peak_angle_of_attack, peak_attitude : float
+        Largest of 801 samples of a flight at 1.2 times the boundary, normalised by the peak of the
+        wind; NaN without a boundary, and without `loads`.
+    """
+
+    law: str
+    wind: str
+    limit: float
+    status: str
+    lowest: float
+    highest: float
+    growth: float
+    creeps: bool
+    monotone: bool
+    looked: tuple[tuple[float, float], ...]
+    peak_angle_of_attack: float
+    peak_attitude: float
+
+    _keys = "law wind limit status peak_angle_of_attack peak_attitude"
+
+
+class LawTrials(tuple[LawTrial, ...]):
+    """Trials, one after the other, and in a notebook as a table."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        head = ("law", "wind", "limit, of full trim", "angle of attack", "attitude", "status")
+        rows = tuple(
+            (
+                (t.law,),
+                (t.wind,),
+                lines.number("limit", t.limit),
+                lines.number("angle of attack", t.peak_angle_of_attack, 2),
+                lines.number("attitude", t.peak_attitude, 2),
+                (t.status,),
+            )
+            for t in self
+        )
+        caption = "What each law needs; angles over the peak of the wind"
+        return table(lines.Table(caption, head, rows))
+
+
+def standard_winds(peak: float, duration: float) -> dict[str, History]:
+    """Return the winds of the trials by name.
+
+    Parameters
+    ----------
+    peak : float
+        Largest wind angle of attack [rad] of each.
+    duration : float
+        Duration [s] of the triangle, and of each half of the double gusts.
+    """
+    tau, peak = number("duration", duration, positive, "s"), number("peak", peak, unit="rad")
+    triangle = TriangularWind(peak=peak, duration=tau)
+    back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
+    rise = triangle.before(tau / 2)
+    winds: tuple[History, ...] = (
+        triangle,
+        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
+        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
+        OneMinusCosineGust(peak=peak, duration=tau),
+        TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
+        triangle + triangle.shift(tau),
+        triangle - triangle.shift(tau),
+        rise - 0.3 * back.shift(tau / 2),
+        rise - back.shift(tau / 2),
+    )
+    return dict(zip(WINDS, winds, strict=True))
+
+
+def standard_laws(
+    plant: Plant, peak: float, autopilot: Autopilot | None = None, rate_limit: float = np.inf
+) -> dict[str, Law]:
+    """Return all laws by name, designed on a plant for a peak wind [rad] and rate limit [rad/s].
+
+    As `design_law`; the law "autopilot" has the gains of `autopilot` unless that is None.
+    """
+    options: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
+    design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
+    return {name: design(name, **options.get(name, {})) for name in LAWS}
+
+
+def law_trials(
+    plant: AnyPlant,
+    laws: Mapping[str, Law],
+    winds: Mapping[str, History],
+    *,
+    sample_rate: float = _SAMPLE_RATE,
+    cuts: int = 0,
+    loads: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+    **hardware: Any,
+) -> LawTrials:
+    """Return the trial of each law in each wind, winds within laws.
+
+    Parameters
+    ----------
+    plant : Plant or FlexiblePlant
+        The plant that flies.
+    laws, winds : mapping of str to Law and to History
+        By name, as of `standard_laws` and `standard_winds`.
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    cuts : int
+        Number of sudden ends of each wind that are tried as well, as of `closed_loop_boundary`.
+    loads : bool
+        Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
+    progress : callable, optional
+        Called with the finished and the largest total work, as of `closed_loop_boundary`.
+    **hardware
+        rate_limit, actuator and delay, as of `closed_loop_boundary`.
+    """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    for name, mapping, kind in (("laws", laws, Law), ("winds", winds, History)):
+        instance(name, mapping, Mapping, "by name")
+        each(name, tuple(mapping.values()), kind, "by name")
+    flag("loads", loads)
+    flown = {"sample_rate": sample_rate, **hardware}
+    pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
+
+    def progress_of(pair: int) -> Callable[[int, int], None]:
+        def report(done: int, total: int) -> None:
+            if progress is not None:
+                progress(pair * total + done, len(pairs) * total)
+
+        return report
+
+    with repeated(len(pairs)):
+        return LawTrials(
+            _trial(plant, *pair, cuts, loads, flown, progress_of(k)) for k, pair in enumerate(pairs)
+        )
+
+
+def law_curve(
+    plant: AnyPlant,
+    law: Law,
+    tau_beta: FloatArray,
+    peak: float,
+    *,
+    sample_rate: float = _SAMPLE_RATE,
+    **hardware: Any,
+) -> FloatArray:
+    """Return the boundaries of a law in triangular winds, normalised by trim, over tau times beta.
+
+    With damping, over tau times the pole. `peak`: of the winds [rad]. `sample_rate`: of
+    the law [Hz]. `hardware`: as of `law_trials`.
+    """
+    pole = float(plant.coefficients.pole)
+    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
+    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _MAX_LIMIT, **hardware}
+    return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
+
+
+def _trial(
+    plant: AnyPlant,
+    law: tuple[str, Law],
+    wind: tuple[str, History],
+    cuts: int,
+    loads: bool,
+    flown: dict[str, Any],
+    progress: Callable[[int, int], None],
+) -> LawTrial:
+    """Return the trial of a law in a wind, both with their names."""
+    options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}
+    boundary = closed_loop_boundary(plant, law[1], wind[1], **options)
+    loads_of_flight = (np.nan, np.nan)
+    if loads and np.isfinite(boundary.limit):
+        loads_of_flight = _loads(
+            plant, law[1], wind[1], _LOAD_LIMIT_RATIO * abs(boundary.deflection), flown
+        )
+    return LawTrial(
+        law=law[0],
+        wind=wind[0],
+        limit=boundary.limit,
+        status=boundary.status,
+        lowest=float(boundary.scan[0]),
+        highest=float(boundary.scan[-1]),
+        growth=boundary.growth,
+        creeps=boundary.has_unstable_mode,
+        monotone=boundary.monotone,
+        looked=boundary.refinements,
+        peak_angle_of_attack=loads_of_flight[0],
+        peak_attitude=loads_of_flight[1],
+    )
+
+
+def _loads(
+    plant: AnyPlant, law: Law, wind: History, limit: float, flown: dict[str, Any]
+) -> tuple[float, float]:
+    """Return the largest angle of attack and attitude of a flight, relative to the peak wind."""
+    start, end = float(wind.onset), float(wind.end)
+    times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
+    outputs = fly(plant, law, wind, times, deflection_limit=limit, **flown).outputs
+    peak = abs(float(wind.peak))
+    angle, attitude = (
+        float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")
+    )
+    return angle, attitude
+
+
+LEGEND = (
+    "Any law: lower bound for all laws without a forecast that also survive if the wind stops for"
+    " good at any instant; - where the wind changes its sign."
+)
+
+
+class Bounds(NamedTuple):
+    """Bounds of all laws in a wind: its trim [deg], and two lower bounds normalised by that.
+
+    NaN where one is not defined.
+    """
+
+    trim_deg: float
+    no_forecast: float
+    minimum: float
+
+
+def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
+    """Return the bounds of every law in each wind, without a forecast and with the wind known."""
+
+    def of(wind: History) -> Bounds:
+        trim = abs(float(plant.coefficients.B * wind.peak))
+        peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)
+        free = _defined(lambda: float(forecast_free_limit(plant, wind).limit))
+        return Bounds(float(np.degrees(trim)), free, peak / trim if trim else np.nan)
+
+    return {name: of(wind) for name, wind in winds.items()}
+
+
+def needed(found: Sequence[LawTrial], beside: Mapping[str, Bounds]) -> tuple[Table, ...]:
+    """Return the required limit of each law in each wind, and the bounds of every law."""
+    laws = tuple(dict.fromkeys(one.law for one in found))
+    trials = {(one.wind, one.law): one for one in found}
+    head = ("wind", *(law.replace("-", " ") for law in laws), "any law")
+
+    def rows(unit: str, scales: Mapping[str, float]) -> Iterator[tuple[Line, ...]]:
+        for j, (wind, one) in enumerate(beside.items()):
+            scale, key = scales[wind], f"laws.{j}"
+            cells = [_limit(f"{key}.{law}{unit}", trials[wind, law], scale) for law in laws]
+            yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * one.no_forecast))
+
+    def bounded() -> Iterator[tuple[Line, ...]]:
+        for j, (wind, (trim, _, minimum)) in enumerate(beside.items()):
+            known = number_cell(f"laws.{j}.minimum_deg", trim * minimum)
+            over = number_cell(f"laws.{j}.minimum", minimum)
+            yield (wind,), number_cell(f"laws.{j}.ideal_deg", trim), known, over
+
+    trims = {wind: one.trim_deg for wind, one in beside.items()}
+    beyond = ("wind", "trim in that wind [deg]", f"{WIND_KNOWN} [deg]", "over trim")
+    return (
+        Table("Deflection limit that each law needs [deg]", head, tuple(rows("_deg", trims))),
+        Table("The same over trim in that wind", head, tuple(rows("", dict.fromkeys(trims, 1.0)))),
+        Table("Trim in each wind, and the minimum of any control", beyond, tuple(bounded())),
+    )
+
+
+def loads(found: Sequence[LawTrial]) -> Table:
+    """Return the largest angle of attack and attitude of each law in each wind."""
+    laws = tuple(dict.fromkeys(one.law for one in found))
+    winds = dict.fromkeys(one.wind for one in found)
+    trials = {(one.wind, one.law): one for one in found}
+    rows = tuple(((wind,), *(_load_cell(trials[wind, law]) for law in laws)) for wind in winds)
+    caption = "Largest angle of attack / attitude over the wind, with 1.2 times that limit"
+    return Table(caption, ("wind", *(law.replace("-", " ") for law in laws)), rows)
+
+
+def tried(found: Sequence[LawTrial]) -> str:
+    """Return which limits were tried, in sentences."""
+    one = found[0]
+    step = (one.highest - one.lowest) / STEPS
+    return (
+        f"Tried: limits from {one.lowest:g} to {one.highest:g} of ideal trim in steps of"
+        f" {step:.2g}, and for {ABOVE * step:.2g} above each edge in steps of {step / PARTS:.2g},"
+        " finer still near the edge. A narrower range of lost limits would not be seen."
+    )
+
+
+def doubts(found: Sequence[LawTrial]) -> list[str]:
+    """Return the meaning of the marks of limits, with their laws and winds."""
+    odd = [f'!: "{one.law}" in "{one.wind}": {one.status}' for one in found if _doubtful(one)]
+    again = ", ".join(f'"{one.law}" in "{one.wind}"' for one in found if not one.monotone)
+    said = "some lower limits survive as well; above this one all that were tried survive"
+    return [*odd, f"*: {said}: {again}"] if again else odd
+
+
+def _limit(key: str, one: LawTrial, scale: float) -> Line:
+    """Return the boundary times a scale, or the end of the range of limits that it is beyond."""
+    shown = number_cell(key, scale * one.limit)
+    if one.limit > one.highest:
+        shown = (f">{scale * one.highest:.4g}",)
+    elif one.limit <= one.lowest:
+        shown = (f"<{scale * one.lowest:.4g}",)
+    mark = ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
+    return (*shown, mark) if mark else shown
+
+
+def _load_cell(one: LawTrial) -> Line:
+    if one.limit > one.highest:
+        return ("-",)
+    key = f"loads.{one.wind}.{one.law}"
+    angle = number_cell(f"{key}.angle_of_attack", one.peak_angle_of_attack, 2)
+    return (*angle, "/", *number_cell(f"{key}.attitude", one.peak_attitude, 2))
+
+
+def _doubtful(one: LawTrial) -> bool:
+    """Return whether the status of a boundary needs a note below the table."""
+    return one.status not in (OK, NEVER, ALWAYS)
+
+
+def _defined(value: Callable[[], float]) -> float:
+    try:
+        return value()
+    except InputError:
+        return float("nan")

@@ -1,0 +1,339 @@
+"""The worst margins and the worst deflection when numbers lie anywhere in a box, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from tvclin.base import lines
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown, table
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
+from tvclin.base.tables import FileTable
+from tvclin.base.units import si_unit
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
+from tvclin.design.search import least_points
+from tvclin.ensembles.dispersions import KINDS, MODES, WIND
+from tvclin.linear.plant import Plant, default_model
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import within_linear
+
+PROVED, SEARCHED = "corners (proved)", "searched"
+LOOP = {
+    "gain": "number",
+    "delay": "delay",
+    "actuator_frequency": "natural frequency",
+    "actuator_damping": "number",
+}
+"""Numbers of the loop that are no gains of the autopilot, each of a kind of `UNITS`; `gain` is a
+factor on all of them."""
+_VEHICLE = tuple(name for name in KINDS if name not in {*WIND, *GAINS, *MODES})
+BOX_TABLE = FileTable("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
+"""The numbers of a box around a `Vehicle`, as the command line names them."""
+_COEFFICIENTS = tuple(field.name for field in fields(Coefficients))
+_MAX_BOX_NUMBERS = 10
+"""Largest number of numbers in a box, which then has 1024 corners."""
+_INSIDE = 256
+"""Number of even points in the box."""
+_STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
+"""Search from the worst of these points."""
+_RELATIVE_TOLERANCE = 1e-6
+"""Relative difference above which a point inside is worse than all corners."""
+_SHOWN_MARGINS = tuple(name for name in MARGINS if not name.startswith("peak"))
+"""Margins that are computed; peaks of S and T are equivalent to the disk margin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Worst:
+    """The worst value of one number in a box, and where it happens.
+
+    Attributes
+    ----------
+    value : float
+        The worst value, in the unit of its name; of a margin zero where a loop is unstable.
+    nominal : float
+        The value where nothing has changed.
+    at : dict of str to float
+        The numbers of the box there [SI].
+    corner : bool
+        Whether that is a corner of the box.
+    how : str
+        "corners (proved)": it is proved that a corner is the worst. "searched": all corners, even
+        points inside and points near the worst of them were tried; there may be worse ones.
+    """
+
+    value: float
+    nominal: float
+    at: dict[str, float]
+    corner: bool
+    how: str
+
+    @property
+    def place(self) -> tuple[lines.Line, lines.Line]:
+        """Position in the box, and method by which it was determined, in words."""
+        return ("a corner" if self.corner else "inside",), (self.how,)
+
+
+@dataclass(frozen=True, eq=False)
+class WorstCase(Shown):
+    """The worst margins and the worst required deflection in a box.
+
+    Attributes
+    ----------
+    box : dict of str to pair of float
+        The numbers and their bounds [SI].
+    margins : dict of str to Worst
+        aero_margin_dB, gain_increase_dB, phase_margin_deg, delay_margin [s] and disk_margin.
+    stable : bool
+        Whether every loop that was tried is stable.
+    deflection : Worst or None
+        The required deflection [rad], in size; None without a wind, and infinite in one of more
+        than 30 deg, in which no deflection is known to be sufficient.
+    tried : int
+        How many loops were tried.
+    """
+
+    box: dict[str, tuple[float, float]]
+    margins: dict[str, Worst]
+    stable: bool
+    deflection: Worst | None
+    tried: int
+
+    _keys = "stable tried"
+
+    as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
+
+    def table(self) -> lines.Table:
+        """Return the nominal and the worst value of each number, and its position."""
+        rows: list[tuple[lines.Line, ...]] = []
+        for name, one in self.margins.items():
+            label, unit, _ = MARGINS[name]
+            both = (margin("", unit_factor(unit) * x, unit) for x in (one.nominal, one.value))
+            rows.append(((label,), *both, *one.place))
+        if self.deflection is not None:
+            one = self.deflection
+            both = (
+                lines.minimum_limit(lines.degrees("", x, unit="deg"))
+                for x in (one.nominal, one.value)
+            )
+            rows.append((("required deflection",), *both, *one.place))
+        head = ("", "nominal", "worst", "at", "how")
+        return lines.Table("Worst case in the box", head, tuple(rows))
+
+    def _repr_html_(self) -> str:
+        return table(self.table())
+
+
+def worst_case(
+    subject: Vehicle | Coefficients,
+    autopilot: Autopilot,
+    box: Mapping[str, tuple[float, float]],
+    *,
+    model: str | None = None,
+    plane: str = "pitch",
+    wind: ShapedWind | None = None,
+    dead_band: float = 1.0,
+) -> WorstCase:
+    """Return the worst margins, and the worst required deflection, anywhere in a box.
+
+    Parameters
+    ----------
+    subject : Vehicle or Coefficients
+        The nominal vehicle, or its coefficients.
+    autopilot : Autopilot
+        The nominal loop: one, continuous.
+    box : mapping of str to pairs
+        Least and largest value [SI] of each number that is not known, up to ten: fields of
+        `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
+        "gain" (a factor on all gains), "delay", "actuator_frequency", "actuator_damping".
+    model, plane : str
+        Of the plant, the model by `default_model` if not given; the plane is that of a `Vehicle`.
+    wind : ShapedWind, optional
+        The nominal wind; without it no deflection is asked for.
+    dead_band : float
+        K of the required deflection.
+
+    Raises
+    ------
+    InputError
+        For unknown names, bounds that do not rise, a box of more than ten numbers, an actuator that
+        is in the box and not in the loop, an autopilot with a sample rate, batches, and as
+        `Coefficients` and `required_deflection` for what lies in the box.
+
+    Notes
+    -----
+    On a fixed path, with K = 1 and a wind of one peak, the required deflection is B alpha_w,max
+    y(tau beta), and y rises with tau beta; so it rises or falls with each number by itself, and a
+    corner is the worst. The page on least gains has the proof. All else is searched.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> autopilot = tv.control.canonical_gains(tv.Coefficients.from_vehicle(vehicle), delay=0.02)
+    >>> box = {"thrust": (0.97 * vehicle.thrust, 1.03 * vehicle.thrust), "delay": (0.0, 0.04)}
+    >>> found = tv.worst_case(vehicle, autopilot, box)
+    >>> worst = found.margins["phase_margin_deg"]
+    >>> round(worst.nominal, 1), round(worst.value, 1), worst.at["delay"], worst.how
+    (27.2, 25.6, 0.04, 'searched')
+    """
+    ends = _checked(subject, autopilot, box, wind)
+    model = default_model(subject) if model is None else model
+    case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
+    K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
+    corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))
+    margins = {name: case.worst(corners, case.margin(name)) for name in _SHOWN_MARGINS}
+    deflection = None
+    if wind is not None:
+        proved = model == "fixed-path" and K == 1.0 and wind.gust is None
+        deflection = case.worst(corners, case.deflection(K), proved)
+        deflection = replace(
+            deflection, value=abs(deflection.value), nominal=abs(deflection.nominal)
+        )
+    return WorstCase(
+        box=ends,
+        margins=margins,
+        stable=all(worst.value > 0.0 for worst in margins.values()),
+        deflection=deflection,
+        tried=sum(np.size(loops.status) for loops in case.seen.values()),
+    )
+
+
+def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tuple[float, float]]:
+    """Return the box with plain numbers; `InputError` for a number that the case has not."""
+    if not isinstance(subject, Vehicle | Coefficients):
+        raise InputError(f"subject must be a Vehicle or Coefficients; got {type(subject).__name__}")
+    single("subject", subject.batch)
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    single("autopilot", autopilot.batch)
+    if autopilot.sample_rate is not None:
+        raise InputError("a box is for continuous autopilots; replace sample_rate by None")
+    if wind is not None:
+        instance("wind", wind, ShapedWind, "of a shape, a peak and a duration")
+    instance("box", box, Mapping, "of names to a least and a largest value")
+    if not 0 < len(box) <= _MAX_BOX_NUMBERS:
+        raise InputError(f"box must have 1 to {_MAX_BOX_NUMBERS} numbers; got {len(box)}")
+    names = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
+    known = (*names, *GAINS, *LOOP, *(WIND if wind is not None else ()))
+    ends = {}
+    for name, pair in box.items():
+        one_of("a number in box", name, known)
+        given = finite(name, pair)
+        if given.shape != (2,) or not given[0] < given[1]:
+            raise InputError(f"box of {name} must be a least and a larger value; got {pair!r}")
+        ends[name] = (float(given[0]), float(given[1]))
+    if autopilot.actuator is None and {"actuator_frequency", "actuator_damping"} & ends.keys():
+        raise InputError("an actuator is in the box, but the autopilot has none")
+    first_order = autopilot.actuator is not None and autopilot.actuator.damping is None
+    if first_order and "actuator_damping" in ends:
+        raise InputError("the actuator is of first order and has no damping")
+    return ends
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """A vehicle, its autopilot and wind, with numbers of a box changed."""
+
+    subject: Vehicle | Coefficients
+    autopilot: Autopilot
+    names: tuple[str, ...]
+    ends: FloatArray
+    model: str
+    plane: str
+    wind: ShapedWind | None
+
+    seen: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
+
+    def values(self, points: FloatArray) -> dict[str, FloatArray]:
+        """Return the numbers [SI] at points of the unit box, ``(n,)`` each."""
+        spread = self.ends[:, 0] * (1.0 - points) + self.ends[:, 1] * points
+        return dict(zip(self.names, spread.T, strict=True))
+
+    def plant(self, values: Mapping[str, FloatArray]) -> Plant:
+        """Return the plants with these numbers."""
+        names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
+        changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
+        if isinstance(changed, Vehicle):
+            return Plant.from_vehicle(changed, self.model, self.plane)
+        return Plant.from_coefficients(changed, self.model)
+
+    def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
+        """Return the autopilots with these numbers."""
+        a = self.autopilot
+        factor = values.get("gain", 1.0)
+        changes: dict[str, Any] = {
+            name: factor * values.get(name, getattr(a, name)) for name in GAINS
+        }
+        if "delay" in values:
+            changes["delay"] = values["delay"]
+        if a.actuator is not None:
+            changes["actuator"] = Actuator(
+                natural_frequency=values.get("actuator_frequency", a.actuator.natural_frequency),
+                damping=values.get("actuator_damping", a.actuator.damping),
+            )
+        return replace(a, **changes)
+
+    def margin(self, name: str) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
+        """Return the function from numbers to a margin, zero where the loop is unstable."""
+
+        def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            key = tuple(np.asarray(v).tobytes() for v in values.values())
+            if key not in self.seen:
+                self.seen[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
+            margins: Margins = self.seen[key]
+            return np.nan_to_num(np.asarray(getattr(margins, name), float), nan=0.0, posinf=np.inf)
+
+        return value
+
+    def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
+        """Return the function from numbers to minus the required deflection [rad]."""
+
+        def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            assert self.wind is not None
+            wind = self.wind.history(dict(values))
+            required = required_deflection(self.plant(values), wind, dead_band)
+            linear = within_linear(wind.peak)
+            return np.where(linear, -np.abs(required.deflection), -np.inf)
+
+        return value
+
+    def worst(
+        self,
+        corners: FloatArray,
+        value: Callable[[Mapping[str, FloatArray]], FloatArray],
+        proved: bool = False,
+    ) -> Worst:
+        """Return the minimum of a value in the box, over corners and, unless proved, a search."""
+        nominal = float(value({}))
+        edges = np.broadcast_to(value(self.values(corners)), len(corners))
+        best = int(np.argmin(edges))
+        point, worst, corner = corners[best], float(edges[best]), True
+        if not proved and np.isfinite(worst):
+            points, minima = least_points(
+                lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
+                len(self.names),
+                first=_INSIDE,
+                known=corners,
+                **_STEPS,
+            )
+            if minima[0] < worst - _RELATIVE_TOLERANCE * abs(worst):
+                point, worst = points[0], float(minima[0])
+                corner = bool(np.all((point == 0.0) | (point == 1.0)))
+        at = {name: float(v[0]) for name, v in self.values(point[np.newaxis]).items()}
+        return Worst(worst, nominal, at, corner, PROVED if proved else SEARCHED)
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of a number of a vehicle, a wind or a loop that can be in a box."""
+    return si_unit(BOX_TABLE.quantities[name])

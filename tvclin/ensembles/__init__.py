@@ -1,0 +1,11 @@
+"""Many cases: dispersed studies, campaigns, archives of winds, with their confidence.
+
+- Dispersions: `Dispersion`, `Dispersions`; of a study `disperse_study`.
+- Campaigns: `Campaign`; `run_campaign`, `open_campaign`, `resume_campaign`.
+- Days of an archive: `tvclin.availability` by an `AvailabilityRequest`; what the wind may become:
+  `PairGrowth`, `WindGrowth`.
+"""
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

@@ -1,0 +1,253 @@
+"""Fraction of the days of an archive on which a deflection limit is sufficient."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import (
+    InputError,
+    between,
+    callable_for,
+    directions,
+    fraction,
+    instance,
+    nonnegative,
+    nonzero,
+    number,
+    one_of,
+    small_angle,
+)
+from tvclin.ensembles.availability.availability_record import Availability, one_row_or_one
+from tvclin.ensembles.availability.judge import STOPS, Judge
+from tvclin.ensembles.availability.sounding_winds import (
+    HALF_DAY,
+    PairGrowth,
+    WindGrowth,
+    grown_by,
+    growth_of,
+)
+from tvclin.linear.plant import DEFAULT_MODEL, MODELS
+from tvclin.requirement.encountered_requirement import own_sign
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import checked_gust
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
+
+_MAX_BOUND_SPREAD = 0.02
+"""Largest relative difference of the bounds of a requirement that is used for its growth."""
+_MIN_YEARS = 3
+"""Number of years below which a note says that other years may be windier."""
+
+
+def availability(
+    flight: FlightSchedule,
+    soundings: Soundings,
+    *,
+    limit: float,
+    azimuth: ArrayLike,
+    plane: str = BOTH,
+    stop: str = "round",
+    model: str = DEFAULT_MODEL,
+    persistence: float | WindGrowth | PairGrowth | str | None = None,
+    gust: History | None = None,
+    gust_speed: float | None = None,
+    known_to: float | None = None,
+    utc_offset: float | None = None,
+    confidence: float = 0.95,
+    sign: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Availability:
+    """Return the fraction of soundings of an archive with which a deflection limit is sufficient.
+
+    A flight with varying parameters goes through each sounding; the requirement is for the dead
+    band K = 1, which needs no forecast, as of `size` with ``varying=True``.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        The flight, with its altitude; see `load_schedule`.
+    soundings : Soundings
+        The archive; see `read_soundings`.
+    limit : float
+        Deflection capability [rad].
+    azimuth : array_like
+        Direction of flight [rad], from north, clockwise; or several of them.
+    plane : {"both", "pitch", "yaw"}
+        Plane of the motion that counts.
+    stop : {"round", "square"}
+        Limit shape of both planes: with a round stop the requirement is the root of the sum of
+        squares of both planes, though their peaks need not coincide; with a square stop the larger.
+    model : str
+        Model of `Plant`.
+    persistence : float, WindGrowth, PairGrowth or "pairs", optional
+        Increase between balloon and launch: an angle [rad] that is added to each requirement; a
+        wind that is added against the vehicle; or the growth of requirements between soundings of
+        the archive.
+    gust : History, optional
+        Gust on top of each wind, once with its middle where the wind is largest, and once where
+        trim reaches what the wind alone requires; the larger counts. By its angle it is the wind
+        that turns the flight path by that angle.
+    gust_speed : float, optional
+        Wind speed [m/s] at the gust's peak, up to 1,000, in place of its angle: it adds to the wind
+        at each time, in each plane as if it blew in that plane alone.
+    known_to : float, optional
+        Height [m] to which a sounding must go to be judged.
+    utc_offset : float, optional
+        Local time less UTC [h], by which months are counted; that of the archive if not given.
+    confidence : float
+        Confidence of the intervals, in (0, 1).
+    sign : {"frozen"}, optional
+        With "frozen" the nominal dynamic pressure counts, not that which each wind causes.
+    progress : callable, optional
+        Called with the number of finished soundings and of all soundings.
+
+    Returns
+    -------
+    Availability
+        Required deflection of each sounding, and the fraction that flies.
+
+    Raises
+    ------
+    InputError
+        For a flight without altitude, no soundings at all, and numbers out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> flight = tv.load_schedule("configuration-i")
+    >>> height = np.linspace(0.0, 32e3, 65)
+    >>> jet = np.exp(-(((height - 11e3) / 4e3) ** 2))
+    >>> winds = [tv.WindProfile(height=height, east=v * jet, north=0 * jet) for v in (30, 60)]
+    >>> soundings = tv.winds.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
+    >>> limit, azimuth = np.radians(0.4), np.radians(90)
+    >>> available = tv.availability(flight, soundings, limit=limit, azimuth=azimuth)
+    >>> print(available.part())
+    1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    instance("soundings", soundings, Soundings, "see read_soundings")
+    one_of("plane", plane, (BOTH, *PLANES))
+    one_of("model", model, MODELS)
+    if not len(soundings):
+        raise InputError(
+            "soundings must hold one or more; got none (check month, years and station)"
+        )
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    checked_gust(gust)
+    if gust_speed is not None:
+        if gust is None:
+            raise InputError("the speed of a gust needs the gust that it is of")
+        nonzero("gust_speed", gust_speed, "m/s")
+        gust_speed = number("gust_speed", gust_speed, between(-1e3, 1e3), "m/s")
+    azimuths = one_row_or_one("azimuth", azimuth)
+    directions("azimuth", azimuths)
+    growth = growth_of(persistence)
+    capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
+    confidence = fraction("confidence", confidence)
+    if utc_offset is not None:
+        soundings = soundings.with_utc_offset(utc_offset)
+    judge = Judge.of(
+        flight,
+        soundings,
+        plane=plane,
+        model=model,
+        azimuths=azimuths,
+        stop=one_of("stop", stop, STOPS),
+        growth=growth if isinstance(growth, WindGrowth) else None,
+        gust=gust,
+        gust_speed=gust_speed,
+        known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
+        pressure=own_sign(sign),
+    )
+    bounds = judge.requirements(soundings, progress)
+    added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)
+    required, flight_notes = judge.decided(soundings, bounds, capability - added)
+    least, most = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
+    single = np.ndim(azimuth) == 0
+    return Availability(
+        soundings=soundings,
+        limit=capability,
+        azimuth=float(azimuths[0]) if single else azimuths,
+        plane=plane,
+        model=model,
+        least=least[0] if single else least,
+        most=most[0] if single else most,
+        known=required.known[0] if single else required.known,
+        persistence=added,
+        confidence=confidence,
+        notes=(
+            *(*soundings.notes, *growth_notes, *flight_notes),
+            *_judged(judge, required.judged),
+            *_seasons(soundings, required.reasons),
+        ),
+        reasons=tuple(required.reasons),
+        judged=required.judged,
+        judge=judge,
+    )
+
+
+def _added(
+    growth: float | WindGrowth | PairGrowth,
+    least: FloatArray,
+    most: FloatArray,
+    soundings: Soundings,
+) -> tuple[FloatArray, list[str]]:
+    """Return the angle [rad] that persistence adds, ``(a,)`` for azimuths, and its notes."""
+    if isinstance(growth, WindGrowth):
+        return np.zeros(least.shape[0]), ["each need includes the wind that may still come"]
+    if isinstance(growth, PairGrowth):
+        usable = most - least <= _MAX_BOUND_SPREAD * most
+        added, pairs = grown_by(growth, np.where(usable, least, np.nan), soundings.times)
+        added = np.maximum(added, 0.0)
+        words = ", ".join(f"{angle:.4f}" for angle in np.degrees(added).tolist())
+        return added, [
+            f"persistence adds {words} deg; the needs of {100 * growth.quantile:g} % of"
+            f" {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
+        ]
+    notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
+    return np.full(least.shape[0], growth), notes
+
+
+def _judged(judge: Judge, times: FloatArray) -> list[str]:
+    """Return notes on the intervals of the flight that are not judged, or judged by themselves."""
+    flight, (first, last) = judge.flight, judge.flight.span
+    notes = []
+    if len(judge.parts) > 1:
+        turns = ", ".join(f"{part.path.time[0]:.4g}" for part in judge.parts[1:])
+        notes.append(
+            f"the air turns the vehicle to the other side from {turns} s on: what is before and"
+            " what is after is judged by itself, each from trim on, and the larger need counts"
+        )
+    calm = [part.path.time[[0, -1]].tolist() for part in judge.parts if not part.marches]
+    notes += [f"from {a:.4g} to {b:.4g} s nothing grows: no deflection is needed" for a, b in calm]
+    late, early = times[:, 0] > first, times[:, 1] < last
+    where = []
+    if np.any(late):
+        where.append(f"until {flight.altitude_text(times[late, 0].max())}")
+    if np.any(early):
+        where.append(f"from {flight.altitude_text(times[early, 1].min())} on")
+    if where:
+        count, limit = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
+        notes.append(
+            f"{' and '.join(where)} the wind of {count} of {len(times)} soundings meets the flight"
+            f" at more than {limit:.3g} deg, somewhere there, of which linear aerodynamics says"
+            " nothing: in each of them the rest is judged"
+        )
+    return notes
+
+
+def _seasons(soundings: Soundings, reasons: list[str]) -> list[str]:
+    """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years."""
+    judged = np.array([not reason for reason in reasons], dtype=bool)
+    years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
+    if not 0 < years < _MIN_YEARS:
+        return []
+    seasons = "one season" if years == 1 else "two seasons"
+    return [f"the soundings are of {seasons}: other years may be windier than the intervals say"]

@@ -1,0 +1,407 @@
+"""Availability: fractions of days, curves over the limit, placards and columns, as tables."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.cards import Shown, card
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.documents import keyed, picked
+from tvclin.base.errors import (
+    between,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    one_row,
+    small_angle,
+    within,
+)
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, text
+from tvclin.base.lines import number as number_cell
+from tvclin.ensembles.availability.judge import Judge
+from tvclin.ensembles.statistics import part_of
+from tvclin.requirement.nominal_requirement import covers
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
+
+_UNDECIDED = "its trim reaches the limit more than once, and was not flown: ask for this limit"
+"""Reason for a sounding whose bounds lie on both sides of the limit."""
+_LOWER_RATIO = 1.0 - 1e-9
+"""Ratio of two requirements above which the lower counts as equal to the other."""
+PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
+"""Fractions of the soundings whose sufficient limits are shown."""
+
+
+@dataclass(frozen=True)
+class Today(Shown):
+    """Verdict on a launch from a balloon, in a direction of flight.
+
+    Attributes
+    ----------
+    least, most : float
+        Bounds of its required deflection [rad], with persistence: with a calm and with a strong
+        wind where the wind is not known. NaN where nothing can be said.
+    limit : float
+        Deflection capability [rad].
+    part : float
+        Fraction of the archive's known soundings that require less.
+    judged : tuple of float
+        First and last time [s] of the judged interval of the flight.
+    why : str
+        Reason why nothing can be said; empty for a judged sounding.
+    """
+
+    least: float
+    most: float
+    limit: float
+    part: float
+    judged: tuple[float, float]
+    why: str = ""
+
+    as_dict = keyed("go least_deg most_deg part_of_archive_below=part judged_s why")
+
+    @property
+    def go(self) -> bool | None:
+        """Whether the limit is sufficient; None where that is not known."""
+        if not np.isnan(self.most) and covers(self.limit, self.most):
+            return True
+        return None if np.isnan(self.least) or covers(self.limit, self.least) else False
+
+
+@dataclass(frozen=True, eq=False)
+class Availability(Tabled):
+    """Required deflections of the soundings of an archive; make it with `availability`.
+
+    With several azimuths arrays have a leading axis for them, and methods give a tuple.
+
+    Attributes
+    ----------
+    soundings : Soundings
+        The archive.
+    limit : float
+        Deflection capability [rad].
+    azimuth : float or ndarray
+        Direction of flight [rad], or several of them.
+    plane, model : str
+        Plane of the motion that counts, and model of the plant.
+    least, most : ndarray
+        Bounds of the required deflections [rad], with persistence, ``(n,)``: with a calm and with a
+        strong wind where the wind is not known. NaN where nothing can be said. Where trim reaches
+        the limit more than once, or the path is quick, `most` includes what a flight may require
+        more, up to the largest trim; it is the limit where a flight survived with it.
+    known : ndarray of bool
+        Whether the requirement is the same with calm and with a strong wind, ``(n,)``.
+    persistence : ndarray
+        The angle [rad] that `least` and `most` include for it, by azimuth, ``(a,)``.
+    confidence : float
+        Confidence of the intervals.
+    notes : tuple of str
+        Assumptions and limitations.
+    reasons : tuple of str
+        Reason why nothing can be said of a sounding, ``(n,)``; empty for a judged one.
+    judged : ndarray
+        First and last time [s] of the judged interval of the flight by sounding, ``(n, 2)``, in
+        which the wind angle is at most 30 deg. NaN where nothing can be said.
+    judge : Judge
+        The flight, with which other winds are judged.
+    """
+
+    soundings: Soundings
+    limit: float
+    azimuth: float | FloatArray
+    plane: str
+    model: str
+    least: FloatArray
+    most: FloatArray
+    known: BoolArray
+    persistence: FloatArray
+    confidence: float
+    notes: tuple[str, ...]
+    reasons: tuple[str, ...]
+    judged: FloatArray
+    judge: Judge
+
+    @property
+    def flies(self) -> FloatArray:
+        """Verdicts, ``(n,)``: 1 where the limit is sufficient, 0 where not, NaN if unknown."""
+        return self._flies(self.limit)
+
+    @property
+    def need(self) -> FloatArray:
+        """Lower bounds of required deflections [rad], ``(n,)``; NaN where this limit is not judged.
+
+        They depend on the limit of `availability`: a sounding whose trim reaches it more than once
+        is flown if it requires about this limit, and else `least` and `most` are its bounds.
+        """
+        return np.where(np.isnan(self.flies), np.nan, self.least)
+
+    @property
+    def why(self) -> tuple[str, ...]:
+        """Reason why a sounding is not judged, ``(n,)``; empty for a judged one."""
+        undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
+        both = zip(self.reasons, undecided, strict=True)
+        known = np.all(np.atleast_2d(self.known), axis=0).tolist()
+        words = [_UNDECIDED if wind else "its wind is not known far enough" for wind in known]
+        return tuple(
+            reason or word * open_ for (reason, open_), word in zip(both, words, strict=True)
+        )
+
+    _keys = "limit_deg model plane notes"
+
+    @property
+    def judged_in_all(self) -> tuple[float, float]:
+        """First and last time [s] of the part of the flight that is judged in every sounding."""
+        begins, ends = self.judged[~np.isnan(self.judged[:, 0])].T
+        first, last = self.judge.flight.span
+        return float(begins.max(initial=first)), float(ends.min(initial=last))
+
+    def part(self) -> Any:
+        """Return the fraction that flies, a `Part`; a tuple of them for several azimuths."""
+        return self._for_each(self.limit, np.ones(len(self.soundings), dtype=bool))
+
+    def reaches(self, part: float) -> Any:
+        """Return whether at least a fraction of the days flies: True, False, or None if not proven.
+
+        `part`: the fraction, in [0, 1]. Proven is what holds for the whole confidence interval,
+        with unknown soundings counted as lost for True, and as flown for False.
+        """
+        part = number("part", part, between(0.0, 1.0))
+        every = np.ones(len(self.soundings), dtype=bool)
+        ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
+        return self._plain(
+            [
+                True if low.lower >= part else False if high.upper < part else None
+                for low, high in zip(*ends, strict=True)
+            ]
+        )
+
+    def by_month(self) -> dict[int, Any]:
+        """Return the fraction that flies by month, in the hours of the archive."""
+        months = self.soundings.months
+        return {
+            month: self._for_each(self.limit, months == month)
+            for month in np.unique(months[months > 0]).tolist()
+        }
+
+    def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
+        """Return the fractions that fly with other limits [rad], ``(m,)``."""
+        every = np.ones(len(self.soundings), dtype=bool)
+        row = small_angle("a deflection", nonnegative)("limits", one_row_or_one("limits", limits))
+        return tuple(self._for_each(limit, every) for limit in row.tolist())
+
+    def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
+        """Return the minimum limits [rad] sufficient for fractions of the judged soundings.
+
+        Infinite where no limit is sufficient, NaN where no sounding is known. Shape
+        ``(p,)``, or ``(a, p)`` for several azimuths.
+        """
+        fractions = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
+
+        def limits(least: FloatArray, most: FloatArray) -> FloatArray:
+            known = ~np.isnan(most)
+            if not np.any(known):
+                return np.full(fractions.shape, np.nan)
+            high, low = np.sort(most[known]), np.sort(least[known])
+            flown = np.searchsorted(high, high, side="right")
+            lost = low.size - np.searchsorted(low, high, side="right")
+            part = flown / np.maximum(flown + lost, 1)
+            place = np.searchsorted(part, fractions * (1.0 - 1e-12))
+            return np.append(high, np.inf)[np.minimum(place, high.size)]
+
+        rows = zip(np.atleast_2d(self.least), np.atleast_2d(self.most), strict=True)
+        sufficient = np.stack([limits(least, most) for least, most in rows])
+        return sufficient[0] if np.ndim(self.azimuth) == 0 else sufficient
+
+    def today(self, profile: WindProfile) -> Any:
+        """Return the verdict from a balloon, a `Today`; a tuple of them for several azimuths.
+
+        Raises
+        ------
+        InputError
+            For another type than a profile.
+        """
+        instance("profile", profile, WindProfile, "see read_sounding")
+        sounding = Soundings.from_profiles([profile], ["2000-01-01"])
+        limits = self.limit - self.persistence
+        required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
+        verdicts = []
+        for a, most in enumerate(np.atleast_2d(self.most)):
+            least, high = (
+                float(x[a, 0] + self.persistence[a]) for x in (required.lower, required.upper)
+            )
+            known = most[~np.isnan(most)]
+            part = float(np.mean(known < high * _LOWER_RATIO)) if known.size else float("nan")
+            span = required.judged[0].tolist()
+            verdicts.append(
+                Today(least, high, self.limit, part, (span[0], span[1]), required.reasons[0])
+            )
+        return self._plain(verdicts)
+
+    def _columns(self) -> Columns:
+        """Return requirements and verdicts by azimuth and time, with what identifies them."""
+        angles = {name: np.atleast_2d(getattr(self, name)) for name in ("need", "least", "most")}
+        begins, ends = self.judged.T
+        return Columns(
+            (
+                Column("azimuth", np.atleast_1d(self.azimuth), "rad"),
+                Column("time", self.soundings.times.astype("datetime64[ns]"), "UTC"),
+            ),
+            (
+                *(Column(name, values, "rad") for name, values in angles.items()),
+                Column("flies", np.atleast_2d(self.flies)),
+                Column("from", begins, "s", ("time",)),
+                Column("to", ends, "s", ("time",)),
+                Column("why", np.array(self.why, dtype=str), "", ("time",)),
+            ),
+            picked(self, "limit plane model station=soundings.station"),
+        )
+
+    def with_limit(self, limit: float) -> Self:
+        """Return the availability with another limit [rad]; `InputError` for a negative limit."""
+        return replace(
+            self, limit=number("limit", limit, small_angle("a deflection", nonnegative), "rad")
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        names = [f"{100 * part:g} %" for part in PLACARD]
+        months = {str(month): self._rows(each) for month, each in self.by_month().items()}
+        azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
+        placards = np.degrees(np.atleast_2d(self.placard()))
+        towards = [
+            {
+                "azimuth_deg": azimuths[a],
+                **part.as_dict(),
+                "months": {month: each[a] for month, each in months.items()},
+                "placard_deg": dict(zip(names, placards[a], strict=True)),
+                "persistence_deg": np.degrees(self.persistence[a]),
+            }
+            for a, part in enumerate(self._rows(self.part()))
+        ]
+        head = "vehicle=judge.flight.vehicle.name station=soundings.station model plane limit_deg"
+        return {
+            **picked(self, f"{head} confidence"),
+            "soundings": len(self.soundings),
+            "judged_s": list(self.judged_in_all),
+            "towards": towards,
+            "notes": self.notes,
+        }
+
+    def _repr_html_(self) -> str:
+        parts = self._rows(self.part())
+        rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
+        azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
+        rows += [
+            (f"towards {azimuth:.4g} deg", str(part), "")
+            for azimuth, part in zip(azimuths, parts, strict=True)
+        ]
+        rows += [
+            (
+                f"sufficient for {100 * p:g} %",
+                ", ".join(text(degrees("", limit)) for limit in self.placard([p]).ravel()),
+                "deg",
+            )
+            for p in (0.5, 0.9, 0.95, 0.99)
+        ]
+        return card("Launch availability", rows + [("note", note, "") for note in self.notes])
+
+    def _rows(self, value: Any) -> tuple[Any, ...]:
+        """Return values by azimuth as a tuple, also for a single azimuth."""
+        return (value,) if np.ndim(self.azimuth) == 0 else value
+
+    def _flies(self, limit: float) -> FloatArray:
+        """Return 1 where a limit [rad] is sufficient, 0 where it is not, NaN if not known."""
+        with np.errstate(invalid="ignore"):
+            sufficient = np.asarray(covers(limit, self.most))
+            lost = ~np.asarray(covers(limit, self.least))
+        known = ~np.isnan(self.least)
+        return np.where(known & sufficient, 1.0, np.where(known & lost, 0.0, np.nan))
+
+    def _for_each(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
+        """Return the fraction of selected soundings that fly, with `unknown` ones as that value."""
+        times = self.soundings.times[which]
+        season = (12 * self.soundings.years + self.soundings.months)[which]
+        flown = np.nan_to_num(self._flies(limit), nan=unknown)
+        rows = zip(np.atleast_2d(flown), np.atleast_2d(self.least), strict=True)
+        return self._plain(
+            [
+                part_of(flies[which], need[which], times, season, self.confidence)
+                for flies, need in rows
+            ]
+        )
+
+    def _plain(self, values: list[Any]) -> Any:
+        """Return values by azimuth as a tuple, or the value of a single azimuth."""
+        return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
+
+
+def one_row_or_one(name: str, value: ArrayLike) -> FloatArray:
+    """Return a number or a row of numbers as a row, ``(n,)``; `InputError` for other shapes."""
+    array = finite(name, value)
+    return one_row(name, array if array.ndim else array[np.newaxis])
+
+
+_MONTHS = (
+    *("January", "February", "March", "April", "May", "June"),
+    *("July", "August", "September", "October", "November", "December"),
+)
+
+
+def by_month(a: Availability) -> Table:
+    """Return the table of soundings that fly, by month and azimuth."""
+    rows = []
+    for month, parts in a.by_month().items():
+        by_azimuth = parts if isinstance(parts, tuple) else (parts,)
+        for towards, part in zip(_towards(a), by_azimuth, strict=True):
+            key = f"availability.month.{month}{towards}"
+            counts = {"flown": part.flown, "judged": part.judged, "unknown": part.unknown}
+            shares = {"part": part.part, "lower": part.lower, "upper": part.upper}
+            cells = [number_cell(f"{key}.{name}", value, 0) for name, value in counts.items()]
+            cells += [number_cell(f"{key}.{k}_percent", 100.0 * x, 1) for k, x in shares.items()]
+            rows.append(((f"{_MONTHS[month - 1]}{towards}",), *cells))
+    head = ("month", "SURVIVED", "of", "unknown", "fraction [%]", "from [%]", "to [%]")
+    return Table("By month", head, tuple(rows))
+
+
+def interval(a: Availability) -> str:
+    """Return the meaning of the confidence interval, in words."""
+    return (
+        f"With {100 * a.confidence:g} % confidence the part of all such days lies in the interval;"
+        " days that are alike count as fewer independent ones."
+    )
+
+
+def placard(a: Availability) -> Table:
+    """Return the table of sufficient limits by fraction of the judged soundings and azimuth."""
+    rows: list[tuple[Line, ...]] = []
+    for part, limits in zip(PLACARD, np.atleast_2d(a.placard()).T, strict=True):
+        key = f"availability.placard.{100.0 * part:g}"
+        cells = (
+            minimum_limit(degrees(f"{key}{k}", x)) for k, x in zip(_towards(a), limits, strict=True)
+        )
+        rows.append(((f"{100.0 * part:g} %",), *cells))
+    head = ("part", *(f"limit [deg]{towards}" for towards in _towards(a)))
+    return Table("Limit that is sufficient in a fraction of the soundings", head, tuple(rows))
+
+
+def unknown(a: Availability) -> Table:
+    """Return the table of reasons for unknown soundings, with their numbers."""
+    reasons = Counter(reason.split(":")[0] for reason in a.why if reason)
+    rows = tuple(
+        ((reason,), number_cell(f"availability.unknown.{i}", count, 0))
+        for i, (reason, count) in enumerate(reasons.most_common())
+    )
+    return Table("Unknown soundings", ("why", "number_cell"), rows)
+
+
+def _towards(a: Availability) -> list[str]:
+    """Return the labels of azimuths; an empty label for a single azimuth."""
+    azimuths = np.degrees(np.atleast_1d(a.azimuth)).tolist()
+    return [f", towards {azimuth:.4g} deg" for azimuth in azimuths] if len(azimuths) > 1 else [""]

@@ -1,0 +1,398 @@
+"""Required deflections of the soundings of an archive: bounds, equal where all wind is known.
+
+Where the wind of a sounding is not known it is taken as calm; and as against the vehicle, as
+strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
+What is required lies between what these two require.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.ensembles.availability.plane_march import Additions, MarchedWinds, PlaneMarch
+from tvclin.ensembles.availability.sounding_winds import (
+    FlightPath,
+    LineWinds,
+    SoundingWinds,
+    WindGrowth,
+)
+from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.soundings.archive import Soundings
+
+STOPS = ("round", "square")
+UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
+    "it cannot be used",
+    "it ends below the height of the largest dynamic pressure",
+    "it begins above the height of the largest dynamic pressure",
+    "its wind meets the flight at more than 30 deg where the dynamic pressure is largest",
+    "it ends below known_to",
+    "no horizontal wind turns the flight so far as the gust",
+)
+_LEVELS_TOGETHER = 60_000
+"""Levels of soundings that are marched together: their steps fill some megabytes."""
+_STRENGTH_HEIGHTS = 40
+"""Heights of a flight at which the strength of winds in an archive is computed."""
+_KNOWN_TOLERANCE = 1e-9
+"""Relative difference of requirements below which an unknown wind does not matter."""
+
+
+@dataclass(frozen=True, eq=False)
+class Requirements:
+    """Deflections [rad] that soundings require.
+
+    Attributes
+    ----------
+    lower, upper : ndarray
+        Bounds, with calm and with a strong wind where it is not known, ``(a, n)`` for azimuths and
+        soundings; NaN where nothing can be said. Where trim reaches a limit more than once, and no
+        flight decided, `upper` holds what a flight may require more, up to the largest trim.
+    lowest : ndarray
+        Lowest limits with which flights may survive, ``(a, n)``.
+    known : ndarray of bool
+        Whether the wind is known wherever it may count, ``(a, n)``.
+    reasons : list of str
+        Reason for which nothing can be said of a sounding, or empty.
+    judged : ndarray
+        First and last time [s] of the judged part of the flight, ``(n, 2)``.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    lowest: FloatArray
+    known: BoolArray
+    reasons: list[str]
+    judged: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FlightPart:
+    """A part of a flight in which the air turns the vehicle to one side alone.
+
+    `marches`: by the planes with an unstable mode.
+    """
+
+    path: FlightPath
+    marches: dict[str, PlaneMarch]
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """A flight in one or both planes, ready for any wind.
+
+    Attributes
+    ----------
+    flight : FlightSchedule
+        The flight.
+    path : FlightPath
+        Its arrays over height.
+    additions : Additions
+        Growth and gust on top of the winds.
+    parts : tuple of FlightPart
+        In each the vehicle is flown by itself, and the largest requirement counts.
+    planes : tuple of str
+        Planes of the motion.
+    azimuths : ndarray
+        Directions of flight [rad], ``(a,)``.
+    stop : {"round", "square"}
+        Limit shape of both planes.
+    known_to : float or None
+        Height [m] to which each sounding must go.
+    heights : ndarray
+        Heights [m] of `strength`.
+    strength : dict
+        Speeds [m/s] below which 95 % of an archive stay there, by plane and azimuth.
+    """
+
+    flight: FlightSchedule
+    path: FlightPath
+    additions: Additions
+    parts: tuple[FlightPart, ...]
+    planes: tuple[str, ...]
+    azimuths: FloatArray
+    stop: str
+    known_to: float | None
+    heights: FloatArray
+    strength: dict[tuple[str, float], FloatArray]
+
+    @classmethod
+    def of(
+        cls,
+        flight: FlightSchedule,
+        soundings: Soundings,
+        *,
+        plane: str,
+        model: str,
+        azimuths: FloatArray,
+        growth: WindGrowth | None,
+        gust: History | None,
+        gust_speed: float | None,
+        pressure: bool,
+        **options: Any,
+    ) -> Judge:
+        """Return the judge of a flight, for which an unknown wind is as strong as in the archive.
+
+        `InputError` as `FlightMode` and `FlightPath`.
+        """
+        planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
+        usable = SoundingWinds.of(soundings[soundings.usable], path)
+        evenly = np.linspace(path.time[0], path.time[-1], _STRENGTH_HEIGHTS)
+        heights = np.interp(evenly, path.time, path.height)
+        return cls(
+            flight,
+            path,
+            Additions(growth, gust, gust_speed, pressure),
+            _parts(flight, model, planes),
+            planes,
+            azimuths,
+            heights=heights,
+            strength={
+                (plane, azimuth): usable.strength(heights, azimuth, plane)
+                for plane in planes
+                for azimuth in azimuths.tolist()
+            },
+            **options,
+        )
+
+    def requirements(
+        self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
+    ) -> Requirements:
+        """Return bounds of what soundings require, from trim and demand; report progress."""
+        lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
+        known = np.ones(lower.shape, dtype=bool)
+        heights = np.full((len(soundings), 2), np.nan)
+        reasons = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
+        for reason, holds in self._unjudged(soundings):
+            for i in np.flatnonzero(holds & soundings.usable).tolist():
+                reasons[i] = reasons[i] or reason
+        index = np.flatnonzero([not reason for reason in reasons])
+        done = len(soundings) - index.size
+        for cases, within, winds in self._together(soundings, index):
+            heights[cases] = within
+            done += cases.size
+            linear = np.flatnonzero(~np.isnan(within[:, 0]))
+            if linear.size:
+                bounds = self._bounds_of_unknown(winds.select(linear), within[linear])
+                for values, bound in zip((lower, upper, lowest, known), bounds, strict=True):
+                    values[:, cases[linear]] = bound
+            if progress is not None:
+                progress(done, len(soundings))
+        steep, unknown = np.isnan(heights[:, 0]), np.isnan(lower).any(axis=0)
+        reasons = [
+            reason or (TOO_FAST if fast else TOO_FLAT if flat else "")
+            for reason, fast, flat in zip(reasons, steep, unknown, strict=True)
+        ]
+        times = np.interp(heights, self.path.height, self.path.time)
+        return Requirements(lower, upper, lowest, known, reasons, times)
+
+    def decided(
+        self, soundings: Soundings, bounds: Requirements, limits: FloatArray
+    ) -> tuple[Requirements, list[str]]:
+        """Return requirements with flights where these decide on limits [rad], ``(a,)``; and notes.
+
+        A sounding whose bounds lie to both sides of the limit, and that does not survive with it,
+        is flown for what it requires, if all its wind is known. One that survives with less than
+        its lower bound has the limit for its requirement.
+        """
+        limit = np.maximum(limits, 0.0)[:, np.newaxis]
+        lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
+        with np.errstate(invalid="ignore"):  # NaN where nothing can be said
+            between = (lower <= limit) & (limit < upper)
+            below = bounds.known & (bounds.lowest <= limit) & (limit < lower)
+        survive, index = np.zeros(lower.shape, dtype=bool), np.any(between | below, axis=0)
+        for batch, within, winds in self._together(soundings, np.flatnonzero(index)):
+            for a, known in product(range(limits.size), (True, False)):
+                places = np.flatnonzero(
+                    (between | below)[a, batch] & (bounds.known[a, batch] == known)
+                )
+                if not places.size:
+                    continue
+                cases, part = batch[places], (winds.select(places), within[places], a)
+                marched = list(self._marched(*part))
+                if not known:
+                    marched += self._marched(*part, strong=True)
+                survive[a, cases] = self._survive(marched, float(limit[a, 0]))
+                fail = np.flatnonzero(between[a, cases] & ~survive[a, cases])
+                if known and fail.size:
+                    required = [(p, in_plane.requirement(fail)) for p, in_plane in marched]
+                    lower[a, cases[fail]] = upper[a, cases[fail]] = self._in_planes(required)
+        upper = np.where((between | below) & survive, limit, upper)
+        lower = np.where(below & survive, limit, lower)
+        if flown := int(np.sum((between & (bounds.known | survive)).any(axis=0))):
+            notes.append(
+                f"{flown} soundings whose trim reaches the limit more than once were flown with"
+                " trim"
+            )
+        if fewer := int(np.sum((below & survive).any(axis=0))):
+            notes.append(
+                f"of the soundings that fly {fewer} have a bound of their needs above the limit: a"
+                " flight of the trim law survives with it"
+            )
+        return replace(bounds, lower=lower, upper=upper), notes
+
+    def _together(
+        self, soundings: Soundings, index: IndexArray
+    ) -> Iterator[tuple[IndexArray, FloatArray, SoundingWinds]]:
+        """Iterate over usable soundings that are marched together.
+
+        Given are their places, the heights [m] between which they can be judged, and their winds.
+        """
+        index = index[np.argsort(soundings.counts[index], kind="stable")]
+        together = SoundingWinds.of(soundings[index], self.path)
+        ends = np.cumsum(np.diff(together.offsets) + self.path.height.size)
+        cuts = np.arange(_LEVELS_TOGETHER, ends.max(initial=0), _LEVELS_TOGETHER)
+        for batch in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
+            winds = together.select(batch)
+            yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
+
+    def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
+        """Return reasons for which nothing can be said, and of which soundings each holds."""
+        empty = soundings.counts == 0
+        ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
+        level = np.append(soundings.height, np.nan)
+        bottom = np.where(empty, np.nan, level[ends[:-1]])
+        top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
+        densest = self.path.densest
+        with np.errstate(invalid="ignore"):
+            reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
+            if self.known_to is not None:
+                reasons.append((TOO_SHORT, top < self.known_to))
+        return reasons
+
+    def _bounds_of_unknown(
+        self, winds: SoundingWinds, within: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+        """Return lower, upper, lowest and known of `Requirements`, ``(a, n)`` each."""
+        lower, upper, lowest = self._bounds(winds, within)
+        known = np.ones(lower.shape, dtype=bool)
+        partly = np.flatnonzero(winds.incomplete(self.path))
+        if partly.size:
+            calm = lower[:, partly]
+            strong, higher, _ = self._bounds(winds.select(partly), within[partly], strong=True)
+            known[:, partly] = np.abs(strong - calm) <= _KNOWN_TOLERANCE * strong
+            lower[:, partly] = np.minimum(calm, strong)
+            upper[:, partly] = np.maximum(upper[:, partly], higher)
+        return lower, upper, lowest, known
+
+    def _bounds(
+        self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
+    ) -> FloatArray:
+        """Return lower, upper and lowest of `Bounds`, of both planes, ``(3, a, n)``."""
+        towards = []
+        for a in range(self.azimuths.size):
+            in_planes = [
+                (p, np.stack([winds.bounds.lower, winds.bounds.upper, winds.bounds.lowest]))
+                for p, winds in self._marched(soundings, within, a, strong)
+            ]
+            towards.append(self._in_planes(in_planes, (3, within.shape[0])))
+        return np.stack(towards, axis=1)
+
+    def _in_planes(
+        self, in_planes: list[tuple[int, FloatArray]], shape: tuple[int, ...] = ()
+    ) -> FloatArray:
+        """Return the deflections [rad] that both planes require, from those of winds by plane."""
+        planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
+        for p, required in in_planes:
+            np.maximum(planes[p], required, out=planes[p])
+        return planes.max(axis=0) if self.stop == "square" else np.hypot.reduce(planes)
+
+    def _survive(self, marched: list[tuple[int, MarchedWinds]], limit: float) -> BoolArray:
+        """Return whether flights through all winds survive with a limit [rad] and all above.
+
+        With a round limit shape a plane has the fraction of the limit that it has of both bounds.
+        """
+        lower = np.zeros((len(self.planes), *marched[0][1].bounds.lower.shape))
+        for p, winds in marched:
+            np.maximum(lower[p], winds.bounds.lower, out=lower[p])
+        size, share = np.hypot.reduce(lower), np.ones(lower.shape)
+        if self.stop == "round":
+            share = np.divide(lower, size, out=share, where=size > 0.0)
+        survives = np.ones(size.shape, dtype=bool)
+        flown = []
+        for p, winds in marched:
+            undecided, insufficient = winds.undecided(share[p] * limit)
+            survives &= ~insufficient
+            flown.append((winds, share[p] * limit, undecided))
+        for winds, limits, undecided in flown:
+            cases = np.flatnonzero(undecided & survives)
+            if cases.size:
+                survives[cases] = winds.survive(limits, cases)
+        return survives
+
+    def _marched(
+        self, soundings: SoundingWinds, within: FloatArray, a: int, strong: bool = False
+    ) -> Iterator[tuple[int, MarchedWinds]]:
+        """Iterate over places of planes, and all winds there that a flight must survive.
+
+        `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: place of the
+        azimuth. `strong`: whether a wind that is not known is strong, or calm.
+        """
+        azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
+        for part in self.parts:
+            low, high = np.clip(within, *part.path.height[[0, -1]]).T[..., np.newaxis]
+            height = np.clip(soundings.breakpoints(part.path, strong), low, high)
+            speeds = {
+                plane: (low < high)
+                * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
+                for plane in PLANES
+            }
+            along = LineWinds(np.interp(height, part.path.height, part.path.time), speeds)
+            for plane, march in part.marches.items():
+                p = self.planes.index(plane)
+                for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
+                    for gusty in march.with_gusts(winds, sign, self.additions):
+                        bounds = march.bounds(gusty, pressure)
+                        yield p, MarchedWinds(march, gusty, bounds, pressure)
+
+    def _of_signs(
+        self,
+        along: LineWinds,
+        plane: str,
+        soundings: SoundingWinds,
+        height: FloatArray,
+        azimuth: float,
+        strong: bool,
+    ) -> Iterator[tuple[float, LineWinds]]:
+        """Iterate over signs, and winds with a growth, and a strong unknown wind, of that sign.
+
+        One sign stands for both where nothing is added to the winds.
+        """
+        if not strong and self.additions.symmetric:
+            yield 1.0, along
+            return
+        wind, growth = along.speeds[plane], self.additions.grown(height)
+        unknown, size = np.zeros(height.shape, dtype=bool), wind
+        if strong:
+            usual = np.interp(height, self.heights, self.strength[plane, azimuth])
+            unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), usual)
+        judged = np.ptp(height, axis=1, keepdims=True) > 0.0
+        for sign in (1.0, -1.0):
+            speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)
+            yield sign, LineWinds(along.times, along.speeds | {plane: speed})
+
+
+@lru_cache(maxsize=8)
+def _parts(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> tuple[FlightPart, ...]:
+    """Return the parts of a flight, kept for the next question about it."""
+    parts = []
+    for part in flight.one_sign_intervals:
+        path = FlightPath.of(part)
+        modes = [FlightMode(part, model, plane, part.span) for plane in planes]
+        motions = {mode.plane: mode for mode in modes if mode.unstable}
+        fastest = max(motions.values(), key=lambda motion: motion.fastest.max(), default=None)
+        marches = {
+            plane: PlaneMarch(path, plane, motion, fastest)
+            for plane, motion in motions.items()
+            if fastest is not None
+        }
+        parts.append(FlightPart(path, marches))
+    return tuple(parts)

@@ -1,0 +1,485 @@
+"""Winds of soundings along a flight, over even steps, and their growth until launch.
+
+Between levels, and between the rows of a flight, a wind is straight over time. At even steps, whose
+ends are not the levels, it is represented by its values at both ends of a step and by
+
+    w(middle) = (6 W/h - w(begin) - w(end))/4,    W = integral of w over the step of length h,
+
+so that the parabola through the three has the impulse of the wind itself. The step in which a wind
+begins is that from there on. With the vehicle's speed
+V and path angle Theta_n of each time, winds w along the path and c across it, both over V, make
+
+    q/q_n = (cos Theta_n - w)^2 + sin(Theta_n)^2 + c^2,
+    sin(alpha_w) = w sin(Theta_n)/sqrt(q/q_n) in pitch,  c/sqrt(q/q_n) in yaw.
+
+Between the balloon and the launch a wind grows, or its required deflection does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.ascent.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from tvclin.base.errors import (
+    InputError,
+    finite,
+    fraction,
+    nonnegative,
+    number,
+    one_of,
+    one_row,
+    positive,
+    small_angle,
+)
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.soundings.archive import Soundings, gather
+from tvclin.winds.soundings.profile import checked_flight, longest_interval
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, along_from_angle, pressure_in_winds
+
+HALF_DAY = 12.0
+"""Time between the soundings of most stations [h]."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindGrowth:
+    """A wind speed that is added against the vehicle, with the sign that requires more.
+
+    Parameters
+    ----------
+    speed : array_like
+        Wind speed [m/s], a number for all heights, or one for each of `height`.
+    height : array_like, optional
+        Heights [m], ascending, straight lines between them; beyond them the nearest.
+
+    Raises
+    ------
+    InputError
+        For negative speeds, and rows of different lengths.
+    """
+
+    speed: ArrayLike
+    height: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speed", nonnegative("speed", self.speed, "m/s"))
+        if self.height is None:
+            number("speed", self.speed, unit="m/s")
+            return
+        height = one_row("height", self.height, "m")
+        if np.shape(self.speed) != height.shape or np.any(np.diff(height) <= 0.0):
+            raise InputError("height must ascend, with one speed for each; check both rows")
+        object.__setattr__(self, "height", height)
+
+    def at(self, height: ArrayLike) -> FloatArray:
+        """Return the speed [m/s] at heights [m], in their shape."""
+        heights, speed = finite("height", height, "m"), np.asarray(self.speed)
+        if self.height is None:
+            return np.full(heights.shape, speed)
+        return np.asarray(np.interp(heights, np.asarray(self.height), speed))
+
+
+@dataclass(frozen=True)
+class PairGrowth:
+    """Growth of the requirement until launch, from pairs of soundings of the archive 12 h apart.
+
+    It is the quantile of need(later) - need(earlier) over all pairs 12 h apart, times
+    (hours/12)^(1/3): differences of winds grow with the interval as a spectrum with the power -5/3
+    has it.
+
+    Parameters
+    ----------
+    hours : float
+        Time from the balloon to the launch [h].
+    quantile : float
+        Quantile over the pairs, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+    """
+
+    hours: float = HALF_DAY
+    quantile: float = 0.95
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "hours", number("hours", self.hours, positive, "h"))
+        object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
+
+
+def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
+    """Return persistence as an angle [rad], zero for None, or as a growth of winds or pairs."""
+    if persistence is None:
+        return 0.0
+    if isinstance(persistence, WindGrowth | PairGrowth):
+        return persistence
+    if isinstance(persistence, str):
+        one_of("persistence", persistence, ("pairs",))
+        return PairGrowth()
+    return number("persistence", persistence, small_angle("an angle", nonnegative), "rad")
+
+
+def grown_by(
+    growth: PairGrowth, need: FloatArray, times: NDArray[np.datetime64]
+) -> tuple[FloatArray, int]:
+    """Return the growth [rad] of requirements, ``(a,)``, and the number of pairs.
+
+    `need`: required deflections [rad], ``(a, n)`` for azimuths and soundings.
+
+    `InputError` where no two soundings are twelve hours apart.
+    """
+    minutes = times.astype("datetime64[m]").astype(np.int64)
+    order = np.argsort(minutes, kind="stable")
+    later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
+    has_later = later < times.size
+    earlier, partner = order[has_later], order[later[has_later]]
+    pairs = minutes[partner] - minutes[earlier] == round(60 * HALF_DAY)
+    grown = need[:, partner[pairs]] - need[:, earlier[pairs]]
+    grown = grown[:, ~np.isnan(grown).any(axis=0)]
+    if not grown.shape[1]:
+        raise InputError(
+            "persistence from pairs needs soundings 12 h apart that can be judged; there are"
+            " none, so give an angle [rad]"
+        )
+    scale = (growth.hours / HALF_DAY) ** (1 / 3)
+    return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
+
+
+WIDEST = 2000.0
+"""Distance [m] of two levels above which the wind between them is not known."""
+_EDGE_DISTANCE = 0.01
+"""Distance [m] from the edge of such a gap to where nothing is known."""
+_SOUNDING_OFFSET = 1e6
+"""Distance [m] of the heights of successive soundings, where all stand in one row."""
+_STRENGTH_QUANTILE = 0.95
+"""Fraction of the soundings that know the wind at a height with no more of it."""
+_GUST_PARTS = 64
+"""Straight lines in place of a gust."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightPath:
+    """A flight over height, as arrays ``(f,)``.
+
+    Attributes
+    ----------
+    height, time, speed, climb : ndarray
+        Height [m], time [s], speed [m/s] and flight path angle [rad].
+    densest : float
+        Height [m] of the largest rho V^2, in the standard atmosphere.
+    """
+
+    height: FloatArray
+    time: FloatArray
+    speed: FloatArray
+    climb: FloatArray
+    densest: float
+
+    @classmethod
+    def of(cls, flight: FlightSchedule) -> FlightPath:
+        """Return the path of a schedule; `InputError` without altitude, or where none is gained."""
+        time, height, speed, climb = checked_flight(flight)
+        density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
+        return cls(height, time, speed, climb, float(height[np.argmax(density * speed**2)]))
+
+    def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return speed [m/s] and flight path angle [rad] at times [s]."""
+        return np.interp(times, self.time, self.speed), np.interp(times, self.time, self.climb)
+
+    def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
+        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e)."""
+        speed, climb = self.speed_and_climb(times)
+        return _angle(wind / speed * (1.0 if plane == "yaw" else np.sin(climb)))
+
+    def speed_of_angle(
+        self, angle: FloatArray, times: FloatArray, plane: str, pressure: bool
+    ) -> FloatArray:
+        """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
+
+        With `pressure` that of the wind triangle, NaN where no horizontal wind turns it so far;
+        else that of eq (B1e).
+        """
+        speed, climb = self.speed_and_climb(times)
+        if pressure:
+            return speed * (np.tan(angle) if plane == "yaw" else along_from_angle(climb, angle))
+        return speed * np.sin(angle) / (1.0 if plane == "yaw" else np.sin(climb))
+
+    def encountered(
+        self, steps: FloatArray, winds: LineWinds, plane: str, pressure: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
+
+        As `time_varying.curves` takes them. `steps`: times at begin, middle and end [s], ``(1, S,
+        3)``. Without `pressure` the angles are nominal, and q/q_n is one. Angles are at most
+        `MAX_LINEAR_ANGLE`.
+        """
+        times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
+        speed, climb = self.speed_and_climb(times)
+        sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
+        if not pressure:
+            return times, _angle(sine), np.ones(sine.shape), onset
+        ratio = pressure_in_winds(climb, along / speed, across / speed)
+        in_plane = pressure_in_winds(climb, along / speed) if plane == "pitch" else ratio
+        return times, _angle(sine / np.sqrt(in_plane)), ratio, onset
+
+
+def _angle(sine: FloatArray) -> FloatArray:
+    """Return angles [rad] of sines, at most `MAX_LINEAR_ANGLE`."""
+    largest = np.sin(MAX_LINEAR_ANGLE)
+    return np.asarray(np.arcsin(np.clip(sine, -largest, largest)))
+
+
+@dataclass(frozen=True, eq=False)
+class SoundingWinds:
+    """Winds of soundings over height, with two levels more at the edges of each gap.
+
+    Attributes
+    ----------
+    height, east, north : ndarray
+        Levels [m] and winds towards east and north [m/s], of all soundings one after the other.
+    offsets : ndarray of int
+        Place of the first level of each sounding, and behind the last of all, ``(n + 1,)``.
+    gaps : ndarray of int
+        Place of the first of both levels in each gap.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    offsets: IntArray
+    gaps: IntArray
+
+    @classmethod
+    def of(cls, soundings: Soundings, path: FlightPath) -> SoundingWinds:
+        """Return the winds of soundings that can all be used, with the gaps along a flight."""
+        height, offsets = soundings.height, soundings.offsets
+        wide = np.diff(height) > WIDEST
+        wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
+        wide[offsets[1:-1] - 1] = False
+        below = np.flatnonzero(wide)
+        at = np.repeat(below + 1, 2)
+        edges = np.stack(
+            [height[below] + _EDGE_DISTANCE, height[below + 1] - _EDGE_DISTANCE], axis=-1
+        ).ravel()
+        more = 2 * np.bincount(
+            np.searchsorted(offsets, below, side="right"), minlength=offsets.size
+        )
+        return cls(
+            np.insert(height, at, edges),
+            np.insert(soundings.east, at, 0.0),
+            np.insert(soundings.north, at, 0.0),
+            offsets + np.cumsum(more[: offsets.size]),
+            below + 1 + 2 * np.arange(below.size),
+        )
+
+    def select(self, index: NDArray[np.intp]) -> SoundingWinds:
+        """Return the winds of some of the soundings."""
+        offsets, levels = gather(self.offsets, index)
+        marked = np.zeros(self.height.size, dtype=bool)
+        marked[self.gaps] = True
+        height, east, north = (x[levels] for x in (self.height, self.east, self.north))
+        return SoundingWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
+
+    @property
+    def bottom(self) -> FloatArray:
+        """Lowest level of each sounding [m]."""
+        return np.asarray(self.height[self.offsets[:-1]])
+
+    @property
+    def top(self) -> FloatArray:
+        """Highest level of each sounding [m]."""
+        return np.asarray(self.height[self.offsets[1:] - 1])
+
+    def incomplete(self, path: FlightPath) -> BoolArray:
+        """Return which soundings do not know the wind all along a flight."""
+        gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
+        return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+
+    def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
+        """Return the wind [m/s] at the levels, as `WindProfile`.
+
+        Gaps are calm, or, `strong`, have the stronger wind of both edges.
+        """
+        sine, cosine = np.sin(azimuth), np.cos(azimuth)
+        wind = self.east * sine + self.north * cosine
+        if plane == "yaw":
+            wind = self.north * sine - self.east * cosine
+        if self.gaps.size:
+            below, above = wind[self.gaps - 1], wind[self.gaps + 2]
+            stronger = np.where(np.abs(below) > np.abs(above), below, above)
+            wind[self.gaps] = wind[self.gaps + 1] = stronger if strong else 0.0
+        return np.asarray(wind)
+
+    def linear_heights(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
+        """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
+
+        That is the longest time in which the wind, with so many m/s more at a height, cannot meet
+        the flight at more than `MAX_LINEAR_ANGLE` from any side; NaN where that leaves out the
+        largest dynamic pressure.
+        """
+        height = self.breakpoints(path, strong=False)
+        wind = np.hypot(
+            self.interpolated(self.east, height), self.interpolated(self.north, height)
+        ) + more(height)
+        steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
+        ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
+        for i in np.flatnonzero(steep.any(axis=1)).tolist():
+            run = longest_interval(np.interp(height[i], path.height, path.time), ~steep[i])
+            ends[i] = np.nan
+            if run.start < run.stop:
+                low, high = height[i, run.start], height[i, run.stop - 1]
+                ends[i, 0] = low if run.start else path.height[0]
+                ends[i, 1] = high if run.stop < height.shape[1] else path.height[-1]
+        inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
+        return np.where(inside, ends, np.nan)
+
+    def unknown(self, height: FloatArray) -> BoolArray:
+        """Return where at heights ``(n, k)`` nothing was measured."""
+        edge = np.zeros(self.height.size)
+        edge[self.gaps] = edge[self.gaps + 1] = 1.0
+        outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
+        return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
+
+    def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
+        """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
+
+        Counted at each height by itself; zero where nobody has measured.
+        """
+        height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
+        speed = np.abs(self.interpolated(self.wind(azimuth, plane, strong=False), height))
+        speed[self.unknown(height)] = np.inf
+        speed.sort(axis=0)
+        count = np.sum(np.isfinite(speed), axis=0)
+        index = np.maximum(np.ceil(_STRENGTH_QUANTILE * count).astype(np.int64) - 1, 0)
+        quantile = speed[index, np.arange(index.size)] if speed.size else np.zeros(index.size)
+        return np.where(count > 0, quantile, 0.0)
+
+    def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
+        """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
+
+        From the lowest to the highest level, or, `strong`, all along the flight; rows with fewer
+        levels repeat some.
+        """
+        counts = np.diff(self.offsets)
+        index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
+        levels = self.height[self.offsets[:-1, np.newaxis] + index]
+        first, last = path.height[0], path.height[-1]
+        low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
+        if strong:
+            low, high = np.full_like(low, first), np.full_like(high, last)
+        rows = np.broadcast_to(path.height, (counts.size, path.height.size))
+        return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
+
+    def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Return winds [m/s] at heights ``(n, k)``; beyond the levels they are constant."""
+        shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
+        inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
+        levels = self.height + np.repeat(shifts, np.diff(self.offsets))
+        return np.asarray(np.interp(inside + shifts[:, np.newaxis], levels, wind))
+
+
+@dataclass(frozen=True, eq=False)
+class LineWinds:
+    """Winds along a flight, straight between their times and zero beyond them.
+
+    Attributes
+    ----------
+    times : ndarray
+        Times [s] that do not decrease, ``(n, k)``.
+    speeds : dict of str to ndarray
+        By planes the winds along and across the path [m/s], there.
+    """
+
+    times: FloatArray
+    speeds: dict[str, FloatArray]
+    _kept: dict[int, tuple[FloatArray, ...]] = field(default_factory=dict, init=False, repr=False)
+
+    def of(self, cases: IndexArray) -> LineWinds:
+        """Return some of the winds."""
+        return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
+
+    def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+        """Return times [s], winds along and across [m/s], and onsets, over even steps.
+
+        The first three at begin, middle and end of steps, ``(n, S, 3)``, or times ``(1, S, 3)``;
+        the onset of each wind is its position in steps, ``(n,)``. `ends`: times [s] of the steps,
+        ``(S + 1,)``. All are kept for the other plane.
+        """
+        if ends.size not in self._kept:
+            self._kept[ends.size] = self._samples(ends)
+        return self._kept[ends.size]
+
+    def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
+        knots, (n, k) = self.times, self.times.shape
+        steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
+        position = (knots - ends[0]) / length
+        onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
+        first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
+        first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
+        begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
+        line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
+        flat = line + k * np.arange(n)[:, np.newaxis]
+        within = np.clip(ends, knots[:, :1], knots[:, -1:])
+        inside, width = within == ends, np.diff(knots, append=knots[:, -1:])
+        after = within - knots.take(flat)
+        late = np.flatnonzero(onset > 0.0)
+        begins = np.floor(onset[late]).astype(np.int64)
+        times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
+        if late.size:
+            times = np.repeat(times, n, axis=0)
+            times[late, begins, 0] = knots[late, 0]
+            times[late, begins, 1] = 0.5 * (knots[late, 0] + ends[begins + 1])
+        both_planes = []
+        for wind in (self.speeds[plane] for plane in PLANES):
+            rise = np.diff(wind, append=wind[:, -1:])
+            slope = np.divide(rise, width, out=np.zeros_like(width), where=width > 0.0)
+            areas = width * (wind + 0.5 * rise)
+            begin, slopes = wind.take(flat), slope.take(flat)
+            area = np.cumsum(areas, axis=1).take(flat) - areas.take(flat)
+            mean = np.diff(area + (begin + 0.5 * slopes * after) * after) / length
+            values = np.where(inside, begin + slopes * after, 0.0)
+            samples = np.empty((n, steps, 3))
+            samples[..., 0], samples[..., 2] = values[:, :-1], values[:, 1:]
+            if late.size:
+                samples[late, begins, 0] = wind[late, 0]
+                mean[late, begins] /= begins + 1 - onset[late]
+            samples[..., 1] = 1.5 * mean - 0.25 * (samples[..., 0] + samples[..., 2])
+            both_planes.append(samples)
+        return times, *both_planes, onset
+
+    def with_gust(
+        self,
+        gust: History,
+        plane: str,
+        at: FloatArray,
+        speed: Callable[[FloatArray, FloatArray], FloatArray],
+    ) -> LineWinds:
+        """Return the winds with a gust in a plane, whose middle is at a time [s] of each.
+
+        `speed`: from wind angles [rad] and times [s] of the gust to its speeds [m/s].
+        """
+        times = self.times
+        middle = 0.5 * (gust.onset + gust.end)
+        parts = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+        inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
+        finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
+        angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
+        speeds = {name: _on_lines(times, values, finer) for name, values in self.speeds.items()}
+        return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
+
+
+def _on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
+    shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
+    return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
+        at.shape
+    )

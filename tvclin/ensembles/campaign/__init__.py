@@ -1,0 +1,1 @@
+"""Campaigns: many dispersed cases, written to a folder in chunks, with confidence."""

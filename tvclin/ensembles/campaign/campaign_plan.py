@@ -1,0 +1,244 @@
+"""The specification of a campaign: a frozen value of all that its numbers depend on."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    different,
+    fraction,
+    instance,
+    one_of,
+    positive,
+    shown,
+    single,
+    whole_number,
+)
+from tvclin.base.fields import count, file_table, quantity, word
+from tvclin.boundary.limit_shapes import LIMIT_SHAPES
+from tvclin.case.case import Case
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, Dispersions, modes_nominal
+from tvclin.linear.plant import Plant
+from tvclin.requirement.encountered_requirement import directions_of, own_sign
+from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
+
+OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
+_MAX_CASES = 10**10
+"""Largest number of cases of a campaign."""
+_MAX_LATIN_CASES = 10**7
+"""Largest number of cases of a Latin hypercube, which is drawn at once."""
+
+
+def _case_count(name: str, value: object) -> int:
+    """Return a number of cases; `InputError` unless it is from 1 to `_MAX_CASES`."""
+    if 0 < (number := whole_number(name, value)) <= _MAX_CASES:
+        return number
+    raise InputError(f"{name} must be from 1 to 1e10; got {shown(value)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign(Case):
+    """Many dispersed cases of a vehicle, to be run chunk by chunk, around a nominal case.
+
+    The structure of the vehicle counts for "margins" and "flight"; all other outputs are of the
+    rigid vehicle. Autopilot and law are designed on the nominal rigid vehicle; the filters of the
+    autopilot stand in every law, and its gains may be dispersed.
+
+    With a stop of both planes, which needs a wind with a direction, both are judged: autopilot and
+    law are designed in each, and there are columns of each plane and of both. "margins" are
+    the margins in `plane`.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The nominal vehicle, no batch.
+    wind : ShapedWind or WindEnsemble
+        The wind or winds, in the plane, or with a direction and a stop of both planes. A gust
+        without a time is placed where the nominal vehicle requires most at the first of
+        `dead_bands`, as in a study, and keeps its time from the middle of the wind in all cases.
+    dispersions : Dispersions
+        Uncertain parameters; the default dispersions are assumed, not any programme's.
+    cases : int
+        Largest number of cases.
+    seed : int
+        Case i is drawn from the seed and i alone.
+    outputs : tuple of str
+        Outputs computed for each case: "required" (`required_deflection` at each dead band),
+        "forecast-free" (the minimum for any law without a forecast), "minimum" (appendix C),
+        "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
+        mode of a flexible vehicle),
+        "flight" (survival and peaks of a flight of the law with its nozzle), "flown" (the boundary
+        at each dead band by flights with six degrees of freedom, some tenths of a second for each).
+    dead_bands : tuple of float
+        K of "required" and "flown", each in [0, 1].
+    method : str
+        How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
+    chunk : int
+        Cases in one file.
+    probability : float
+        Fraction of all flights that the quantile of the deflection is to cover.
+    confidence : float
+        Confidence of each bound of that quantile.
+    law : str
+        The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+    until : float, optional
+        End the campaign when both bounds of the first output lie within this fraction of its
+        quantile.
+
+    Raises
+    ------
+    InputError
+        As `Case`, for a stop of both planes without a wind with a direction, a wind without a
+        part in the plane, and for a parameter that is dispersed but has no nominal value.
+    """
+
+    vehicle: Vehicle
+    wind: ShapedWind | WindEnsemble
+    dispersions: Dispersions = DEFAULT_DISPERSIONS
+    cases: int = count(check=_case_count)
+    seed: int = count(0)
+    outputs: tuple[str, ...] = word(OUTPUTS, ("required",), many=True)
+    dead_bands: tuple[float, ...] = quantity("number", (1.0,), between(0.0, 1.0), many=True)
+    method: str = word(METHODS, "plain")
+    chunk: int = count(1024, _case_count)
+    probability: float = quantity("number", 0.99865, fraction)
+    confidence: float = quantity("number", 0.9, fraction)
+    law: str = word(LAWS, AUTOPILOT)
+    until: float | None = quantity("part", None, positive)
+
+    def __post_init__(self) -> None:
+        instance(
+            "vehicle", complete_vehicle(self.vehicle, "a campaign"), Vehicle, "see load_vehicle"
+        )
+        super().__post_init__()
+        single("vehicle", self.vehicle.batch)
+        if not isinstance(self.wind, ShapedWind | WindEnsemble):
+            raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
+        self._check_planes()
+        if isinstance(self.wind, ShapedWind) and self.wind.gust is not None:
+            object.__setattr__(self, "wind", self.wind_at(self.dead_bands[0]))
+        instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
+        self._check_outputs()
+        if self.method == "latin" and self.cases > _MAX_LATIN_CASES:
+            raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
+        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
+
+    def _check_planes(self) -> None:
+        """Raise `InputError` for a wind, stop and outputs that do not fit together."""
+        if self.nozzle.stop is None:
+            if isinstance(self.wind, ShapedWind) and self.heading is not None:
+                self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
+                directions_of(self)
+            return
+        if self.heading is None:
+            raise InputError(
+                "a stop of both planes needs a wind with a direction: give where it blows from,"
+                " and the azimuth of the flight"
+            )
+        one_of("stop of a campaign", self.nozzle.stop, LIMIT_SHAPES)
+        directions_of(self)
+        if "flown" in self.outputs:
+            raise InputError(
+                'the output "flown" is of one plane: leave it out, or the stop of both planes'
+            )
+        _ = self.parts  # refuses a wind without a part in the plane
+
+    @cached_property
+    def parts(self) -> dict[str, Self]:
+        """The campaign by plane, for each plane with wind; this campaign without a stop of both.
+
+        Raises
+        ------
+        InputError
+            For a wind without a component in `plane`.
+        """
+        if self.nozzle.stop is None or not isinstance(self.wind, ShapedWind):
+            return {self.plane: self}
+        path, nozzle = float(np.asarray(self.vehicle.attitude)), replace(self.nozzle, stop=None)
+        windy = [name for name, peak in self.wind.peaks(path).items() if peak]
+        return {
+            name: replace(self, plane=name, nozzle=nozzle, wind=self.wind.in_plane(name, path))
+            for name in dict.fromkeys((self.plane, *windy))
+        }
+
+    def _check_outputs(self) -> None:
+        """Raise `InputError` for outputs that lack a law, limit, sign or gains."""
+        if self.law != AUTOPILOT and "flight" not in self.outputs:
+            raise InputError(
+                'a law is flown by the output "flight"; add that, or leave out the law'
+            )
+        if "flight" in self.outputs and self.nozzle.limit is None:
+            raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+        if isinstance(self.wind, WindEnsemble):
+            own_sign(self.sign)
+        _ = self.gains  # refuses a rule that cannot be
+        different("dead_bands", self.dead_bands)
+
+    @property
+    def nominal(self) -> dict[str, Any]:
+        """Nominal values [SI] of all parameters that can be dispersed, by name."""
+        values: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
+        values |= {"control_force_slope": self.vehicle.control_force}
+        return values | self.wind.nominal | self.gains | modes_nominal(self.vehicle.structure)
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """The nominal gains of the autopilot by name; empty where no output depends on them."""
+        flown = "flight" in self.outputs and self.law == AUTOPILOT
+        if not flown and "margins" not in self.outputs:
+            return {}
+        return {name: float(getattr(self.autopilot, name)) for name in GAINS}
+
+    @property
+    def rigid_plant(self) -> Plant:
+        """The nominal plant without structure, on which laws are designed."""
+        return Plant.from_vehicle(self.vehicle, self.model, self.plane)
+
+    @cached_property
+    def autopilot(self) -> Autopilot:
+        """The autopilot, designed on `rigid_plant`."""
+        return self.asked.autopilot(self.rigid_plant, self.nozzle.actuator)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks of all cases."""
+        return -(-self.cases // self.chunk)
+
+    def span(self, chunk: int) -> tuple[int, int]:
+        """Return the first case of a chunk and its number of cases."""
+        if whole_number("chunk", chunk) >= self.chunks:
+            raise InputError(f"chunk must be below {self.chunks}; got {shown(chunk)}")
+        first = chunk * self.chunk
+        return first, min(self.chunk, self.cases - first)
+
+
+def checkpoints(chunks: int) -> Iterator[int]:
+    """Yield the numbers of finished chunks after which convergence is checked.
+
+    Each is a tenth larger than the number before, so that checks cost a fraction of the work.
+    """
+    end = 0
+    while end < chunks:
+        end = min(max(end + 1, end + end // 10), chunks)
+        yield end
+
+
+CAMPAIGN_TABLE = file_table(
+    "[campaign]",
+    Campaign,
+    ("until", "model", "plane", "sign", "cases", "seed", "method", "chunk"),
+    words=("vehicle",),
+    quantities={"time": "time"},
+)
+OUTPUTS_TABLE = file_table("[outputs]", Campaign, ("law", "dead_bands"), lists=("names",))
+QUESTION_TABLE = file_table("[question]", Campaign, ("probability", "confidence"))

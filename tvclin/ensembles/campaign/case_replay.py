@@ -1,0 +1,290 @@
+"""A case of a campaign in full: its inputs and outputs, plant, wind and exact response."""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, one_of, shown, whole_number
+from tvclin.base.lines import Row, Table, degrees, quantities, significant
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.cases import batch, draw_case, evaluate
+from tvclin.ensembles.campaign.outputs import Batch, columns, law_of, required_name, shares_of
+from tvclin.ensembles.dispersions import UNITS_OF
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.kernels.choice import pinned
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.response import attitude_response
+from tvclin.vehicle.coefficients import BOTH
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+_FLOWN_TIME_CONSTANTS = 20.0
+"""Duration of a flight after its wind, in time constants of the fastest unstable pole."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReplayedPlane:
+    """A case in a plane.
+
+    `made`: its plant and wind. `law`: the law of its flight; None where nothing is flown. `share`:
+    the fraction of the limit that its flight has.
+    """
+
+    made: Batch
+    law: Law | None
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A case of a campaign.
+
+    `inputs`: its dispersed parameters [SI]. `outputs`: its answers [SI]; with the versions of the
+    manifest the same bits as in the campaign. `status`: "ok", or in words why it has no answer.
+    `planes`: the case in each plane that is judged and has wind; empty where the case is
+    impossible. Methods with a `plane` take the plane of the campaign by default.
+    """
+
+    campaign: Campaign
+    case: int
+    inputs: dict[str, float]
+    outputs: dict[str, float]
+    status: str
+    planes: dict[str, ReplayedPlane]
+
+    @property
+    def dead_band(self) -> float:
+        """K of `response`: the first of the campaign."""
+        return self.campaign.dead_bands[0]
+
+    @cached_property
+    def required(self) -> float:
+        """Required deflection [rad] at `dead_band`, at nominal dynamic pressure.
+
+        In the plane of the campaign; its sign opposes the wind.
+        """
+        return self._required("")
+
+    def _required(self, plane: str) -> float:
+        """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure."""
+        from tvclin.requirement.nominal_requirement import required_deflection
+
+        made = self._plane(plane).made
+        return float(required_deflection(made.plant, made.wind, self.dead_band).deflection)
+
+    def response(
+        self, capability: float = 1.0, points: int = 401, plane: str = ""
+    ) -> "TimeResponseData":
+        """Return the exact response to the wind and to trim, with the limit from the switch on.
+
+        The switch is the exit of the dead band. `capability`: deflection limit normalised by the
+        required deflection, positive; above 1 the constant limit drives the attitude away in the
+        opposite direction. `points`: number of times, from the onset of the wind to twice its
+        duration. `InputError` when the case is impossible, or requires no deflection.
+        """
+        made = self._plane(plane).made
+        required = self._required(plane) if plane else self.required
+        if required == 0.0:
+            raise InputError(f"case {self.case} needs no deflection")
+        deflection = trim_then_hold(
+            made.plant, made.wind, capability * required, self.dead_band, "literal"
+        )
+        start, end = float(made.wind.onset), float(made.wind.end)
+        return attitude_response(
+            made.plant, deflection, made.wind, np.linspace(start, 2.0 * end - start, points)
+        )
+
+    @property
+    def capability(self) -> float:
+        """Ratio of the limit of the campaign to the requirement, if the case is lost; else 1.
+
+        The requirement is at the dynamic pressure encountered in its wind. A case that is flown by
+        a law is judged by its flight, and has the ratio 1.
+        """
+        limit, needs = self.campaign.nozzle.limit, self._needs
+        if limit is None or "flight_survived" in self.outputs or not limit < needs < np.inf:
+            return 1.0
+        return limit / needs
+
+    @property
+    def _needs(self) -> float:
+        """The required deflection [rad] at `dead_band`, of both planes where both are judged."""
+        column = self.outputs.get(required_name(self.dead_band))
+        if column is not None or self.campaign.planes != BOTH:
+            return abs(self.required) if column is None else column
+        campaign = replace(self.campaign, outputs=("required",), law=AUTOPILOT)
+        return float(evaluate(campaign, self.case, 1)[required_name(self.dead_band)][0])
+
+    @property
+    def fate(self) -> str:
+        """Survival or loss at the limit of the campaign, in words; empty without a limit."""
+        limit = self.campaign.nozzle.limit
+        if limit is None or not self.planes:
+            return ""
+        if "flight_survived" in self.outputs:
+            words = {1.0: "survives", 0.0: "lost"}
+            word = words.get(self.outputs["flight_survived"], "neither survives nor is lost")
+        else:
+            word = "survives" if self._needs <= limit else "lost"
+        return f"{word} with a limit of {np.degrees(limit):.4g} deg"
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of `inputs` and `outputs`, by name."""
+        return UNITS_OF | columns(self.campaign)
+
+    @property
+    def extremes(self) -> dict[str, float]:
+        """Largest angles in `response` [deg], and its end [s], by name; empty without a response.
+
+        The response is that with `capability`. With two planes the names begin with the plane.
+        """
+        return self._extremes(
+            lambda plane: self.response(self.capability, plane=plane),
+            ("attitude", "angle_of_attack"),
+        )
+
+    @property
+    def extremes_flown(self) -> dict[str, float]:
+        """Largest angles in `flown` [deg], with the deflection, and its end [s], by name."""
+        return self._extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
+
+    def _extremes(
+        self, made: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
+    ) -> dict[str, float]:
+        """Return the largest angles [deg] of responses in all planes, and their ends [s]."""
+        planes = {plane: _extremes(partial(made, plane), names) for plane in self.planes}
+        if len(planes) < 2:
+            return next(iter(planes.values()), {})
+        return {f"{plane}_{k}": v for plane, peaks in planes.items() for k, v in peaks.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, with units by name."""
+        return picked(
+            self, "case status fate inputs outputs units response=extremes flight=extremes_flown"
+        )
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the tables of inputs, required deflections, flight, margins and response."""
+        angles = {k: v for k, v in self.outputs.items() if self.units[k] == "rad"}
+        needs = {k: v for k, v in angles.items() if not k.startswith("flight_")}
+        margins = {k: v for k, v in self.outputs.items() if k.startswith("margin_")}
+        drawn = (
+            (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
+            for k, v in self.inputs.items()
+        )
+        reference = "on the boundary"
+        if self.planes and self.capability < 1.0:
+            reference = f"with the limit, {100.0 * self.capability:.3g} percent of what it needs"
+        tables = (
+            quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
+            quantities("It needs", _angles(needs)),
+            quantities("Flown with the limit", _plain(self.extremes_flown)),
+            quantities("Margins of the autopilot", _plain(margins)),
+            quantities(f"Response {reference}, K = {self.dead_band:g}", _plain(self.extremes)),
+        )
+        return tuple(table for table in tables if table.rows)
+
+    def flown(self, plane: str = "") -> "TimeResponseData":
+        """Return the flight with limits, at the samples of its law.
+
+        It ends 20 time constants of the fastest unstable pole after the wind. `InputError` when the
+        case is impossible, or the campaign flies nothing.
+        """
+        replayed = self._plane(plane)
+        wind = replayed.made.wind
+        if replayed.law is None or self.campaign.nozzle.limit is None:
+            raise InputError('the campaign flies nothing: it has no output "flight"')
+        hardware = self.campaign.hardware
+        poles = np.real(unstable_modes(replayed.made.plant).poles)
+        begin, rate = float(wind.onset), hardware["sample_rate"]
+        end = float(wind.end) + (_FLOWN_TIME_CONSTANTS / float(poles.max()) if poles.size else 0.0)
+        return fly(
+            replayed.made.flying,
+            replayed.law,
+            wind,
+            begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
+            deflection_limit=self.campaign.nozzle.limit * replayed.share,
+            **hardware,
+        )
+
+    def _plane(self, plane: str) -> ReplayedPlane:
+        """Return the case in a plane; `InputError` for an impossible case or another plane."""
+        if not self.planes:
+            raise InputError(f"case {self.case} cannot be flown: {self.status}")
+        return self.planes[one_of("plane", plane or self.campaign.plane, self.planes)]
+
+
+def _angles(angles: dict[str, float]) -> Iterator[Row]:
+    """Yield a row for each angle [rad], in degrees."""
+    for name, angle in angles.items():
+        lost = np.isinf(angle)
+        yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
+
+
+def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
+    """Return the largest values of outputs of a response [deg], and its end [s].
+
+    It ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`. Empty where the case has no response.
+    """
+    try:
+        response = made()
+    except InputError:
+        return {}
+    fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
+    end = int(fallen[0]) if fallen.size else response.time.size - 1
+    peaks = {
+        f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))
+        for name in names
+    }
+    return peaks | {"until_s": float(response.time[end])}
+
+
+def _plain(values: dict[str, float]) -> Iterator[Row]:
+    """Yield a row for each value, in the unit of its name."""
+    for name, value in values.items():
+        yield name.replace("_", " "), significant(f"output.{name}", value)
+
+
+def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
+    """Return a case of a campaign, computed again, with compiled kernels or without them."""
+    if whole_number("case", case) >= campaign.cases:
+        raise InputError(
+            f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
+        )
+    with pinned(compiled):
+        row = evaluate(campaign, case, 1)
+    drawn = draw_case(campaign, case)
+    planes: dict[str, ReplayedPlane] = {}
+    if drawn.possible[0]:
+        with suppress(InputError):  # its status says why
+            planes = _planes(campaign, batch(campaign, drawn))
+    status = str(row.pop("status")[0])
+    del row["case"]
+    inputs = {name: float(row.pop(name)[0]) for name in drawn.values}
+    outputs = {name: float(values[0]) for name, values in row.items()}
+    return Replay(campaign, case, inputs, outputs, status, planes)
+
+
+def _planes(campaign: Campaign, made: Batch) -> dict[str, ReplayedPlane]:
+    """Return the first case of a batch by plane."""
+    flies = "flight" in campaign.outputs
+    shares = shares_of(campaign, made) if made.parts else {}
+    return {
+        plane: ReplayedPlane(
+            in_plane.first,
+            law_of(campaign.parts[plane], in_plane) if flies else None,
+            float(np.ravel(shares.get(plane, 1.0))[0]),
+        )
+        for plane, in_plane in (made.parts or {campaign.plane: made}).items()
+    }

@@ -1,0 +1,200 @@
+"""From the index of a case to its numbers, vehicle and wind, and to the answers.
+
+A case has the same bits whichever cases are computed with it.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
+from tvclin.base.errors import InputError
+from tvclin.boundary.limit import leading_pole
+from tvclin.control.autopilot.detuning import with_mode_factors
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.outputs import REGISTRY, Batch, columns, compute
+from tvclin.ensembles.dispersions import WIND, Dispersed, draw, is_of_modes, names_of_modes
+from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant, flexible_model
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import WindEnsemble
+from tvclin.winds.wind_angles import BEYOND_LINEAR, within_linear
+
+_MAX_BATCH_CASES = 4096
+"""Largest number of cases that are computed in one batch."""
+_CASE_ERRORS = (InputError, ArithmeticError, np.linalg.LinAlgError, RuntimeError)
+"""Exceptions that a case can raise: it is refused, overflows, is singular, or is not solved."""
+OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
+PAIRED = "two unstable poles are a pair or equal: the dead band must never be left"
+BEYOND = f"wind beyond linear aerodynamics, counted as not survived; {BEYOND_LINEAR}"
+UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
+
+
+def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
+    """Return the random numbers in (0, 1) of cases from `first` on, ``(count, parameters)``."""
+    dimension = len(campaign.dispersions.each) + (1 if campaign.wind.count else 0)
+    return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
+
+
+def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
+    """Return the dispersed values [SI] of cases from their random numbers, a row for each case."""
+    parameters = len(campaign.dispersions.each)
+    cases = campaign.dispersions.apply(campaign.nominal, rows[:, :parameters])
+    if isinstance(campaign.wind, WindEnsemble):
+        cases.values["wind"] = campaign.wind.chosen(rows[:, parameters])
+    return cases
+
+
+def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
+    """Return the columns of the cases `first` to `first + count - 1`, ``(count,)`` each.
+
+    The columns are "case", the dispersed parameters, the outputs and "status".
+    """
+    end = first + count
+    batches = [
+        _columns(campaign, at, numbers(campaign, at, min(_MAX_BATCH_CASES, end - at)))
+        for at in range(first, end, _MAX_BATCH_CASES)
+    ]
+    return {k: np.concatenate([columns[k] for columns in batches]) for k in batches[0]}
+
+
+def draw_case(campaign: Campaign, case: int) -> Dispersed:
+    """Return the dispersed values [SI] of a case, ``(1,)`` each."""
+    return drawn(campaign, numbers(campaign, case, 1))
+
+
+def batch(campaign: Campaign, cases: Dispersed) -> Batch:
+    """Return the batch of plants, winds and gains of cases that are all possible."""
+    changes = {
+        k: v
+        for k, v in cases.values.items()
+        if k not in (*WIND, *GAINS, "wind") and not is_of_modes(k)
+    }
+    vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
+    return _batch(campaign, vehicle, cases.values, cases.possible.size)
+
+
+def nominal(campaign: Campaign) -> dict[str, float]:
+    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble."""
+    if isinstance(campaign.wind, WindEnsemble):
+        return {}
+    batch = _batch(campaign, campaign.vehicle, {}, 1)
+    outputs = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
+    return {name: float(values[0]) for name, values in outputs.items()}
+
+
+def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
+    """Return the batch in the plane of a campaign, with `parts` where both planes are judged."""
+    if isinstance(campaign.wind, WindEnsemble) or campaign.heading is None:
+        return _in_plane(campaign, vehicle, values, campaign.wind.history(values), count)
+    winds = campaign.wind.in_planes(values, vehicle.attitude)
+    if campaign.nozzle.stop is None:
+        return _in_plane(campaign, vehicle, values, winds[campaign.plane], count)
+    batches = {
+        plane: _in_plane(in_plane, vehicle, values, winds[plane], count)
+        for plane, in_plane in campaign.parts.items()
+    }
+    return replace(batches[campaign.plane], parts=batches)
+
+
+def _in_plane(
+    campaign: Campaign,
+    vehicle: Vehicle,
+    values: dict[str, AnyArray],
+    wind: History,
+    count: int,
+) -> Batch:
+    """Return the batch of vehicles in the plane of a campaign, in a wind of that plane."""
+    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
+    gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
+    flexible = _flexible(campaign, vehicle, values)
+    return Batch(plant, wind, gains, count, vehicle, flexible, values)
+
+
+def _flexible(
+    campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray]
+) -> FlexiblePlant | None:
+    """Return the flexible plant of vehicles with dispersed modes; None in a rigid campaign."""
+    if vehicle.structure is None:
+        return None
+    model = flexible_model(vehicle, campaign.model)
+    plant = FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, campaign.plane)
+    if not any(map(is_of_modes, values)):
+        return plant
+
+    ones = np.ones(np.shape(next(v for k, v in values.items() if is_of_modes(k))))
+
+    def factors(number: str) -> FloatArray:
+        """Return the factors on the frequencies or dampings of the modes, ``(n, modes)``."""
+        return np.stack(
+            [
+                values.get(f"{kind}_{number}", 1.0) * values.get(f"{name}_{number}", ones)
+                for kind, names in names_of_modes(vehicle.structure).items()
+                for name in names
+            ],
+            axis=-1,
+        )
+
+    return with_mode_factors(plant, factors("frequency"), factors("damping"))
+
+
+def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:
+    """Return the columns of a batch of cases from `first` on, from their random numbers."""
+    cases, count = drawn(campaign, rows), len(rows)
+    index = np.arange(first, first + count, dtype=np.int64)
+    answers = {name: np.full(count, np.nan) for name in columns(campaign)}
+    status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
+
+    def answer(which: IndexArray, alone: bool) -> None:
+        selected = batch(campaign, cases.take(which))
+        for name, values in compute(campaign, selected, alone=alone).items():
+            answers[name][which] = values
+        if not alone:
+            plants = [in_plane.plant for in_plane in selected.each]
+            unstable = [unstable_modes(plant).poles for plant in plants]
+            stable = np.all([np.isnan(poles).all(axis=-1) for poles in unstable], axis=0)
+            paired = np.any([leading_pole(plant)[1] for plant in plants], axis=0)
+            status[which[np.broadcast_to(stable, which.shape)]] = STABLE
+            status[which[np.broadcast_to(paired, which.shape)]] = PAIRED
+            status[which[np.broadcast_to(~within_linear(selected.wind_angle), which.shape)]] = (
+                BEYOND
+            )
+
+    def refused(case: np.intp, error: Exception) -> None:
+        status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
+
+    divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
+    if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
+        for case in np.flatnonzero(cases.possible):
+            divide(lambda which: answer(which, True), refused, np.array([case]))
+    if "flight" in campaign.outputs:
+        status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
+    return {"case": index, **cases.values, **answers, "status": status}
+
+
+def divide(
+    work: Callable[[IndexArray], None],
+    refused: Callable[[np.intp, Exception], None],
+    which: IndexArray,
+) -> None:
+    """Work on all cases at once; halve a refused batch until each bad case is a batch by itself.
+
+    `work` takes indices of cases. `refused` takes the index of a bad case and its exception. An
+    exception that no single case can cause, such as arrays of different shapes, is raised.
+    """
+    if not which.size:
+        return
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            work(which)
+    except _CASE_ERRORS as error:
+        if which.size == 1:
+            refused(which[0], error)
+            return
+        middle = which.size // 2
+        divide(work, refused, which[:middle])
+        divide(work, refused, which[middle:])

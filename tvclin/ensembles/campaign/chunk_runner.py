@@ -1,0 +1,410 @@
+"""Run of a campaign: its chunks with any executor, or one after the other.
+
+A chunk is a pure function of the folder and its number, and it is finished when its file exists.
+Executors are processes of this machine, or a running Dask cluster.
+"""
+
+import asyncio
+import os
+import re
+import signal
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from itertools import islice
+from multiprocessing import get_context, parent_process, resource_tracker
+from os import PathLike
+from pathlib import Path
+from threading import Event, Thread
+from typing import Any
+
+from tvclin.base.errors import (
+    InputError,
+    callable_for,
+    flag,
+    imported,
+    instance,
+    path,
+    shown,
+    whole_number,
+)
+from tvclin.base.warned import MachineWarning
+from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
+from tvclin.ensembles.campaign.cases import evaluate, nominal
+from tvclin.ensembles.campaign.folder import (
+    Manifest,
+    arrow,
+    begin,
+    check_versions,
+    chunk_file,
+    flaw,
+    read_manifest,
+    run_chunk,
+    sweep,
+)
+from tvclin.ensembles.campaign.results import CampaignResults
+from tvclin.kernels.choice import available, pinned, repeated
+from tvclin.kernels.threads import VARIABLE
+
+_TIMEOUT = 5.0
+"""Seconds in which a scheduler must answer."""
+_MAX_WORKERS = 4096
+"""Largest number of worker processes."""
+_STDERR = 2
+"""File descriptor of the standard error stream."""
+_interrupted = Event()
+"""Set in a worker after Ctrl-C."""
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Yield an executor of `workers` processes of this machine with a single thread each."""
+    if not 1 <= whole_number("workers", workers) <= _MAX_WORKERS:
+        raise InputError(f"workers must be from 1 to {_MAX_WORKERS}; got {workers}")
+    context = get_context("spawn")
+    resource_tracker.ensure_running()  # its start would let Ctrl-C through again
+    with _Processes(workers, mp_context=context, initializer=_begin_worker) as pool:
+        try:
+            yield pool
+        except BaseException:
+            _quiet_tracker()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Yield an executor of the workers of a Dask scheduler.
+
+    `address`: of the scheduler, such as "tcp://10.0.0.1:8786". `InputError` when no scheduler
+    answers there within five seconds, or it or its workers are lost for good.
+    """
+    distributed = imported("distributed", "a scheduler needs distributed", "campaign")
+    try:
+        with ThreadPoolExecutor(1) as thread:  # a notebook has its own event loop
+            thread.submit(asyncio.run, _connect(distributed, address)).result()
+        client = distributed.Client(address, timeout=_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        reason = " ".join(str(error).split()) or f"no answer after {_TIMEOUT:g} s"
+        raise InputError(f"there is no Dask scheduler at {address}: {reason}") from None
+    with client:
+        try:
+            yield client.get_executor(pure=False)
+        except (distributed.KilledWorker, CancelledError):
+            raise InputError(
+                f"the workers or the scheduler at {address} were lost; what was finished is kept,"
+                " go on with: tvclin campaign resume"
+            ) from None
+
+
+class _Processes(ProcessPoolExecutor):
+    """Processes that Ctrl-C (SIGINT) interrupts only in their tasks.
+
+    A process that is interrupted while it starts or waits for a task would print a traceback.
+    """
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        with _interrupts("SIG_BLOCK"):  # a process inherits the mask of the one that spawns it
+            return super().submit(_interruptible, fn, *args, **kwargs)
+
+
+def _interruptible(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+    """Call a function in a worker, where Ctrl-C interrupts it and all later calls."""
+    if _interrupted.is_set():
+        raise KeyboardInterrupt
+    try:
+        with _interrupts("SIG_UNBLOCK"):
+            return function(*arguments, **options)
+    except KeyboardInterrupt:
+        _interrupted.set()
+        raise
+
+
+@contextmanager
+def _interrupts(change: str) -> Iterator[None]:
+    """Block SIGINT, or unblock it, in this thread; on Windows there is no such mask."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(getattr(signal, change), {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+async def _connect(distributed: Any, address: str) -> None:
+    """Connect to a scheduler and close the connection; a `Client` that fails hangs when deleted."""
+
+    async def connect() -> None:
+        connection = await distributed.comm.connect(address, timeout=_TIMEOUT)
+        await connection.close()
+
+    await asyncio.wait_for(connect(), _TIMEOUT)  # also where another server says nothing
+
+
+def _begin_worker() -> None:
+    """Give a worker a single thread, no warning of slow kernels, and the life of its parent."""
+    os.environ[VARIABLE] = "1"
+    warnings.filterwarnings("ignore", "this takes about .* without numba", MachineWarning)
+    Thread(target=_exit_with_parent, daemon=True).start()
+
+
+def _exit_with_parent() -> None:
+    """End this worker when its parent process was killed: it would get no more work."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _quiet_tracker() -> None:
+    """Restart multiprocessing's tracker of semaphores without its messages, if it was killed.
+
+    The new tracker has no record of the semaphores that are released afterwards, and would print a
+    KeyError for each.
+    """
+    errors, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, _STDERR)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            resource_tracker.ensure_running()
+    finally:
+        os.dup2(errors, _STDERR)
+        os.close(errors)
+        os.close(nowhere)
+
+
+Progress = Callable[[int, int], None]
+Shard = tuple[int, int]
+
+_MAX_SUBMITTED = 256
+"""Largest number of chunks that an executor has at a time."""
+
+
+def run_campaign(
+    campaign: Campaign,
+    folder: str | PathLike[str],
+    *,
+    executor: Executor | None = None,
+    shard: str | None = None,
+    compiled: bool | None = None,
+    progress: Progress | None = None,
+) -> CampaignResults:
+    """Run a campaign into a folder, or continue it there.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    folder : str or path
+        Holds its manifest and its chunks.
+    executor : concurrent.futures.Executor, optional
+        Runs the chunks: a `ProcessPoolExecutor`, or `distributed.Client(...).get_executor()`;
+        without one they run here, one after the other. Its workers must see the folder.
+    shard : str, optional
+        "i/n": only every n-th chunk, beginning with the i-th, i from 1 to n.
+    compiled : bool, optional
+        Whether compiled kernels are used; by default where there is a compiler. All chunks of a
+        campaign use the same.
+    progress : callable, optional
+        Called with the number of finished cases and the number of all cases.
+
+    Returns
+    -------
+    CampaignResults
+        All finished chunks: those of the whole campaign, or with a shard perhaps fewer.
+
+    Raises
+    ------
+    InputError
+        When not even the nominal case can be answered, the folder holds another campaign or
+        cannot be written, and when a worker has another version or was killed. What was finished
+        is kept.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np, tvclin as tv
+    >>> campaign = tv.Campaign(
+    ...     vehicle=tv.load_vehicle("configuration-i"),
+    ...     wind=tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
+    ...     dispersions=tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.02),)),
+    ...     cases=300,
+    ...     chunk=256,
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     results = tv.run_campaign(campaign, folder)
+    ...     covered = float(np.degrees(results.quantile().estimate))
+    ...     results.cases, results.complete, round(covered, 3)
+    (300, True, 0.433)
+    """
+    place = _checked(folder, executor, progress)
+    instance("campaign", campaign, Campaign, "see load_campaign")
+    if compiled is not None:
+        flag("compiled", compiled)
+    arrow()
+    nominal(campaign)
+    return _work(begin(campaign, place, compiled), place, executor, shard, progress)
+
+
+def resume_campaign(
+    folder: str | PathLike[str],
+    *,
+    executor: Executor | None = None,
+    shard: str | None = None,
+    progress: Progress | None = None,
+) -> CampaignResults:
+    """Continue the campaign in a folder; a damaged or foreign chunk is computed again.
+
+    Parameters
+    ----------
+    folder, executor, shard, progress
+        As of `run_campaign`.
+
+    Raises
+    ------
+    InputError
+        As `run_campaign`, and when the folder holds no campaign or its manifest was changed.
+    """
+    place = _checked(folder, executor, progress)
+    return _work(read_manifest(place), place, executor, shard, progress)
+
+
+def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
+    """Return the results of the campaign in a folder, of all chunks that are finished.
+
+    Parameters
+    ----------
+    folder : str or path
+        As of `run_campaign`.
+
+    Raises
+    ------
+    InputError
+        When the folder holds no campaign or its manifest was changed.
+    """
+    return CampaignResults.read(path("folder", folder))
+
+
+def damaged(folder: Path, manifest: Manifest) -> dict[int, str]:
+    """Return the faults, in words, of chunk files that exist but cannot be used, by chunk."""
+    chunks = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
+    return {k: fault for k in chunks if (fault := flaw(folder, manifest, k)) is not None}
+
+
+def _checked(folder: object, executor: object, progress: object) -> Path:
+    """Return the folder as a path; `InputError` for arguments that a run cannot use."""
+    if executor is not None:
+        instance("executor", executor, Executor, "such as ProcessPoolExecutor")
+    if progress is not None:
+        callable_for("progress", progress, "of the cases done and of all cases")
+    return path("folder", folder)
+
+
+def _work(
+    manifest: Manifest,
+    folder: Path,
+    executor: Executor | None,
+    shard: str | None,
+    progress: Progress | None,
+) -> CampaignResults:
+    """Compute the chunks of a shard that are not finished, and return the results of the folder."""
+    campaign = manifest.campaign
+    if shard is not None and campaign.until is not None:
+        raise InputError(
+            "a shard does not know when the whole campaign has converged; give one of the two"
+        )
+    check_versions(manifest)
+    sweep(folder)
+    first, step = _shard(shard)
+    chunks = range(first, campaign.chunks, step)
+    total, done = sum(campaign.span(k)[1] for k in chunks), 0
+    if executor is not None and not available():
+        _count_work(campaign, total)
+    for group in _groups(campaign, chunks):
+        todo = []
+        for k in group:
+            if flaw(folder, manifest, k) is None:
+                done += campaign.span(k)[1]
+            else:
+                todo.append(k)
+        for k in _finished(todo, str(folder.absolute()), manifest.seal, executor):
+            done += campaign.span(k)[1]
+            if progress is not None:
+                progress(done, total)
+        if campaign.until is not None and CampaignResults.read(folder).converged:
+            break
+    return CampaignResults.read(folder)
+
+
+def _count_work(campaign: Campaign, cases: int) -> None:
+    """Count the work of workers without numba in this process, as `cases` times that of one case.
+
+    The workers themselves print no warning.
+    """
+    with pinned(False), repeated(cases):
+        evaluate(campaign, 0, 1)
+
+
+def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
+    """Yield all chunks, or with `until` the chunks between two checkpoints of convergence."""
+    if campaign.until is None:
+        yield chunks
+        return
+    begin = 0
+    for end in checkpoints(campaign.chunks):
+        yield range(begin, end)
+        begin = end
+
+
+def _finished(
+    chunks: list[int], folder: str, seal: str, executor: Executor | None
+) -> Iterator[int]:
+    """Run chunks and yield their numbers as they are finished."""
+    if executor is None:
+        yield from (run_chunk(folder, seal, k) for k in chunks)
+        return
+    remaining = iter(chunks)
+
+    def submit(count: int) -> Iterable[Future[int]]:
+        return [executor.submit(run_chunk, folder, seal, k) for k in islice(remaining, count)]
+
+    running: set[Future[Any]] = set()
+    try:
+        running.update(submit(_MAX_SUBMITTED))
+        while running:
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in finished:
+                yield future.result()
+            running.update(submit(len(finished)))
+    except BrokenExecutor:
+        raise InputError(
+            "a worker process has died (killed, or out of memory); what was finished is kept, go on"
+            f" with: tvclin campaign resume {folder}"
+        ) from None
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def _shard(text: str | None) -> Shard:
+    """Return the first chunk of a shard, from zero, and the step from chunk to chunk."""
+    if text is None:
+        return 0, 1
+    match = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None
+    index, count = map(int, match.groups()) if match else (0, 0)
+    if not 1 <= index <= count:
+        raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {shown(text)}")
+    return index - 1, count

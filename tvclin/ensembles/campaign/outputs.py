@@ -1,0 +1,400 @@
+"""Outputs of cases: functions from a batch to columns, also of flights of the campaign's law.
+
+A batch is plants, winds and gains of the cases that are computed together, in a plane or in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import naming
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit_shapes import limit_shape_of
+from tvclin.boundary.open_loop import ROUNDING
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
+from tvclin.case.flexible_autopilot import with_filters
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, design_law
+from tvclin.control.margins.margins import loop_margins
+from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.dispersions import names_of_modes
+from tvclin.flights.closed_loop.fly_many import fly_many
+from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.plant import Plant
+from tvclin.requirement.encountered_requirement import encountered_batch
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.plane_requirement import VectorNeed, planes_needed, rectangle, vector_need
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.structure import select_cases
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.wind_angles import within_linear
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Plants, winds and gains of `count` cases that are computed together.
+
+    `plant`, `wind`: batches of shape ``(n,)``, or a single plant or wind for all cases. `gains`:
+    gains of the autopilot where an output depends on them, ``(n,)`` where they are dispersed.
+    `vehicle`: the vehicles that the plant linearises. `flexible`: flexible plants of the vehicles
+    with their structure. `values`: dispersed values by name, ``(n,)``. `parts`: batches by plane,
+    for each plane with a component of the wind, where both planes are judged.
+    """
+
+    plant: Plant
+    wind: History
+    gains: dict[str, Any]
+    count: int
+    vehicle: Vehicle
+    flexible: FlexiblePlant | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+    parts: Mapping[str, Batch] = field(default_factory=dict)
+
+    @property
+    def each(self) -> tuple[Batch, ...]:
+        """The batches of all planes that are judged; this batch where only a single plane is."""
+        return tuple(self.parts.values()) or (self,)
+
+    @property
+    def plants(self) -> dict[str, Plant]:
+        """The plants by plane, for both planes."""
+        model = self.plant.model
+        return {name: Plant.from_vehicle(self.vehicle, model, name) for name in PLANES}
+
+    @property
+    def vectors(self) -> PlaneWind:
+        """The winds of both planes; zero in a plane without a component of the wind."""
+        winds = {plane: batch.wind for plane, batch in self.parts.items()}
+        return PlaneWind(**(dict.fromkeys(PLANES, 0.0 * self.wind) | winds))
+
+    @property
+    def wind_angle(self) -> FloatArray:
+        """Largest wind angle [rad], for both planes that of the vector, ``(n,)`` or a scalar."""
+        return np.abs(np.asarray((self.vectors if self.parts else self.wind).peak))
+
+    @property
+    def flying(self) -> AnyPlant:
+        """The plant that flies and that the autopilot controls: flexible with a structure."""
+        return self.plant if self.flexible is None else self.flexible
+
+    @cached_property
+    def first(self) -> Batch:
+        """The first case, with scalars in place of a batch axis."""
+        shape = (self.count,)
+        return Batch(
+            self.plant.case(0, shape),
+            self.wind.case(0, shape),
+            {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
+            1,
+            select_cases(self.vehicle, 0, shape),
+            None if self.flexible is None else self.flexible.cases(0, shape),
+            {name: value[:1] for name, value in self.values.items()},
+        )
+
+
+def in_planes(name: str) -> dict[str, str]:
+    """Return the names of a column by plane, for a column that both planes have together."""
+    return {plane: f"{name}_{plane}" for plane in PLANES}
+
+
+def required_name(dead_band: float, kind: str = "required") -> str:
+    """Return the name of the column of a dead band K, as in "required_K1"."""
+    short = f"{dead_band:g}"
+    return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
+
+
+COLUMNS = {
+    "flight_survived": "",
+    "flight_peak_attitude": "rad",
+    "flight_peak_angle_of_attack": "rad",
+    "flight_peak_deflection": "rad",
+}
+"""Units of the columns of the output "flight", by name."""
+_MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
+"""Columns of the motion of the vehicle."""
+MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in in_planes(name).values()))
+"""Columns of the motion, in a plane and in both: angles, but no deflections."""
+
+
+def law_of(campaign: Campaign, batch: Batch) -> Law:
+    """Return the law that flies the first case: with its gains where they are dispersed."""
+    options: dict[str, Any] = {}
+    if campaign.law == AUTOPILOT:
+        options[AUTOPILOT] = Autopilot(**batch.first.gains)
+    options["rate_limit"] = campaign.hardware["rate_limit"]
+    law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.max_angle, **options)
+    return with_filters(law, campaign.asked)
+
+
+def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    """Return `COLUMNS` of the flights of a batch, ``(n,)`` each; of both planes, and by plane."""
+    limit = campaign.nozzle.limit
+    assert limit is not None
+    if not batch.parts:
+        return _flown(campaign, batch, limit)
+    shares = shares_of(campaign, batch)
+    flown = {
+        plane: _flown(in_plane, batch.parts[plane], limit * shares[plane])
+        for plane, in_plane in campaign.parts.items()
+    }
+    calm = {name: np.zeros(batch.count) for name in COLUMNS} | {"flight_survived": np.ones(1)}
+    pitch, yaw = (flown.get(plane, calm) for plane in PLANES)
+    lost = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
+    both = {name: np.hypot(pitch[name], yaw[name]) for name in _MOTIONS}
+    both["flight_peak_deflection"] = rectangle(
+        limit_shape_of(campaign.nozzle.stop or ""),
+        pitch["flight_peak_deflection"],
+        yaw["flight_peak_deflection"],
+    )
+    columns = {name: np.where(lost, np.inf, peak) for name, peak in both.items()}
+    survived = pitch["flight_survived"] + yaw["flight_survived"] - 1.0
+    columns["flight_survived"] = np.where(lost, 0.0, survived)
+    for name in COLUMNS:
+        by_plane = in_planes(name)
+        columns |= {by_plane["pitch"]: pitch[name], by_plane["yaw"]: yaw[name]}
+    return columns
+
+
+def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    """Return the fractions of the limit by plane, ``(n,)``, in the ratio of the peak winds."""
+    peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.parts.items()}
+    stop = limit_shape_of(campaign.nozzle.stop or "")
+    total = rectangle(stop, *(peaks.get(plane, 0.0) for plane in PLANES))
+    return {plane: peak / total for plane, peak in peaks.items()}
+
+
+def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[str, Any]:
+    """Return `COLUMNS` of the flights of a batch in a plane with a deflection limit [rad]."""
+    dispersed = any(np.ndim(value) for value in batch.gains.values())
+    chains = {name: getattr(campaign.asked, name) for name in CHAINS}
+    gains_vary = dispersed and campaign.law == AUTOPILOT
+    flown = fly_many(
+        batch.flying,
+        Autopilot(**batch.gains, **chains) if gains_vary else law_of(campaign, batch),
+        batch.wind,
+        deflection_limit=limit,
+        **campaign.hardware,
+    )
+    lost = (flown.status == "lost") | (flown.status == "rings")
+    fate = np.select([flown.status == "survived", lost], [1.0, 0.0], np.nan)
+    return {"flight_survived": fate} | {
+        f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(flown, f"peak_{name}"))
+        for name in ("attitude", "angle_of_attack", "deflection")
+    }
+
+
+_BOUNDARY_TOLERANCE = 5e-4
+"""Tolerance of a flown boundary, relative to the largest trim deflection."""
+_VALUES_BEYOND = dict.fromkeys(("flight_survived", *in_planes("flight_survived").values()), 0.0)
+"""Values of outputs that are no angles, in a wind beyond linear aerodynamics."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output of campaigns: its columns and the function that computes them.
+
+    `columns`: from a campaign to the units of the columns by name. `work`: from a campaign and a
+    batch to the columns, ``(n,)`` each or a scalar for all cases; `InputError` when a case has no
+    answer. `alone`: from a campaign to whether `work` takes a single case at a time.
+    """
+
+    columns: Callable[[Campaign], dict[str, str]]
+    work: Callable[[Campaign, Batch], dict[str, Any]]
+    alone: Callable[[Campaign], bool] = lambda _: False
+
+
+def columns(campaign: Campaign) -> dict[str, str]:
+    """Return the units of the columns of a campaign by name."""
+    units: dict[str, str] = {}
+    for output in campaign.outputs:
+        units |= REGISTRY[output].columns(campaign)
+    return units
+
+
+def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
+    """Return the columns of a batch by name, ``(n,)`` each.
+
+    `alone`: compute the outputs that take a single case at a time, or else all other outputs.
+
+    In a wind beyond linear aerodynamics no deflection is known to be sufficient: it is infinite,
+    and a flight counts as lost. `InputError` when a case has no answer.
+    """
+    outputs: dict[str, Any] = {}
+    for name in campaign.outputs:
+        if REGISTRY[name].alone(campaign) == alone:
+            with naming(f"output {name}"):
+                outputs |= REGISTRY[name].work(campaign, batch)
+    shape, beyond = (batch.count,), ~within_linear(batch.wind_angle)
+    return {
+        name: np.broadcast_to(values, shape)
+        if name.startswith("margin_")
+        else np.where(np.broadcast_to(beyond, shape), _VALUES_BEYOND.get(name, np.inf), values)
+        for name, values in outputs.items()
+    }
+
+
+def _of_planes(campaign: Campaign, columns: dict[str, str]) -> dict[str, str]:
+    """Return units by column, with the columns of each plane where both planes are judged."""
+    if campaign.planes != BOTH:
+        return columns
+    by_plane = {k: unit for name, unit in columns.items() for k in in_planes(name).values()}
+    return columns | by_plane
+
+
+def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    """Return the required deflections [rad] of a batch at all dead bands, ``(n,)`` by column."""
+    required: dict[str, FloatArray] = {}
+    for dead_band in campaign.dead_bands:
+        required |= _required_at(campaign, batch, dead_band)
+    return required
+
+
+def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str, FloatArray]:
+    """Return required deflections [rad] at the encountered dynamic pressure, ``(n,)`` by column.
+
+    Where both planes are judged there are three columns: the limit shape, pitch and yaw.
+    """
+    name, vehicles = required_name(dead_band), batch.vehicle.rigid
+    at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
+    if not batch.parts:
+        nominal = required_deflection(batch.plant, batch.wind, dead_band).deflection
+        return {name: at_encountered(campaign.plane, np.abs(nominal))}
+    stop = limit_shape_of(campaign.nozzle.stop or "")
+    nominal_needs = planes_needed(batch.plants, batch.vectors, stop, dead_band)
+    alone = {
+        plane: at_encountered(plane, np.abs(nominal_needs.alone[plane])) for plane in batch.parts
+    }
+    both = rectangle(stop, alone.get("pitch", 0.0), alone.get("yaw", 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = [np.nan_to_num(x / np.abs(nominal_needs.alone[k])) for k, x in alone.items()]
+    vector = nominal_needs.deflection > rectangle(stop, **nominal_needs.alone) * (1.0 + ROUNDING)
+    both = np.where(
+        vector, np.maximum(both, nominal_needs.deflection * np.max(ratios, axis=0)), both
+    )
+    alone = {plane: alone.get(plane, nominal_needs.alone[plane]) for plane in PLANES}
+    return {name: both} | {column: alone[plane] for plane, column in in_planes(name).items()}
+
+
+def _slow(campaign: Campaign) -> bool:
+    """Return whether the minimum peak is a search for each case, as three poles require."""
+    return campaign.model == "drift-and-speed"
+
+
+def _forecast_free(plant: Plant, wind: History) -> FloatArray:
+    """Return the limits [rad] sufficient for a law without a forecast, ``(n,)``."""
+    return np.abs(forecast_free_limit(plant, wind).deflection)
+
+
+def _bound(
+    name: str,
+    alone: Callable[[Plant, History], Any],
+    vector: Callable[[VectorNeed], float],
+    campaign: Campaign,
+    batch: Batch,
+) -> dict[str, Any]:
+    """Return a lower bound of the deflection [rad] by column, by `alone` in each plane by itself.
+
+    Where both planes are judged, of the first case only, and by `vector` in both planes together.
+    """
+    if not batch.parts:
+        return {name: alone(batch.plant, batch.wind)}
+    stop, shape = limit_shape_of(campaign.nozzle.stop or ""), (batch.count,)
+    bounds = dict.fromkeys(PLANES, 0.0)
+    for plane, in_plane in batch.parts.items():
+        first = in_plane.first
+        bounds[plane] = float(np.abs(alone(first.plant, first.wind)))
+    largest = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    both = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
+    if len(batch.parts) > 1:
+        pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
+        needs = vector_need(pitch, yaw, batch.vectors.case(0, shape), stop, np.ones(1))
+        both = max(both, vector(needs))
+    return {name: both} | {k: bounds[plane] for plane, k in in_planes(name).items()}
+
+
+_MARGINS = {
+    "margin_aero_dB": "dB",
+    "margin_gain_dB": "dB",
+    "margin_phase_deg": "deg",
+    "margin_delay": "s",
+}
+"""Units of the margins of a loop by column."""
+
+
+def _margin_columns(campaign: Campaign) -> dict[str, str]:
+    """Return the units of the columns of margins by name."""
+    peaks = {f"margin_{mode}_peak_dB": "dB" for mode in _mode_names(campaign)}
+    return {"margin_stable": ""} | _MARGINS | peaks
+
+
+def _mode_names(campaign: Campaign) -> list[str]:
+    """Return the names of all modes of the nominal vehicle, in the order of their bands."""
+    return [k for names in names_of_modes(campaign.vehicle.structure).values() for k in names]
+
+
+def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    """Return the margins of the autopilot around each vehicle, with the peaks of its modes."""
+    autopilot, peaks = replace(campaign.autopilot, **batch.gains), {}
+    if batch.flexible is not None and _mode_names(campaign):
+        bands = autopilot.band_margins(batch.flexible)
+        margins = bands.margins
+        pairs = zip(_mode_names(campaign), bands.modes, strict=True)
+        peaks = {f"margin_{name}_peak_dB": mode.peak_dB for name, mode in pairs}
+    else:
+        margins = loop_margins(autopilot.exact_loop(batch.flying))
+    values = (margins.aero_margin_dB, margins.gain_increase_dB, margins.phase_margin_deg)
+    columns = dict(zip(_MARGINS, (*values, margins.delay_margin), strict=True))
+    return {"margin_stable": np.asarray(margins.stable, dtype=float)} | columns | peaks
+
+
+def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:
+    """Return boundary limits [rad] of a case by column, flown with six degrees of freedom."""
+    vehicle, wind = batch.first.vehicle, batch.first.wind
+
+    def flown(K: float) -> float:
+        boundary = flown_boundary(
+            vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_BOUNDARY_TOLERANCE
+        )
+        return abs(boundary.deflection)
+
+    return {required_name(K, "flown"): flown(K) for K in campaign.dead_bands}
+
+
+REGISTRY = {
+    "required": Output(
+        lambda campaign: _of_planes(
+            campaign, {required_name(K): "rad" for K in campaign.dead_bands}
+        ),
+        _required,
+        _slow,
+    ),
+    "forecast-free": Output(
+        lambda campaign: _of_planes(campaign, {"forecast_free": "rad"}),
+        partial(_bound, "forecast_free", _forecast_free, lambda need: need.no_forecast),
+        lambda campaign: campaign.planes == BOTH,
+    ),
+    "minimum": Output(
+        lambda campaign: _of_planes(campaign, {"minimum": "rad"}),
+        partial(_bound, "minimum", minimum_peaks, lambda need: need.minimum),
+        lambda campaign: _slow(campaign) or campaign.planes == BOTH,
+    ),
+    "margins": Output(_margin_columns, _margins),
+    "flight": Output(lambda campaign: _of_planes(campaign, COLUMNS), flights),
+    "flown": Output(
+        lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
+        _flown_limits,
+        lambda _: True,
+    ),
+}
+"""Outputs of a campaign by name."""

@@ -1,0 +1,313 @@
+"""Results of a campaign: columns read chunk by chunk, and their statistics."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, number, one_of, path, small_angle, whole_number
+from tvclin.ensembles.campaign.campaign_plan import Campaign, checkpoints
+from tvclin.ensembles.campaign.case_replay import Replay, replay_case
+from tvclin.ensembles.campaign.cases import nominal
+from tvclin.ensembles.campaign.folder import Manifest, chunk_file, read_columns, read_manifest
+from tvclin.ensembles.campaign.outputs import MOTIONS, columns
+from tvclin.ensembles.dispersions import UNITS_OF
+from tvclin.ensembles.statistics import (
+    Driver,
+    Quantile,
+    Success,
+    loss_drivers,
+    quantile_bound,
+    sensitivities,
+    success_probability,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignResults(Tabled):
+    """The finished chunks of a campaign; a column is read when it is used.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder of the campaign.
+    manifest : Manifest
+        Its manifest.
+    chunks : tuple of int
+        Numbers of the chunks that were finished when the folder was opened.
+    """
+
+    folder: Path
+    manifest: Manifest
+    chunks: tuple[int, ...]
+
+    _keys = (
+        "vehicle=campaign.vehicle.name model=campaign.model cases seed=campaign.seed complete"
+        " outputs"
+    )
+
+    @classmethod
+    def read(cls, folder: Path) -> "CampaignResults":
+        """Return the results in a folder; see `open_campaign`."""
+        folder = path("folder", folder)
+        manifest = read_manifest(folder)
+        chunks = range(manifest.campaign.chunks)
+        return cls(folder, manifest, tuple(k for k in chunks if chunk_file(folder, k).exists()))
+
+    @property
+    def campaign(self) -> Campaign:
+        """The campaign."""
+        return self.manifest.campaign
+
+    @property
+    def cases(self) -> int:
+        """Number of cases in the finished chunks."""
+        return sum(self.campaign.span(k)[1] for k in self.chunks)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the campaign has ended: all chunks are finished, or the answer has converged."""
+        return len(self.chunks) == self.campaign.chunks or self.converged
+
+    @property
+    def converged(self) -> bool:
+        """Whether the bounds of the quantile lie within `until` of the campaign at a checkpoint."""
+        until, finished = self.campaign.until, len(self.chunks)
+        checked = finished in checkpoints(self.campaign.chunks)
+        if until is None or not checked or self.chunks != tuple(range(finished)):
+            return False
+        try:
+            return self.quantile().within(until)
+        except InputError:  # no case has an answer yet
+            return False
+
+    @property
+    def nominal(self) -> dict[str, float]:
+        """The outputs of the nominal case [SI] by name; empty for a wind ensemble."""
+        return nominal(self.campaign)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the columns of all outputs."""
+        return tuple(columns(self.campaign))
+
+    @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of `outputs` that are angles [rad]; the first is the answer."""
+        return tuple(name for name, unit in columns(self.campaign).items() if unit == "rad")
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        """Names of `angles` that are deflections, with which a limit is compared."""
+        return tuple(name for name in self.angles if name not in MOTIONS)
+
+    def column(self, name: str) -> AnyArray:
+        """Return a column of all finished cases, ``(n,)``, in the order of the cases.
+
+        Parameters
+        ----------
+        name : str
+            "case", "status", a dispersed parameter, or a name of `outputs`. [SI]
+
+        Raises
+        ------
+        InputError
+            For an unknown name, and for a chunk that is damaged or of another campaign.
+        """
+        return self._read([one_of("column", name, self._names)])[name]
+
+    def _read(self, names: Sequence[str]) -> dict[str, AnyArray]:
+        """Return columns by name, of all finished cases, in one pass over the chunks."""
+        values: dict[str, list[AnyArray]] = {name: [] for name in names}
+        for k in self.chunks:
+            columns = read_columns(self.folder, self.manifest, k)
+            for name in names:
+                values[name].append(columns[name])
+        return {k: np.concatenate(v) if v else np.zeros(0) for k, v in values.items()}
+
+    def statuses(self) -> dict[str, int]:
+        """Return the number of cases by status, the most frequent first."""
+        counts: dict[str, int] = {}
+        for k in self.chunks:
+            column = read_columns(self.folder, self.manifest, k)["status"]
+            for status, count in zip(*np.unique(column, return_counts=True), strict=True):
+                counts[str(status)] = counts.get(str(status), 0) + int(count)
+        return dict(sorted(counts.items(), key=lambda item: -item[1]))
+
+    def quantile(
+        self,
+        output: str | None = None,
+        probability: float | None = None,
+        confidence: float | None = None,
+    ) -> Quantile:
+        """Return the quantile [rad] of an output over all cases; see `quantile_bound`.
+
+        Parameters
+        ----------
+        output : str, optional
+            A name of `angles`; by default the first.
+        probability, confidence : float, optional
+            By default those of the campaign.
+
+        Raises
+        ------
+        InputError
+            For an unknown output, numbers outside (0, 1), and when no case has an answer.
+        """
+        answers = self.answers(output)
+        if not answers.size:
+            raise InputError(f"{self.folder} holds no finished case with an answer")
+        return quantile_bound(answers, *self._level(probability, confidence))
+
+    def success(
+        self, limit: float | None = None, output: str | None = None, confidence: float | None = None
+    ) -> Success | None:
+        """Return the probability that a limit [rad] is sufficient; None without a limit.
+
+        Parameters
+        ----------
+        limit : float, optional
+            By default that of the campaign, for an output that is a deflection.
+        output, confidence
+            Same parameters as of `quantile`.
+
+        Raises
+        ------
+        InputError
+            As `quantile`, and for a limit with an output that is no deflection.
+        """
+        name = self._output(output)
+        if name not in self.deflections:
+            if limit is None:
+                return None
+            others = " or ".join(self.deflections)
+            raise InputError(f"limit is a deflection, and {name} is none; use the output {others}")
+        limit = self.campaign.nozzle.limit if limit is None else limit
+        if limit is None:
+            return None
+        limit = number("limit", limit, small_angle("a deflection"), "rad")
+        answers = self.answers(output)
+        confidence = self._level(None, confidence)[1]
+        return success_probability(int(np.sum(answers <= limit)), answers.size, confidence)
+
+    def survival(self, confidence: float | None = None) -> Success | None:
+        """Return the probability that a flight survives; None where nothing was flown.
+
+        Parameters
+        ----------
+        confidence : float, optional
+            As of `quantile`.
+        """
+        return self._part_of_flights(0, confidence)
+
+    def loss(self, confidence: float | None = None) -> Success | None:
+        """Return the probability that a flight is lost; None where nothing was flown.
+
+        Parameters
+        ----------
+        confidence : float, optional
+            As of `quantile`.
+        """
+        return self._part_of_flights(1, confidence)
+
+    def _part_of_flights(self, which: int, confidence: float | None) -> Success | None:
+        """Return the probability of survival (`which` is 0) or loss (1) of a flight."""
+        counts = self.flights
+        if counts is None or not sum(counts):
+            return None
+        confidence = self._level(None, confidence)[1]
+        return success_probability(counts[which], sum(counts), confidence)
+
+    @property
+    def flights(self) -> tuple[int, int] | None:
+        """Numbers of flights that survived and that are lost; None where nothing was flown."""
+        if "flight" not in self.campaign.outputs:
+            return None
+        survived = self.column("flight_survived")
+        return int(np.sum(survived == 1.0)), int(np.sum(survived == 0.0))
+
+    def loss_drivers(self) -> dict[str, Driver]:
+        """Return the drivers of the loss of flights by parameter, the strongest first.
+
+        Empty where nothing was flown, no flight is lost, or every flight is lost.
+        """
+        if "flight" not in self.campaign.outputs:
+            return {}
+        drawn, survived = self._drawn_and("flight_survived")
+        return loss_drivers(drawn, survived == 0.0)
+
+    def drivers(self, output: str | None = None) -> dict[str, float]:
+        """Return the rank correlation of dispersed parameters with an output, the strongest first.
+
+        A lost flight counts as worse than any number.
+        """
+        drawn, values = self._drawn_and(self._output(output))
+        return sensitivities(drawn, values) if values.size else {}
+
+    def _drawn_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
+        """Return dispersed parameters and an output, of cases in which the output is a number."""
+        columns = self._read([*self.campaign.dispersions.parameters, output])
+        good = ~np.isnan(columns[output])
+        values = {name: column[good] for name, column in columns.items()}
+        return values, values.pop(output)
+
+    def convergence(self, output: str | None = None) -> tuple[Quantile, ...]:
+        """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases."""
+        answers = self.answers(output)
+        sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
+        return tuple(quantile_bound(answers[:n], *self._level(None, None)) for n in sizes)
+
+    def worst(self, count: int = 5, output: str | None = None) -> IntArray:
+        """Return the indices of the cases that require most, ``(count,)``, the worst first."""
+        count = whole_number("count", count)
+        columns = self._read(["case", name := self._output(output)])
+        values = columns[name]
+        order = np.argsort(-np.nan_to_num(values, nan=-np.inf), kind="stable")[:count]
+        return np.asarray(columns["case"][order[~np.isnan(values[order])]])
+
+    def replay(self, case: int) -> Replay:
+        """Return a case in full; see `Replay`."""
+        return replay_case(self.campaign, case, self.manifest.compiled)
+
+    def _columns(self) -> Columns:
+        """Return all columns with their units, and what identifies the campaign."""
+        units, plan = UNITS_OF | columns(self.campaign), self.campaign
+        case, *others = self._names
+        values = self._read(self._names)
+        return Columns(
+            (Column(case, values[case], ""),),
+            tuple(Column(name, values[name], units.get(name, "")) for name in others),
+            {
+                **picked(plan, "vehicle=vehicle.name model plane seed"),
+                "sha256": self.manifest.seal,
+            },
+        )
+
+    def answers(self, output: str | None = None) -> FloatArray:
+        """Return an output of the cases that have an answer, ``(n,)``, in their order."""
+        values = self.column(self._output(output))
+        return np.asarray(values[~np.isnan(values)])
+
+    def _output(self, name: str | None) -> str:
+        """Return the name of an angle, by default the first; `InputError` for another name."""
+        return self.angles[0] if name is None else one_of("output", name, self.angles)
+
+    def _level(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
+        """Return probability and confidence, by default those of the campaign."""
+        plan = self.campaign
+        return (
+            plan.probability if probability is None else probability,
+            plan.confidence if confidence is None else confidence,
+        )
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """Names of all columns, in their order."""
+        drawn = self.campaign.dispersions.parameters
+        wind = ("wind",) if self.campaign.wind.count else ()
+        return ("case", *drawn, *wind, *self.outputs, "status")

@@ -1,0 +1,231 @@
+"""Summary of a campaign: the deflection that covers it, its drivers, and its confidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.cards import Shown
+from tvclin.base.documents import picked
+from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
+from tvclin.base.quantities import sufficiency, survival
+from tvclin.case.case import FROZEN
+from tvclin.ensembles.campaign.outputs import in_planes, required_name
+from tvclin.ensembles.campaign.results import CampaignResults
+from tvclin.ensembles.statistics import Quantile, Success, shares
+from tvclin.vehicle.coefficients import BOTH
+
+_MAX_SHOWN = 5
+"""Largest number of cases and of drivers that are shown."""
+_MAX_SHOWN_CONFIDENCE = 0.999
+"""Largest confidence that is shown as a number; a higher one is "above 99.9 %"."""
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignSummary(Shown):
+    """Statistics of an output of a campaign, over all finished cases; make it with `of`.
+
+    `found`: the results. `output`: name of the angle. `limit`: deflection limit [rad].
+    `required`: quantile of the output [rad] at the specified probability. `answers`: the output of
+    the cases that have an answer [rad], ``(n,)``. `success`, `survival`, `loss`: probabilities that
+    the limit is sufficient, that a flight survives, and that it is lost.
+    """
+
+    found: CampaignResults
+    output: str
+    limit: float | None
+    required: Quantile
+    answers: np.ndarray[Any, np.dtype[np.float64]]
+    success: Success | None
+    survival: Success | None
+    loss: Success | None
+
+    _keys = "output median_deg required success survival"
+
+    @classmethod
+    def of(
+        cls,
+        found: CampaignResults,
+        output: str | None = None,
+        limit: float | None = None,
+        probability: float | None = None,
+        confidence: float | None = None,
+    ) -> CampaignSummary:
+        """Return the summary of an output; parameters and exceptions of `CampaignResults`."""
+        return cls(
+            found=found,
+            required=found.quantile(output, probability, confidence),
+            success=found.success(limit, output, confidence),
+            survival=found.survival(confidence),
+            loss=found.loss(confidence),
+            output=output or found.angles[0],
+            limit=found.campaign.nozzle.limit if limit is None else limit,
+            answers=found.answers(output),
+        )
+
+    @property
+    def trusts_a_forecast(self) -> bool:
+        """Whether the output is a boundary with a dead band below one."""
+        bands = {required_name(K): K for K in self.found.campaign.dead_bands}
+        bands |= {k: K for name, K in bands.items() for k in in_planes(name).values()}
+        return bands.get(self.output, 1.0) < 1.0
+
+    @property
+    def pressure(self) -> str:
+        """The dynamic pressure of the output, in words."""
+        plan, required = self.found.campaign, self.output.startswith("required_")
+        both = plan.planes == BOTH
+        across = plan.plane != "pitch" and not both
+        if across or plan.sign == FROZEN or not required:
+            return "nominal"
+        if both:
+            return "in each wind"
+        if plan.sign is not None:
+            return f"in a {plan.sign} wind"
+        return "in each wind" if plan.wind.count else "in a head or tail wind, the worse"
+
+    @property
+    def median(self) -> float:
+        """The median of the answers [rad]."""
+        return float(np.median(self.answers))
+
+    @property
+    def worst(self) -> dict[int, float]:
+        """The largest answers [rad] by index of the case, the worst first."""
+        cases = self.found.worst(_MAX_SHOWN, self.output).tolist()
+        return dict(zip(cases, np.sort(self.answers)[::-1].tolist(), strict=False))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        found, flights = self.found, self.found.flights
+        nominal = found.nominal.get(self.output)
+        return {
+            **picked(found.campaign, "vehicle=vehicle.name model"),
+            **picked(self, "output trusts_a_forecast"),
+            **picked(found, "cases cases_planned=campaign.cases complete"),
+            "statuses": found.statuses(),
+            **picked(self.required, "probability confidence"),
+            "nominal_deg": None if nominal is None else np.degrees(nominal),
+            **picked(self, "median_deg"),
+            **picked(self.required, "estimate_deg lower_deg upper_deg"),
+            **picked(self, "limit_deg success survival"),
+            "flights": flights and dict(zip(("survived", "lost"), flights, strict=True)),
+            "loss": self.loss,
+            "loss_drivers": found.loss_drivers(),
+            "drivers": found.drivers(self.output),
+            "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
+            "convergence": [
+                picked(quantile, "cases lower_deg estimate_deg upper_deg")
+                for quantile in found.convergence(self.output)
+            ],
+        }
+
+    def tables(self) -> tuple[Table, Table]:
+        """Return the tables of the answer with its drivers, and of its convergence."""
+        plan, r = self.found.campaign, self.required
+        planes = f", both planes, {plan.nozzle.stop} stop" if plan.planes == BOTH else ""
+        caption = f"{plan.vehicle.name}, {plan.model}{planes}: {self.output}"
+        rows = tuple(
+            (
+                significant(f"convergence.{q.cases}", q.cases, 9),
+                *(self._bound(f"convergence.{q.cases}.{k}", getattr(q, k)) for k in _BOUNDS),
+            )
+            for q in self.found.convergence(self.output)
+        )
+        converges = (
+            f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"
+        )
+        head = ("cases", "not below", "sample", "not above")
+        return quantities(caption, self._rows()), Table(converges, head, rows)
+
+    def _rows(self) -> list[Row]:
+        """Return the rows of the answer with its drivers."""
+        found, flights = self.found, self.found.flights
+        of_cases, of_flights = shares(self.required.probability, self.required.confidence)
+        done = f"{found.cases} of {found.campaign.cases}"
+        rows: list[Row] = [("cases", (done if found.complete else f"{done}, unfinished",))]
+        rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in found.statuses().items()]
+        if found.nominal:
+            rows.append(("nominal", _angle("nominal", found.nominal[self.output])))
+        rows += [
+            ("median", _angle("median", self.median)),
+            (of_cases, _angle("estimate", self.required.estimate)),
+            (of_flights, self._bound("upper", self.required.upper)),
+        ]
+        limit = f"{np.degrees(self.limit or 0.0):.3f} deg is {sufficiency(True)} in"
+        probabilities = {
+            limit: self.success,
+            survival(True): self.survival,
+            survival(False): self.loss,
+        }
+        rows += [
+            (k, probability.line(k))
+            for k, probability in probabilities.items()
+            if probability is not None
+        ]
+        if flights is not None:
+            rows.append(
+                ("flights", (f"{flights[0]} {survival(True)}, {flights[1]} {survival(False)}",))
+            )
+            rows.append(("loss is driven by", (self._driven(*flights),)))
+        rows.append(("dynamic pressure", (self.pressure,)))
+        if self.trusts_a_forecast:
+            said = "trusts a forecast of the wind; K = 1 needs none"
+            rows.append(("this dead band", (said,)))
+        drivers = list(found.drivers(self.output).items())[:_MAX_SHOWN]
+        worst = [_with_name(str(k), _angle(f"worst.{k}", angle)) for k, angle in self.worst.items()]
+        driven = [_with_name(k, (*number(f"driver.{k}", rank, 2),)) for k, rank in drivers]
+        return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
+
+    def _bound(self, name: str, angle: float) -> Line:
+        """Return the text of a bound [rad], which may be infinite where flights are lost."""
+        if not np.isinf(angle):
+            return _angle(name, angle)
+        flights = self.found.flights
+        lost = self.output.startswith("flight_") and flights is not None and flights[1] > 0
+        return (
+            f"none, flights are {survival(False)}"
+            if lost and angle > 0.0
+            else "too few cases to say",
+        )
+
+    def _driven(self, survived: int, lost: int) -> str:
+        """Return the drivers of the loss of flights with the confidence of `required`, in words."""
+        if not lost or not survived:
+            return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
+        shown = [
+            f"{name} ({driver.rank:+.2f}, {_sure(driver.sure)} sure)"
+            for name, driver in self.found.loss_drivers().items()
+            if driver.sure >= self.required.confidence
+        ]
+        return ", ".join(shown[:_MAX_SHOWN]) or "nothing that stands out from chance"
+
+
+_BOUNDS = ("lower", "estimate", "upper")
+"""Fields of `Quantile` in the table of convergence."""
+
+
+def _angle(name: str, angle: float) -> Line:
+    """Return the text of an angle [rad], in degrees."""
+    return ("lost",) if np.isinf(angle) else degrees(f"campaign.{name}", angle, unit="deg")
+
+
+def _with_name(name: str, line: Line) -> Line:
+    """Return a name with a value in brackets."""
+    return (f"{name} (", *line, ")")
+
+
+def _joined(lines: list[Line]) -> Line:
+    """Return lines as a single line, separated by commas."""
+    return tuple(part for k, line in enumerate(lines) for part in ((", ",) if k else ()) + line)
+
+
+def _sure(sure: float) -> str:
+    """Return a confidence in percent, as text."""
+    return (
+        f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
+        if sure > _MAX_SHOWN_CONFIDENCE
+        else f"{100 * sure:.1f} %"
+    )

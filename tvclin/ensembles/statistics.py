@@ -1,0 +1,341 @@
+"""Statistics of samples: quantiles and probabilities with confidence, and their drivers.
+
+Days of an archive are correlated: the fraction that flies has an interval with the number of
+independent days that have as much information.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.arrays import FloatArray, IntArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, fraction, whole_number
+from tvclin.base.lines import Line, number, text
+
+_PROBABILITY_TOLERANCE = 1e-12
+"""Largest difference of a probability and a confidence that count as equal."""
+
+
+def shares(probability: float, confidence: float) -> tuple[str, str]:
+    """Return the labels, in tables, of a quantile of a sample and of its upper bound."""
+    percent = f"{100 * probability:g} %"
+    return f"{percent} of the cases", f"{percent} of flights, {100 * confidence:g} % sure"
+
+
+@dataclass(frozen=True)
+class Quantile(Shown):
+    """A quantile of a sample with its confidence bounds, by order statistics.
+
+    `probability`, `confidence`: of the quantile, and of each bound. `estimate`: the sample
+    quantile. `upper`, `lower`: bounds of the quantile, each with that confidence; plus and minus
+    infinity if the sample is too small to bound it. `cases`: size of the sample.
+    """
+
+    probability: float
+    confidence: float
+    estimate: float
+    upper: float
+    lower: float
+    cases: int
+
+    _keys = "probability estimate upper lower confidence cases"
+
+    @property
+    def converged(self) -> bool:
+        """Whether both bounds lie within one percent of the estimate: more cases change little."""
+        return self.within(0.01)
+
+    def within(self, part: float) -> bool:
+        """Return whether the bounds differ by at most a fraction `part` of the estimate."""
+        if not np.isfinite(self.estimate):  # with too many lost flights
+            return False
+        return bool(self.upper - self.lower <= part * abs(self.estimate))
+
+
+@dataclass(frozen=True)
+class Success(Shown):
+    """A probability of success, or of loss, with the ends of its Clopper-Pearson interval."""
+
+    estimate: float
+    lower: float
+    upper: float
+    confidence: float
+
+    def line(self, name: str) -> Line:
+        """Return the probability and its interval in percent, as a line with that name."""
+        percent = (
+            number(f"{name}{end}", 100.0 * probability, 2)
+            for end, probability in (
+                ("", self.estimate),
+                ("_lower", self.lower),
+                ("_upper", self.upper),
+            )
+        )
+        estimate, lower, upper = percent
+        return (*estimate, " % (", *lower, " to ", *upper, " %)")
+
+    _keys = "estimate lower upper confidence"
+
+
+@dataclass(frozen=True)
+class Driver:
+    """The correlation of an input with the loss of flights.
+
+    `rank`: rank correlation with the loss: positive where larger values are lost more often.
+    `sure`: one minus the probability that any of as many inputs without effect correlates as much.
+    """
+
+    rank: float
+    sure: float
+
+
+def quantile_bound(
+    values: ArrayLike, probability: float = 0.99865, confidence: float = 0.9
+) -> Quantile:
+    """Return a quantile of a sample and its one-sided bounds, whatever the distribution.
+
+    `values`: the sample, ``(n,)``; infinite values are legal, NaN is not. `probability`,
+    `confidence`: of the quantile, and of each bound.
+
+    The r-th smallest of n values is at least the p-quantile with the probability that a binomial
+    number of n and p is below r.
+    """
+    from scipy.special import bdtr  # scipy.stats takes half a second more to import
+
+    sample = np.sort(np.asarray(values, dtype=float).ravel())
+    if not sample.size or np.any(np.isnan(sample)):
+        raise InputError("values must be a sample of one number or more, without NaN")
+    p, c = fraction("probability", probability), fraction("confidence", confidence)
+    n = sample.size
+
+    def below(rank: int) -> float:
+        """Return the probability that at most `rank` values lie below the quantile."""
+        return float(bdtr(rank, n, p))
+
+    upper = bisect_left(
+        range(n), c - _PROBABILITY_TOLERANCE, key=below
+    )  # counted from zero, as `sample` is
+    lower = bisect_right(range(n), 1.0 - c + _PROBABILITY_TOLERANCE, key=below) - 1
+    return Quantile(
+        p,
+        c,
+        float(np.quantile(sample, p, method="inverted_cdf")),
+        float(sample[upper]) if upper < n else np.inf,
+        float(sample[lower]) if lower >= 0 else -np.inf,
+        n,
+    )
+
+
+def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
+    """Return a probability of success and its two-sided Clopper-Pearson interval."""
+    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
+
+    k, n = whole_number("successes", successes), whole_number("cases", cases)
+    if not 0 < n or k > n:
+        raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
+    c = fraction("confidence", confidence)
+    tail = (1.0 - c) / 2.0
+    low = betaincinv(k, n - k + 1, tail) if k else 0.0
+    high = betaincinv(k + 1, n - k, 1.0 - tail) if k < n else 1.0
+    return Success(k / n, float(low), float(high), c)
+
+
+def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:
+    """Return the rank correlation of each input with the output, the strongest first.
+
+    `inputs`: dispersed values, ``(n,)`` each. `output`: values without NaN, ``(n,)``;
+    infinite values have the highest rank.
+
+    Spearman's coefficient: its square is about the fraction of the variance of the ranks that the
+    input explains by itself, when inputs are independent. Zero where input or output is constant.
+    """
+    from scipy.stats import spearmanr
+
+    result = np.asarray(output, dtype=float)
+    if np.any(np.isnan(result)):
+        raise InputError("output must be a sample without NaN")
+    ranks = {
+        name: float(spearmanr(values, result).statistic)
+        if np.ptp(values) and result.min() < result.max()
+        else 0.0
+        for name, values in inputs.items()
+    }
+    return dict(sorted(ranks.items(), key=lambda item: -abs(item[1])))
+
+
+def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
+    """Return the correlation of each input with the loss of flights, the strongest first.
+
+    `inputs`: dispersed values, ``(n,)`` each. Empty where no flight or every flight is lost.
+
+    `Driver.sure` comes from the test of Mann and Whitney, exact for few flights without ties,
+    times the number of inputs (Bonferroni).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tvclin.ensembles.statistics import loss_drivers
+    >>> thrust = np.linspace(0.95, 1.05, 8)
+    >>> driver = loss_drivers({"thrust": thrust}, thrust < 0.98)["thrust"]
+    >>> round(driver.rank, 3), round(driver.sure, 3)
+    (-0.845, 0.964)
+    """
+    from scipy.stats import mannwhitneyu
+
+    which = np.asarray(lost, dtype=bool)
+    if not np.any(which) or np.all(which):
+        return {}
+
+    def chance(values: FloatArray) -> float:
+        """Return the probability of so strong a correlation by chance, times the inputs."""
+        if not np.ptp(values):
+            return 1.0
+        return len(inputs) * float(mannwhitneyu(values[which], values[~which]).pvalue)
+
+    ranks = sensitivities(inputs, which)
+    return {k: Driver(rank, max(1.0 - chance(inputs[k]), 0.0)) for k, rank in ranks.items()}
+
+
+_MAX_LAG_STEPS = 124
+"""Largest lag of the autocorrelation, in steps of the archive: two months with two a day."""
+_LAG_TOLERANCE = 0.25
+"""Largest difference of the distance of two soundings from a lag, in steps of the archive."""
+
+
+@dataclass(frozen=True)
+class Part(Shown):
+    """Fraction of soundings with which a limit is sufficient, with its confidence interval.
+
+    Attributes
+    ----------
+    flown, judged, unknown : int
+        Numbers of soundings that fly, that are judged, and that are not known.
+    effective : float
+        Number of independent soundings with the same information.
+    lower, upper : float
+        Ends of the interval; NaN where nothing is judged.
+    confidence : float
+        Confidence of the interval.
+    """
+
+    flown: int
+    judged: int
+    unknown: int
+    effective: float
+    lower: float
+    upper: float
+    confidence: float
+
+    as_dict = keyed(
+        "flown judged unknown part lower upper effective_number=effective whatever_unknown=bounds"
+    )
+
+    @property
+    def part(self) -> float:
+        """Ratio of the soundings that fly to those that are judged; NaN where none is judged."""
+        return self.flown / self.judged if self.judged else float("nan")
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Fractions of all soundings if every unknown one were lost, and if every one flew."""
+        total = self.judged + self.unknown
+        if not total:
+            return float("nan"), float("nan")
+        return self.flown / total, (self.flown + self.unknown) / total
+
+    @property
+    def line(self) -> Line:
+        """The fraction with its interval, in a sentence."""
+        unknown = (*number("availability.unknown", self.unknown, 0), " unknown")
+        if not self.judged:
+            return ("none judged, ", *unknown)
+        shares = {"part": self.part, "lower": self.lower, "upper": self.upper}
+        shares |= dict(zip(("least", "most"), self.bounds, strict=True))
+        percent = {k: number(f"availability.{k}_percent", 100.0 * x, 1) for k, x in shares.items()}
+        bounds: Line = (" (", *percent["least"], " to ", *percent["most"], " % whatever they were)")
+        return (
+            *number("availability.flown", self.flown, 0),
+            " of ",
+            *number("availability.judged", self.judged, 0),
+            " flown",
+            *((", ", *unknown) if self.unknown else ()),
+            ": ",
+            *(*percent["part"], " %"),
+            *(bounds if self.unknown else ()),
+            f"; {100 * self.confidence:g} % interval ",
+            *(*percent["lower"], " to ", *percent["upper"], " %, as of "),
+            *number("availability.effective", self.effective, 0),
+            " independent ones",
+        )
+
+    def __str__(self) -> str:
+        """Return the fraction with its interval, in a sentence."""
+        return text(self.line)
+
+
+def part_of(
+    flies: FloatArray,
+    need: FloatArray,
+    times: NDArray[np.datetime64],
+    season: IntArray,
+    confidence: float,
+) -> Part:
+    """Return the fraction of soundings that fly, with its confidence interval.
+
+    `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `need`: required
+    deflections [rad], whose autocorrelation counts if all soundings fly, or none. `season`: the
+    month of a year; only soundings of the same season are compared. ``(n,)`` each. The interval is
+    that of Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first
+    that is not positive.
+    """
+    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
+
+    judged_rows = ~np.isnan(flies)
+    judged, flown = int(judged_rows.sum()), int(np.nansum(flies))
+    unknown = flies.size - judged
+    if not judged:
+        return Part(0, 0, unknown, 0.0, np.nan, np.nan, confidence)
+    varying = 0 < flown < judged
+    n = effective_number(
+        (flies if varying else need)[judged_rows], times[judged_rows], season[judged_rows]
+    )
+    k, tail = flown / judged * n, (1.0 - confidence) / 2.0
+    lower = float(betaincinv(k, n - k + 1.0, tail)) if flown else 0.0
+    upper = float(betaincinv(k + 1.0, n - k, 1.0 - tail)) if flown < judged else 1.0
+    return Part(flown, judged, unknown, n, lower, upper, confidence)
+
+
+def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:
+    """Return the number of independent values with the information of correlated `values`.
+
+    `values`, `times`, `season`: ``(n,)``; the autocorrelation is over time within a season.
+    """
+    order = np.argsort(times, kind="stable")
+    values, season = values[order], season[order]
+    minutes = times[order].astype("datetime64[m]").astype(np.int64)
+    deviation = values - np.mean(values)
+    variance = np.mean(deviation**2)
+    intervals = np.diff(minutes)
+    intervals = intervals[intervals > 0]
+    if not intervals.size or not variance > 0.0 or not np.isfinite(variance):
+        return float(values.size)
+    step = float(np.median(intervals))
+    correlations = 0.0
+    for lag in range(1, _MAX_LAG_STEPS + 1):
+        later = np.searchsorted(minutes, minutes + (lag - _LAG_TOLERANCE) * step)
+        partner = np.minimum(later, minutes.size - 1)
+        close = np.abs(minutes[partner] - minutes - lag * step) <= _LAG_TOLERANCE * step
+        pairs = close & (season[partner] == season)
+        if not np.any(pairs):
+            break
+        correlation = float(np.mean(deviation[pairs] * deviation[partner[pairs]]) / variance)
+        if correlation <= 0.0:
+            break
+        correlations += correlation
+    return float(values.size / (1.0 + 2.0 * correlations))

@@ -1,0 +1,311 @@
+"""Data sheet of a nozzle over a flight: duty by flight time and wind, and what is not known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown, named, table
+from tvclin.base.documents import keyed, picked
+from tvclin.base.files import write_rows
+from tvclin.base.lines import Line, Table, significant
+from tvclin.base.lines import number as figure
+from tvclin.flights.closed_loop.fly_many import NO_FLIGHT, SURVIVED, UNDECIDED
+from tvclin.flights.closed_loop.outcomes import decidable
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.modes import select_unstable
+from tvclin.nozzle.duty import NozzleCard, NozzleVerdict
+from tvclin.requirement.flight.sizing import flight_times, hundredths
+
+_MINIMUM_KEYS = "least_angle_deg=least least_rate_deg_per_s least_acceleration_deg_per_s2"
+"""Keys of the minima in a known wind."""
+_CARD_KEYS = (
+    "angle_deg=|angle.value| rate_deg_per_s=|rate.value| steady_rate_deg_per_s"
+    " acceleration_deg_per_s2=|acceleration.value| travel_deg reversals time_at_stop_s"
+)
+"""Keys of the card of a flight."""
+_WORK_KEYS = (
+    "torque_N_m=|torque.value| holding_torque_N_m=holding rms_torque_N_m=rms_torque"
+    " power_W=power.value energy_J=energy"
+)
+"""Keys of torque, power and energy."""
+_COLUMN_KEYS = (
+    *("least_angle_deg", "least_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
+    "acceleration_deg_per_s2",
+)
+"""Columns of the table by flight time."""
+
+
+@dataclass(frozen=True, eq=False)
+class CardPoint(Shown):
+    """Duty of a nozzle at a flight time [s] in a wind, in a plane.
+
+    `wind`: its name, with its direction along the path where that matters. `limit`: the share of
+    the deflection limit [rad] that this plane has. `least`: minimum angle [rad] at any rate in a
+    known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
+    complex pair. `status`: outcome of the flight, as of `fly_many`; empty where nothing is flown.
+    `why`: the reason where the flight cannot be judged. `card`: duty in the flight; None where it
+    is lost or cannot be judged. `said`: notes on the design of the law. `alone`: travel [rad] and
+    energy [J] of the flight without the share of noise. `quiet`: travel and energy of noise per
+    time [rad/s, W]. `direction`: head or tail, for a pulse whose dynamic pressure depends on it.
+    """
+
+    time: float
+    wind: str
+    plane: str
+    limit: float
+    least: float = 0.0
+    pole: float = 0.0
+    status: str = ""
+    why: str = ""
+    card: NozzleCard | None = None
+    said: tuple[str, ...] = ()
+    alone: FloatArray = field(default_factory=lambda: np.zeros(2))
+    quiet: FloatArray = field(default_factory=lambda: np.zeros(2))
+    direction: str = ""
+
+    @property
+    def least_rate(self) -> float:
+        """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
+        return self.pole * self.least
+
+    @property
+    def least_acceleration(self) -> float:
+        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
+        return self.pole**2 * self.least
+
+    @property
+    def lost(self) -> bool:
+        """Whether a flight is known not to survive."""
+        return self.status not in ("", SURVIVED) and not self.why
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """All numbers by keys with their units."""
+        numbers = picked(self, _MINIMUM_KEYS)
+        if self.card is not None:
+            numbers |= picked(self.card, _CARD_KEYS)
+            numbers |= {} if self.card.work is None else picked(self.card.work, _WORK_KEYS)
+        return {key: float(value) for key, value in numbers.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the point as the command line prints it as JSON, angles in degrees."""
+        return picked(self, "time_s wind plane status why") | self.numbers
+
+
+@dataclass(frozen=True)
+class Duty(Shown):
+    """Travel and energy of a nozzle in a whole flight in a wind.
+
+    `travel`: integral of ``|delta'|`` [rad]; NaN where a flight is lost or cannot be judged.
+    `energy`: work of the actuators [J]; NaN without nozzle data.
+    """
+
+    wind: str
+    plane: str
+    travel: float
+    energy: float
+
+    as_dict = keyed("wind plane travel_deg energy_J")
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCard(Shown):
+    """Duty of a nozzle over a whole flight; make it with `flight_card`.
+
+    Attributes
+    ----------
+    vehicle, law : str
+        Names of vehicle and law.
+    points : tuple of CardPoint
+        Duty by flight time and wind.
+    duties : tuple of Duty
+        Travel and energy of the whole flight by wind; a flight has one of these winds.
+    verdict : NozzleVerdict
+        Requirements, what the data sheet offers, and what remains.
+    notes : tuple of str
+        Omitted terms, and how the whole flight is counted.
+    """
+
+    vehicle: str
+    law: str
+    points: tuple[CardPoint, ...]
+    duties: tuple[Duty, ...]
+    verdict: NozzleVerdict
+    notes: tuple[str, ...]
+
+    as_dict = keyed("vehicle law verdict largest duties points notes")
+    _keys = "vehicle law verdict=verdict.words largest"
+
+    def _repr_html_(self) -> str:
+        first, *rest = self.tables()
+        return table(first, ((self.verdict.words,),)) + "".join(map(table, rest))
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """The largest of each quantity over the flight, by keys with their units."""
+        return {key: point.numbers[key] for key, point in self._worst().items()}
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the verdict, the largest of each quantity, and the largest at each time."""
+        return (*self.verdict.tables(), self._whole(), *self._over_time())
+
+    def to_csv(self, path: Path | None = None) -> str:
+        """Return a line for each flight as CSV, and write it where a path is given.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        keys = list(dict.fromkeys(chain.from_iterable(point.numbers for point in self.points)))
+        rows = [
+            [point.time, point.wind, point.plane, point.status]
+            + [float(point.numbers.get(key, np.nan)) for key in keys]
+            + [point.why]
+            for point in self.points
+        ]
+        return write_rows([["time_s", "wind", "plane", "status", *keys, "why"], *rows], path)
+
+    def _worst(self) -> dict[str, CardPoint]:
+        """Return the point with the largest value of each number, by key."""
+        numbers = [point.numbers for point in self.points]
+        worst = {}
+        for key in dict.fromkeys(chain.from_iterable(numbers)):
+            values = np.nan_to_num([row.get(key, -1.0) for row in numbers], nan=-1.0)
+            worst[key] = self.points[int(np.argmax(values))]
+        return worst
+
+    def _whole(self) -> Table:
+        """Return the table of the largest numbers, with their times and winds."""
+        planes = len({point.plane for point in self.points}) > 1
+
+        def where(item: CardPoint | Duty) -> Line:
+            return (f"{item.wind}, {item.plane}" if planes else item.wind,)
+
+        rows: list[tuple[Line, ...]] = []
+        for key, point in self._worst().items():
+            name, unit = named(key)
+            value = _cell(f"card.{key}", key, point.numbers[key])
+            label = f"{name} [{unit}]" if unit else name
+            rows.append(((label,), value, (f"{point.time:.6g}",), where(point)))
+        for key in ("travel_deg", "energy_J"):
+            sums = [duty.as_dict()[key] for duty in self.duties]
+            if np.isfinite(sums).any():
+                worst = self.duties[k := int(np.nanargmax(sums))]
+                name, unit = named(key)
+                value = _cell(f"card.whole.{key}", key, sums[k])
+                label = f"{name} of the whole flight [{unit}]"
+                rows.append(((label,), value, ("",), where(worst)))
+        head = ("", "largest", "at [s]", "in the wind")
+        return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
+
+    def _over_time(self) -> Iterator[Table]:
+        """Yield tables of the largest numbers of all winds, a row for each flight time."""
+        times = sorted({point.time for point in self.points})
+        for caption, keys in (
+            ("By flight time, the largest of all winds", (*_COLUMN_KEYS, "travel_deg")),
+            ("Torque, power and energy by flight time", ("torque_N_m", "power_W", "energy_J")),
+        ):
+            available = [key for key in keys if key in self.largest]
+            if not available:
+                continue
+            rows = []
+            for time in times:
+                numbers = [point.numbers for point in self.points if point.time == time]
+                largest = {
+                    key: float(np.fmax.reduce([row.get(key, np.nan) for row in numbers]))
+                    for key in available
+                }
+                cells = (_cell(f"card.{time:g}.{key}", key, largest[key]) for key in available)
+                rows.append(((f"{time:.6g}",), *cells))
+            heads = [" [".join(filter(None, named(key))) + "]" for key in available]
+            yield Table(caption, ("time [s]", *heads), tuple(rows))
+
+
+def _cell(name: str, key: str, value: float) -> Line:
+    """Return the text of a number, with digits by the unit of its key."""
+    return figure(name, value) if "_deg" in key else significant(name, value)
+
+
+_PAIR = "two unstable poles are a pair, for which no test of loss is known"
+"""Reason for a complex pair of unstable poles."""
+_FIXED_PATH = "fixed-path"
+"""Model without drift, in which there is no pair."""
+
+
+def flight_reason(plant: AnyPlant, status: str) -> str:
+    """Return why the flight of a plant cannot be judged; empty where it can."""
+    if status == UNDECIDED:
+        return "it is neither lost nor settled when it ends"
+    if status != NO_FLIGHT:
+        return ""
+    if decidable(plant):
+        return "its wind lasts for more than a million samples"
+    poles = select_unstable(plant.poles)
+    poles = poles[~np.isnan(poles)]
+    if np.iscomplexobj(poles) and np.any(np.imag(poles) != 0.0):
+        return _PAIR
+    return (
+        f"a test of loss is known for one or two unstable poles and a moment; it has {poles.size}"
+    )
+
+
+def unjudged_flights(law: str, points: Iterable[CardPoint], model: str) -> Iterator[str]:
+    """Yield notes on flights of a law that cannot be judged: times, winds, reason and options."""
+    rows = list(points)
+    reasons: dict[str, list[CardPoint]] = {}
+    for point in rows:
+        if point.why:
+            reasons.setdefault(point.why, []).append(point)
+    unjudged = {point.time for affected in reasons.values() for point in affected}
+    judged = {point.time for point in rows} - unjudged
+    for reason, affected in reasons.items():
+        remedies = []
+        if judged and max(unjudged) < min(judged):
+            remedies.append(f"--from {min(judged):.6g} leaves these times out")
+        elif judged and min(unjudged) > max(judged):
+            remedies.append(f"--to {max(judged):.6g} leaves these times out")
+        if reason == _PAIR and model != _FIXED_PATH:
+            remedies.append(f"--model {_FIXED_PATH} judges them without drift")
+        winds = list(dict.fromkeys(point.wind for point in affected))
+        where = winds[0] if len(winds) == 1 else f"{len(winds)} winds"
+        remedy = f" ({', '.join(remedies)})" if remedies else ""
+        times = flight_times({point.time for point in affected})
+        yield f"the flight of {law} at {times} in {where}: {reason}{remedy}"
+
+
+def unknown_winds(
+    schedule: FlightSchedule, winds: Mapping[str, Any], unknown: Mapping[str, dict[float, str]]
+) -> Iterator[str]:
+    """Yield notes on winds that are not known at some heights, and options that omit these.
+
+    `unknown`: by wind, the flight times [s] at which it is not known, with the reason; an empty
+    reason for the end of a sounding.
+    """
+    for name, times in unknown.items():
+        wind = winds[name]
+        if isinstance(wind, MeasuredWind | MeasuredPlanes):
+            first, last = wind.known
+            early, late = min(times) < first, max(times) > last
+            if early:
+                yield (
+                    f"{name} is not known below {schedule.altitude_text(first)}:"
+                    f" --from {hundredths(first, up=True)} begins there"
+                )
+            if late:
+                yield (
+                    f"{name} is not known above {schedule.altitude_text(last)}:"
+                    f" --to {hundredths(last, up=False)} ends there"
+                )
+        reasons = {time: why for time, why in times.items() if why}
+        if reasons:
+            yield f"{name} at {flight_times(reasons)}: {reasons[min(reasons)]}"

@@ -1,0 +1,431 @@
+"""Duty of a nozzle in a motion, and its comparison with the data sheet.
+
+Duty is angle, rate, travel, torque, power and energy; the data sheet says what a nozzle offers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown, table
+from tvclin.base.documents import keyed
+from tvclin.base.errors import (
+    InputError,
+    directions,
+    instance,
+    number,
+    positive,
+    single,
+    small_angle,
+    times_row,
+)
+from tvclin.base.lines import Line, Row, Table, degrees, quantities, significant
+from tvclin.base.lines import number as figure
+from tvclin.base.quantities import satisfaction, survival
+from tvclin.case.nozzle import Nozzle, NozzleData
+from tvclin.linear.extremes import Point
+from tvclin.nozzle.motion import AT_REST, Motion, Work, largest, rms, work_of
+from tvclin.vehicle.vehicle import Vehicle
+
+_STOP_TOLERANCE = 1e-3
+"""Distance from the limit, relative to it, within which a deflection is at the limit."""
+WINDOW = 0.5
+"""Length [s] of the usual window of a steady rate."""
+WITHOUT_DATA = (
+    "torque, power and energy need the engine and its hinge: mass_kg, arm_m and more in [nozzle]"
+)
+"""Note on a card without nozzle data."""
+
+
+@dataclass(frozen=True)
+class NozzleCard(Shown):
+    """Duty of a nozzle in a motion; peaks with their signs and times.
+
+    Attributes
+    ----------
+    angle, rate, acceleration : Point
+        Largest deflection [rad], its rate [rad/s] and acceleration [rad/s2]: differences from
+        sample to sample.
+    rms_rate : float
+        Root of the mean square rate [rad/s].
+    steady_rate : float
+        Largest mean rate [rad/s] over a window.
+    window : float
+        Length of that window [s].
+    travel : float
+        Integral of ``|delta'|`` [rad].
+    reversals : int
+        Number of sign changes of the rate.
+    time_at_stop : float or None
+        Time [s] within a thousandth of the limit; None without a limit.
+    work : Work or None
+        Torque, power and energy; None without nozzle data.
+    notes : tuple of str
+        Omitted terms, and why they are omitted.
+    """
+
+    angle: Point
+    rate: Point
+    acceleration: Point
+    rms_rate: float
+    steady_rate: float
+    window: float
+    travel: float
+    reversals: int
+    time_at_stop: float | None
+    work: Work | None
+    notes: tuple[str, ...]
+
+    as_dict = keyed(
+        "angle_deg=angle.value angle_time_s=angle.time rate_deg_per_s=rate.value"
+        " rate_time_s=rate.time acceleration_deg_per_s2=acceleration.value"
+        " acceleration_time_s=acceleration.time rms_rate_deg_per_s steady_rate_deg_per_s window_s"
+        " travel_deg reversals time_at_stop_s work notes"
+    )
+    _keys = (
+        "angle_deg=angle.value rate_deg_per_s=rate.value travel_deg reversals time_at_stop_s work"
+        " notes"
+    )
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the card as a table of names and values."""
+
+        def peak(point: Point, key: str, unit: str) -> Row:
+            time = figure(f"card.{key}_s", point.time, 2)
+            return key, (*degrees(f"card.{key}", point.value, unit=unit), " at ", *time, " s")
+
+        rows = [
+            peak(self.angle, "angle", "deg"),
+            peak(self.rate, "rate", "deg/s"),
+            peak(self.acceleration, "acceleration", "deg/s2"),
+            ("rms rate", degrees("card.rms_rate", self.rms_rate, unit="deg/s")),
+            (
+                f"steady rate over {self.window:g} s",
+                degrees("card.steady_rate", self.steady_rate, unit="deg/s"),
+            ),
+            ("travel", degrees("card.travel", self.travel, unit="deg")),
+            ("reversals", (str(self.reversals),)),
+        ]
+        if self.time_at_stop is not None:
+            rows.append(
+                ("time at the stop", figure("card.time_at_stop_s", self.time_at_stop, unit="s"))
+            )
+        if self.work is not None:
+            for name, value, unit in (
+                ("torque, turning", self.work.torque.value, "N m"),
+                ("torque, holding", self.work.holding, "N m"),
+                ("rms torque", self.work.rms_torque, "N m"),
+                ("power", self.work.power.value, "W"),
+                ("corner power", self.work.corner_power, "W"),
+                ("energy", self.work.energy, "J"),
+                ("energy given back", self.work.returned, "J"),
+            ):
+                rows.append((name, significant(f"card.{name}", value, unit=unit)))
+        return (quantities("What the motion asks of the nozzle", rows),)
+
+
+def nozzle_card(
+    times: ArrayLike,
+    deflection: ArrayLike,
+    *,
+    limit: float | None = None,
+    window: float = WINDOW,
+    nozzle: NozzleData | None = None,
+    vehicle: Vehicle | None = None,
+    angle_of_attack: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+) -> NozzleCard:
+    """Return the duty of a nozzle in a motion, flown or given.
+
+    Parameters
+    ----------
+    times : array_like
+        Times [s], ``(n,)``, three or more, which increase.
+    deflection : array_like
+        Deflection [rad] at these times, ``(n,)``.
+    limit : float, optional
+        Deflection limit [rad].
+    window : float
+        Length [s] over which the steady rate is a mean.
+    nozzle : NozzleData, optional
+        Engine and hinge, for torque, power and energy.
+    vehicle : Vehicle, optional
+        A single vehicle, whose thrust and motion add to the torque; without it, on a bench.
+    angle_of_attack, attitude : array_like, optional
+        Angle of attack and attitude of the flight [rad], ``(n,)``; they need a vehicle.
+
+    Raises
+    ------
+    InputError
+        For times that do not increase, rows of different lengths, a batch, and a flight without a
+        vehicle.
+
+    Notes
+    -----
+    With the axial and the normal acceleration of the hinge
+
+        a_x = (T - F_A)/m,    a_n = (N alpha + T delta)/m - l_c theta''
+
+    the actuators give, positive as delta,
+
+        M = J_E (delta'' + theta'') + s_E (a_x delta - a_n) + c delta' + k delta
+            + M_f sgn(delta') + m_E a_x e + T e_T.
+
+    Deflections are straight between the times, and accelerations differences of their slopes: a
+    deflection that jumps, or kinks, has larger accelerations the closer the times are.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> times = np.linspace(0.0, 1.0, 2001)
+    >>> card = tv.nozzle.nozzle_card(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
+    >>> round(float(np.degrees(card.rate.value)), 2), round(float(np.degrees(card.travel)), 2)
+    (18.85, 12.0)
+    """
+    t = times_row("times", times)
+    delta = _row("deflection", deflection, t)
+    if t.size < 3 or np.any(np.diff(t) <= 0.0):
+        raise InputError("times must be three or more, each after the one before")
+    if limit is not None:
+        limit = number("limit", limit, small_angle("a limit", positive), "rad")
+    window = number("window", window, positive, "s")
+    notes = []
+    if nozzle is not None:
+        instance("nozzle", nozzle, NozzleData, "of an engine and its hinge")
+    if vehicle is not None:
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        single("vehicle", vehicle.batch)
+        if attitude is None or angle_of_attack is None:
+            notes.append("without angle of attack and attitude the vehicle does not turn")
+    elif angle_of_attack is not None or attitude is not None:
+        raise InputError("angle_of_attack and attitude need a vehicle")
+    zero = np.zeros(t.size)
+    alpha = zero if angle_of_attack is None else _row("angle_of_attack", angle_of_attack, t)
+    theta = zero if attitude is None else _row("attitude", attitude, t)
+    card = card_of(Motion.of_samples(t, delta, alpha, theta), limit, window, nozzle, vehicle)
+    return card if nozzle is None else replace(card, notes=(*notes, *card.notes))
+
+
+def card_of(
+    motion: Motion,
+    limit: float | None,
+    window: float,
+    nozzle: NozzleData | None,
+    vehicle: Vehicle | None,
+) -> NozzleCard:
+    """Return the duty of a nozzle in a motion; same parameters as of `nozzle_card`."""
+    t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
+    width = min(window, float(t[-1] - t[0]))
+    turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
+    begin = np.concatenate([t, t - width])
+    begin = begin[(begin >= t[0]) & (begin <= t[-1] - width)]
+    steady = (np.interp(begin + width, t, delta) - np.interp(begin, t, delta)) / width
+    work, notes = None, [WITHOUT_DATA]
+    if nozzle is not None:
+        work, notes = work_of(motion, nozzle, vehicle)
+    at_stop = None
+    if limit is not None:
+        near = np.abs(delta) >= limit * (1.0 - _STOP_TOLERANCE)
+        at_stop = float(steps[near[1:] & near[:-1]].sum())
+    return NozzleCard(
+        angle=largest(delta, t),
+        rate=largest(rate, motion.at),
+        acceleration=motion.sharpest,
+        rms_rate=rms(rate, motion.weights),
+        steady_rate=float(np.abs(steady).max()),
+        window=width,
+        travel=float(np.abs(np.diff(delta)).sum()),
+        reversals=int(np.count_nonzero(turning[1:] * turning[:-1] < 0.0)),
+        time_at_stop=at_stop,
+        work=work,
+        notes=tuple(notes),
+    )
+
+
+def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
+    """Return angles [rad] at the times `t`, ``(n,)``; `InputError` for another shape or size."""
+    row = (directions if name == "attitude" else small_angle("an angle"))(name, values, "rad")
+    if row.shape != t.shape:
+        raise InputError(f"{name} must be a row of {t.size} numbers, as times; got {row.shape}")
+    return row
+
+
+SHEET = {
+    "limit": ("limit", "deg"),
+    "rate_limit": ("rate limit", "deg/s"),
+    "acceleration_limit": ("acceleration", "deg/s2"),
+    "travel_limit": ("travel of a flight", "deg"),
+    "torque_limit": ("torque", "N m"),
+    "power_limit": ("power", "W"),
+}
+"""Label and unit in the data sheet by field of `Nozzle`."""
+_RELATIVE_TOLERANCE = 1e-12
+"""Excess of a requirement, relative to what is available, that counts as rounding."""
+
+
+def needed_of(nozzle: Nozzle, cards: Sequence[NozzleCard], travel: float) -> dict[str, float]:
+    """Return the requirements of motions on a nozzle [SI], by the fields of `SHEET`.
+
+    `travel`: travel of the whole flight [rad]. Flights keep to the rate limit, which an actuator of
+    second order may exceed by a thousandth.
+    """
+    rate = max((abs(card.rate.value) for card in cards), default=0.0)
+    needed = {
+        "limit": max((abs(card.angle.value) for card in cards), default=0.0),
+        "rate_limit": min(rate, nozzle.rate_limit or np.inf),
+        "acceleration_limit": max((abs(card.acceleration.value) for card in cards), default=0.0),
+        "travel_limit": travel,
+    }
+    work = [card.work for card in cards if card.work is not None]
+    if nozzle.data is not None:
+        holding = (w.holding + nozzle.data.friction for w in work)
+        needed["torque_limit"] = max([0.0, *holding, *(abs(w.torque.value) for w in work)])
+        needed["power_limit"] = max((w.power.value for w in work), default=0.0)
+    return needed
+
+
+@dataclass(frozen=True)
+class Need(Shown):
+    """A line of a data sheet: the required value and the available value, in `unit`.
+
+    `needed`: infinite where no value is sufficient, NaN where it is not known. `there`: the value
+    that the nozzle offers; None where the data sheet has none.
+    """
+
+    name: str
+    unit: str
+    needed: float
+    there: float | None
+
+    as_dict = keyed("name unit needed there left met")
+
+    @property
+    def left(self) -> float | None:
+        """Remaining margin, available minus required; negative where the nozzle is insufficient."""
+        if self.there is None:
+            return None
+        margin = self.there - self.needed
+        return max(margin, 0.0) if self.met else margin  # negative by rounding only
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the available value is sufficient; None where either value is not known."""
+        if self.there is None or np.isnan(self.needed):
+            return None
+        return bool(self.needed <= self.there * (1.0 + _RELATIVE_TOLERANCE))
+
+    @property
+    def part(self) -> float:
+        """Ratio of the required to the available value; -1 without an available value."""
+        return -1.0 if self.there is None else float(np.nan_to_num(self.needed / self.there))
+
+
+@dataclass(frozen=True)
+class NozzleVerdict(Shown):
+    """Verdict on a nozzle by the lines of its data sheet, the largest required fraction first.
+
+    `lost`: flights that are not survived, in words. `unknown`: flights and winds that cannot be
+    judged, with the reason and a remedy, in words.
+    """
+
+    needs: tuple[Need, ...]
+    lost: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+
+    as_dict = keyed("met words needs lost unknown")
+    _keys = "verdict=words lost unknown"
+
+    @classmethod
+    def of(
+        cls,
+        nozzle: Nozzle,
+        needed: dict[str, float],
+        lost: Iterable[str] = (),
+        unknown: Iterable[str] = (),
+    ) -> Self:
+        """Return the verdict on a nozzle with requirements [SI] by the fields of `SHEET`.
+
+        Where a flight is lost with the available values, the required values are not known.
+        """
+        needs, lost = [], tuple(lost)
+        for name, (words, unit) in SHEET.items():
+            if name in needed:
+                scale = float(np.degrees(1.0)) if unit.startswith("deg") else 1.0
+                value: Any = getattr(nozzle, name)
+                available = None if value is None else scale * value
+                need = scale * needed[name]
+                if lost and need <= (available or 0.0):
+                    need = np.nan
+                needs.append(Need(words, unit, need, available))
+        return cls(tuple(sorted(needs, key=lambda need: -need.part)), lost, tuple(unknown))
+
+    @classmethod
+    def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
+        """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
+        return cls.of(nozzle, dict.fromkeys(needed_of(nozzle, (), np.nan), np.nan), (), unknown)
+
+    @property
+    def met(self) -> bool | None:
+        """Whether all flights are survived and all lines satisfied; None where not known."""
+        answers = [need.met for need in self.needs if need.there is not None]
+        if self.lost or False in answers:
+            return False
+        return None if not answers or None in answers or self.unknown else True
+
+    @property
+    def reason(self) -> str:
+        """The reason of the verdict, in words: a flight, a wind, or the worst line."""
+        if self.lost:
+            others = len(self.lost) - 1
+            return f"{self.lost[0]}{f', and {others} more' if others else ''}"
+        if self.unknown and self.met is None:
+            return "; ".join(self.unknown)
+        worst = next((need for need in self.needs if need.there is not None), None)
+        if worst is None or self.met is None:
+            return ""
+        if np.isinf(worst.needed):
+            return f"no {worst.name} is sufficient"
+        needed, available = (f"{x:.4g} {worst.unit}" for x in (worst.needed, worst.there or 0.0))
+        return f"the {worst.name} needed is {needed}, and {available} is available"
+
+    @property
+    def words(self) -> str:
+        """The verdict in a sentence, with its reason."""
+        specified = any(need.there is not None for need in self.needs)
+        if not (specified or self.lost or self.unknown):
+            return "nothing is judged; give a limit and a rate limit"
+        word = survival(False) if self.lost else satisfaction(self.met)
+        return f"{word}: {self.reason}" if self.reason else word
+
+    def _repr_html_(self) -> str:
+        return "".join(table(lines, ((self.words,),)) for lines in self.tables())
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the table of required, available and remaining values."""
+
+        def cell(key: str, value: float | None) -> Line:
+            return significant(key, np.nan if value is None or value == -np.inf else value)
+
+        rows = tuple(
+            (
+                (f"{need.name} [{need.unit}]",),
+                cell(f"sheet.{need.name}.needed", need.needed),
+                cell(f"sheet.{need.name}.there", need.there),
+                cell(f"sheet.{need.name}.left", need.left),
+            )
+            for need in self.needs
+        )
+        scope = ", where that is known" if self.unknown else ""
+        return (
+            Table(
+                f"What is asked of the nozzle{scope}",
+                ("", "required", "available", "remaining"),
+                rows,
+            ),
+        )

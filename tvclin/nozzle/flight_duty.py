@@ -1,0 +1,476 @@
+"""Duty of a nozzle in the flight of a law, and over a whole flight.
+
+The vehicle is frozen at each flight time, as in a sizing. A pulse occurs once, at the worst flight
+time; a measured wind lasts the whole flight, and each flight time counts the interval around it, so
+that nothing is counted twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import (
+    InputError,
+    between,
+    callable_for,
+    instance,
+    number,
+    one_of,
+    positive,
+    whole_number,
+)
+from tvclin.base.lines import Table
+from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
+from tvclin.boundary.limit_shapes import limit_shape_of
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
+from tvclin.case.case import FROZEN, SIGNS, Case
+from tvclin.case.flexible_autopilot import law_asked
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
+from tvclin.control.laws.registry import LAWS, design_notes
+from tvclin.flights.closed_loop.fly import fly_nozzle
+from tvclin.flights.closed_loop.fly_many import SURVIVED
+from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
+from tvclin.kernels.choice import repeated
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.nozzle.data_sheet import (
+    CardPoint,
+    Duty,
+    FlightCard,
+    flight_reason,
+    unjudged_flights,
+    unknown_winds,
+)
+from tvclin.nozzle.duty import WINDOW, NozzleCard, NozzleVerdict, card_of, needed_of
+from tvclin.nozzle.motion import Motion
+from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, angle_at, place_in
+from tvclin.requirement.flight.request import SizingRequest
+from tvclin.requirement.flight.sizing import doubtful_winds
+from tvclin.requirement.plane_requirement import rectangle
+from tvclin.requirement.required_quantity import in_wind
+from tvclin.requirement.varying_equations import at_pressure
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import beyond_linear, pressure_ratio
+
+
+@dataclass(frozen=True)
+class FlownCard(Shown):
+    """Duty of a nozzle in the flight of a law, and the verdict on its data sheet.
+
+    `status` is the outcome of the flight, as of `fly_many`. The card ends 15 time constants of the
+    fast mode after the wind; it is None for a lost flight. `notes` are on the design of the law,
+    and on terms that the card omits. In a wind beyond linear aerodynamics nothing is known.
+    """
+
+    law: str
+    status: str
+    card: NozzleCard | None
+    notes: tuple[str, ...]
+    verdict: NozzleVerdict
+
+    as_dict = keyed("law status card verdict")
+
+    @classmethod
+    def of(cls, case: Case, name: str, law: Law) -> Self:
+        """Return the card of a law in the wind of a case, with its nozzle, which has a limit."""
+        limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
+        assert limit is not None
+        if data is not None:
+            vehicle = complete_vehicle(case.vehicle, "the torque of a nozzle").rigid
+        if beyond := beyond_linear(float(case.history.peak)):
+            return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
+        flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
+        notes, cards, lost = tuple(design_notes(law)), [], []
+        reason = flight_reason(case.plant, flight.status)
+        if flight.times.size and not reason:
+            cards = [card_of(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
+            notes = (*notes, *cards[0].notes, *actuator_notes(case.nozzle.actuator))
+        if flight.status != SURVIVED and not reason:
+            lost = [f"{name} {OUTCOME_WORDS[flight.status]}"]
+        travel = cards[0].travel if cards else np.nan
+        unknown = [f"the flight of {name}: {reason}"] if reason else []
+        needed = needed_of(case.nozzle, cards, travel) if cards or lost else {}
+        verdict = NozzleVerdict.of(case.nozzle, needed, lost, unknown)
+        return cls(name, flight.status, cards[0] if cards else None, notes, verdict)
+
+    @property
+    def survived(self) -> bool:
+        """Whether the flight is survived."""
+        return self.status == SURVIVED
+
+    @property
+    def words(self) -> str:
+        """The outcome of the flight, in words."""
+        return f"{self.law} {OUTCOME_WORDS[self.status]} with this limit and rate"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the tables of the card and of the data sheet; empty for a lost flight."""
+        return () if self.card is None else (*self.card.tables(), *self.verdict.tables())
+
+
+def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
+    """Yield notes on rates and accelerations that the model of the actuator omits."""
+    if actuator is None:
+        yield "there is no actuator: rates and accelerations are from sample to sample"
+    elif actuator.damping is None:
+        yield "the rate of an actuator of first order jumps, which counts as no acceleration"
+    else:
+        yield "where the nozzle runs into its stop it is stopped short: no acceleration counts that"
+
+
+_MAX_NOISE = 0.1
+"""Largest noise of a rate gyro [rad/s], rms."""
+_NOISE_START, _NOISE_END = 7.5, 15.0
+"""Ends of the interval with noise alone after a wind, in time constants of the fast mode."""
+
+
+def flight_card(
+    case: Case,
+    asked: SizingRequest,
+    law: str = "trim",
+    *,
+    noise: float = 0.0,
+    seed: int = 0,
+    window: float = WINDOW,
+    progress: Callable[[int, int], None] | None = None,
+) -> FlightCard:
+    """Return the duty of the nozzle of a case over a flight, with a law flown in each wind.
+
+    Parameters
+    ----------
+    case : Case
+        Nozzle with a limit, model and planes, first pulse, and the gains of the law "autopilot".
+    asked : SizingRequest
+        The flight, its times and its winds.
+    law : str
+        Name of `tvclin.control.LAWS`; the law is designed at each flight time.
+    noise : float
+        Noise of the measured attitude rate [rad/s], rms by sample: the cause of most travel.
+    seed : int
+        Seed of the noise.
+    window : float
+        Length [s] over which the steady rate is a mean.
+    progress : callable, optional
+        Called with the number of finished and of all pairs of flight time and wind.
+
+    Returns
+    -------
+    FlightCard
+        Minimum angle d0, rate p d0 and acceleration p^2 d0 are for a known wind. All other numbers
+        are of flights, until 15 time constants of the fast mode after a pulse, and in a measured
+        wind from the middle between two flight times to the next.
+
+    Raises
+    ------
+    InputError
+        For a case without a limit, an unknown law, numbers out of range, and as
+        `SizingRequest.winds`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plan = tv.studyfile.load_sizing("configuration-i")
+    >>> case = tv.Case(vehicle=plan.vehicle, nozzle=tv.Nozzle(limit=np.radians(1.0)))
+    >>> asked = tv.requirement.SizingRequest(schedule=plan.sizing.schedule, start=60.0, stop=70.0)
+    >>> card = tv.nozzle.flight_card(case, asked)
+    >>> card.verdict.met, round(card.largest["rate_deg_per_s"], 1)
+    (True, 0.3)
+    """
+    instance("asked", asked, SizingRequest, "see load_sizing")
+    one_of("law", law, LAWS)
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    winds, times = asked.winds(case), asked.times(case)
+    if case.nozzle.limit is None:
+        raise InputError(
+            "the card of a flight needs the stop of the nozzle: --limit-deg, limit_deg in [nozzle],"
+            " or Nozzle(limit=...)"
+        )
+    conditions = _Conditions(
+        case,
+        asked,
+        case.nozzle.limit,
+        law,
+        number("noise", noise, between(0.0, _MAX_NOISE), "rad/s"),
+        whole_number("seed", seed),
+        number("window", window, positive, "s"),
+        np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]]),
+    )
+    points: list[CardPoint] = []
+    signed = [pulse.heading is None for pulse in asked.pulses(case)]
+    unknown: dict[str, dict[float, str]] = {}
+    angles = dict.fromkeys(winds, 0.0)
+    pairs = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
+    with repeated(len(pairs)):
+        for done, (i, j, name) in enumerate(pairs, 1):
+            time, wind = float(times[i]), winds[name]
+            placed = place_in(conditions.planes, wind, asked.schedule.at(time), time, "peak", 1.0)
+            for in_plane in placed.values():
+                if not in_plane.known:
+                    unknown.setdefault(name, {})[time] = in_plane.why
+            angles[name] = max(angles[name], angle_at(placed, time))
+            sign = j < len(signed) and signed[j]
+            points += conditions.points(i, time, name, placed, sign, _measured(wind))
+            if progress is not None:
+                progress(done, len(pairs))
+    unjudged = (
+        *unknown_winds(asked.schedule, winds, unknown),
+        *unjudged_flights(law, points, case.law_model),
+    )
+    duties = tuple(_duties(points, winds, np.diff(conditions.edges)))
+    return FlightCard(
+        vehicle=asked.schedule.vehicle.name,
+        law=law,
+        points=tuple(points),
+        duties=duties,
+        verdict=_verdict(conditions, points, duties, unjudged),
+        notes=(*doubtful_winds(angles), *_notes(conditions, points, winds)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Conditions:
+    """Conditions that all flights of a card share; `edges`: ends of the intervals of time [s]."""
+
+    case: Case
+    request: SizingRequest
+    limit: float
+    law: str
+    noise: float
+    seed: int
+    window: float
+    edges: FloatArray
+
+    @property
+    def planes(self) -> tuple[str, ...]:
+        """Names of the planes that are flown."""
+        return PLANES if self.case.planes == BOTH else (self.case.plane,)
+
+    def points(
+        self,
+        i: int,
+        time: float,
+        name: str,
+        placed: dict[str, PlacedWind],
+        signed: bool,
+        measured: bool,
+    ) -> Iterator[CardPoint]:
+        """Yield the duty of the nozzle at a flight time in a wind, by plane and sign."""
+        case, schedule = self.case, self.request.schedule
+        vehicle = schedule.at(time)
+        limits = self._limits(vehicle, placed)
+        for plane, in_plane in placed.items():
+            if in_plane.calm:
+                continue
+            poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
+            if not poles.size:
+                yield CardPoint(time, name, plane, limits[plane])
+                continue
+            interval = self.edges[i : i + 2] if measured else None
+            for direction, at_peak, history in self._encountered(
+                vehicle, in_plane, placed, interval, signed
+            ):
+                wind = f"{name}{in_wind(direction)}"
+                point = CardPoint(time, wind, plane, limits[plane], direction=direction)
+                yield self._flown(point, at_peak, history, interval)
+
+    def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
+        """Return the share of the deflection limit [rad] by plane, in proportion to trim."""
+        case = self.case
+        if len(placed) == 1:
+            return dict.fromkeys(placed, self.limit)
+        sizes = dict.fromkeys(placed, 0.0)
+        for plane, in_plane in placed.items():
+            if not in_plane.calm:
+                plant = Plant.from_vehicle(vehicle, case.law_model, plane)
+                sizes[plane] = abs(float(plant.coefficients.B) * float(in_plane.history.peak))
+        total = float(rectangle(limit_shape_of(case.nozzle.stop or "round"), *sizes.values()))
+        return {k: self.limit * size / total for k, size in sizes.items()} if total else sizes
+
+    def _encountered(
+        self,
+        vehicle: Vehicle,
+        placed: PlacedWind,
+        planes: dict[str, PlacedWind],
+        interval: FloatArray | None,
+        signed: bool,
+    ) -> Iterator[tuple[str, Vehicle, History]]:
+        """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
+
+        The direction is empty for a wind with a single direction.
+        """
+        wind, sign_of_case = (placed.whole or placed.history).shift(placed.zero), self.case.sign
+        along, angle = planes.get("pitch"), np.zeros(())
+        if interval is not None:  # a measured wind, with its own pressure unless that is frozen
+            speeds = placed.speeds
+            ratio = 1.0 if speeds is None else _largest(speeds.time, speeds.pressure, interval)
+            yield "", at_pressure(vehicle, ratio), wind
+            return
+        if along is not None and not along.calm and sign_of_case != FROZEN:
+            angle = np.asarray(along.history.peak)
+        ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
+        if not angle or np.isnan(ratio):
+            yield "", vehicle, wind
+        elif not signed:  # it has a direction
+            yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
+        else:
+            for sign in SIGNS if sign_of_case is None else (sign_of_case,):
+                at_peak = at_pressure(vehicle, ratio) if sign == "head" else vehicle
+                yield sign, at_peak, wind * float(SIGNS[sign] * np.sign(angle))
+
+    def _flown(self, point: CardPoint, vehicle: Vehicle, wind: History, interval: Any) -> CardPoint:
+        """Return a point with its flight and the duty in `interval`, or in all of it if None."""
+        case = Case(
+            vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,
+            model=self.case.law_model,
+            plane=point.plane,
+            wind=wind,
+            nozzle=self.case.nozzle,
+            design=self.case.design,
+        )
+        plant, nozzle = case.plant.rigid, case.nozzle
+        poles = unstable_modes(plant).poles
+        pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
+        point = replace(point, least=float(minimum_peaks(plant, wind)), pole=pole)
+        law = law_asked(case, self.law, case.hardware["rate_limit"])
+        notes = tuple(design_notes(law))
+        if self.noise:
+            bare = law.law if isinstance(law, FilteredLaw) else law
+            law = NoisyLaw(bare, noise=self.noise, seed=self.seed, **case.asked.chains)
+        flight = fly_nozzle(plant, law, wind, deflection_limit=point.limit, **case.hardware)
+        reason = flight_reason(plant, flight.status)
+        if reason or not flight.times.size:
+            return replace(point, status=flight.status, why=reason)
+        whole = Motion.of_flight(flight)
+        motion = whole if interval is None else whole.between(*interval)
+        if motion is None:
+            return replace(point, status=flight.status)
+        options = (point.limit, self.window, nozzle.data, vehicle if nozzle.data else None)
+        card, quiet, end = card_of(motion, *options), np.zeros(2), float(wind.end)
+        noisy = (
+            whole.between(end + _NOISE_START / pole, end + _NOISE_END / pole)
+            if self.noise
+            else None
+        )
+        if noisy is not None:
+            quiet = _spent(card_of(noisy, *options)) / float(noisy.times[-1] - noisy.times[0])
+        span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
+        alone = _spent(card) - quiet * span
+        return replace(point, status=flight.status, card=card, said=notes, alone=alone, quiet=quiet)
+
+
+def _largest(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
+    """Return the largest ratio in an interval of time [s], with straight lines between times."""
+    within = times[(times > interval[0]) & (times < interval[1])]
+    return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
+
+
+def _spent(card: NozzleCard) -> FloatArray:
+    """Return travel [rad] and energy [J], ``(2,)``; the energy is NaN without nozzle data."""
+    return np.array([card.travel, np.nan if card.work is None else card.work.energy])
+
+
+def _duties(
+    points: list[CardPoint], winds: dict[str, WindOf], intervals: FloatArray
+) -> Iterator[Duty]:
+    """Yield the duty of the whole flight by wind: of a pulse once, of other winds and noise summed.
+
+    `intervals`: durations [s] that the flight times stand for.
+    """
+    for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
+        flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
+        spent = np.array([point.alone for point in flown if point.card is not None]).reshape(-1, 2)
+        if any(point.lost or point.why for point in flown):
+            spent = np.full((1, 2), np.nan)
+        elif not _measured(winds.get(wind)):
+            noise = np.mean([point.quiet for point in flown], axis=0) * intervals.sum()
+            spent = (spent.max(axis=0, initial=0.0) + noise)[np.newaxis]
+        yield Duty(wind, plane, *spent.sum(axis=0).tolist())
+
+
+def _measured(wind: Any) -> bool:
+    """Return whether a wind was measured over the heights of the flight."""
+    return isinstance(wind, MeasuredWind | MeasuredPlanes)
+
+
+def _verdict(
+    conditions: _Conditions,
+    points: list[CardPoint],
+    duties: tuple[Duty, ...],
+    unknown: tuple[str, ...],
+) -> NozzleVerdict:
+    """Return the verdict from the requirements of all flights and of the theory of a known wind."""
+    nozzle = conditions.case.nozzle
+    if unknown and not points:
+        return NozzleVerdict.unknown_of(nozzle, unknown)
+    max_rate = conditions.case.hardware["rate_limit"]
+    minimum, pole, limit = (
+        np.array([getattr(point, name) for point in points]) for name in ("least", "pole", "limit")
+    )
+    flown = [point.card for point in points if point.card is not None]
+    with np.errstate(invalid="ignore"):
+        ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
+        theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
+        rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
+    angles = np.array([abs(x.card.angle.value) if x.card else 0.0 for x in points])
+    needed = needed_of(nozzle, flown, float(np.max([duty.travel for duty in duties], initial=0.0)))
+    needed["limit"] = conditions.limit * float(
+        np.max(np.maximum(theory, angles) / limit, initial=0.0)
+    )
+    needed["rate_limit"] = max(float(rates.max(initial=0.0)), needed["rate_limit"])
+    lost = [
+        f"{conditions.law} {OUTCOME_WORDS[point.status]} at {point.time:.6g} s in {point.wind}"
+        for point in points
+        if point.lost
+    ]
+    return NozzleVerdict.of(nozzle, needed, lost, unknown)
+
+
+def _notes(
+    conditions: _Conditions, points: list[CardPoint], winds: dict[str, WindOf]
+) -> Iterator[str]:
+    """Yield notes on omitted terms, and on how the whole flight is counted."""
+    stable = [point for point in points if not point.pole]
+    if stable:
+        yield f"without an unstable pole nothing is needed, as at {stable[0].time:.6g} s"
+    if any(map(_measured, winds.values())):
+        yield (
+            "a measured wind is counted from the middle between two flight times to the next, so"
+            " that nothing counts twice"
+            + (
+                ""
+                if conditions.case.sign == FROZEN
+                else "; the vehicle meets the largest dynamic pressure there"
+            )
+        )
+    if any(point.direction == "head" for point in points):
+        yield (
+            "the dynamic pressure is that at the peak of a head wind throughout, and in a tail wind"
+            " the nominal one"
+        )
+    if not all(map(_measured, winds.values())):
+        noise = ", noise all along" if conditions.noise else ""
+        yield f"in the whole flight a pulse blows once, at the worst flight time{noise}"
+    if conditions.case.planes == BOTH:
+        yield "each plane is flown by itself, with the part of the stop that trim would give it"
+    yield from dict.fromkeys(chain.from_iterable(x.card.notes for x in points if x.card))
+    noted = [point for point in points if point.said]
+    if noted:
+        others = f", and alike at {len(noted) - 1} others" if len(noted) > 1 else ""
+        yield f"at {noted[0].time:.6g} s{others}: {'; '.join(noted[0].said)}"
+    if conditions.request.schedule.vehicle.structure is not None:
+        yield "the vehicle is rigid, without the structure in its file"
+    yield from actuator_notes(conditions.case.nozzle.actuator)

@@ -1,0 +1,225 @@
+"""Required limit of each law in flight over the rate limit, with the lower bound of theory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import (
+    InputError,
+    callable_for,
+    different,
+    each,
+    instance,
+    one_of,
+    whole_number,
+    within,
+)
+from tvclin.base.lines import Line, Table, degrees
+from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off
+from tvclin.case.case import Case
+from tvclin.case.flexible_autopilot import law_asked
+from tvclin.control.laws.registry import LAWS
+from tvclin.flights.closed_loop.survival_limit import (
+    ABOVE,
+    LEVELS,
+    PARTS,
+    STEPS,
+    ClosedLoopBoundary,
+    closed_loop_boundary,
+)
+
+_STOP_WORDS = ("no sudden stop of it", "a sudden stop in its middle")
+"""Words for the sudden stops of a wind, for none and one."""
+_MAX_LIMIT_OVER_TRIM = 3.0
+"""Largest limit that is tried, over the largest trim deflection."""
+_MAX_SAMPLES = 2e9
+"""Largest number of samples of all flights of a call; some minutes as machine code."""
+_RATES_OVER_MINIMUM = np.array([1.25, 2.0, 3.0, 5.0, 10.0, 20.0])
+"""Default rate limits over the minimum rate of theory."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlownFront(Shown):
+    """Required limits of laws in one case over the rate limit, flown with `cuts` sudden stops.
+
+    `front` is the minimum of theory at the same rates, with the nozzle's point. `limits` are the
+    minimum deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none
+    survives up to three times the largest trim deflection; `monotone` is whether every limit that
+    was tried above one that survives survives as well.
+    """
+
+    front: RateTradeOff
+    limits: dict[str, FloatArray]
+    monotone: dict[str, BoolArray]
+    cuts: int
+
+    as_dict = keyed("rates_deg_per_s=front.rates limits_deg monotone cuts needed_deg survives")
+    _keys = "needed_deg survives cuts"
+
+    @property
+    def needed(self) -> dict[str, float] | None:
+        """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`."""
+        at_rate = np.flatnonzero(self.front.rates == self.front.rate_limit)
+        if not at_rate.size:
+            return None
+        return {name: float(values[at_rate[0]]) for name, values in self.limits.items()}
+
+    @property
+    def survives(self) -> dict[str, bool] | None:
+        """Whether each law survives with the nozzle; None without its limits, or not known."""
+        needed, limit = self.needed, self.front.limit
+        if needed is None or limit is None or self.front.beyond:
+            return None
+        return {name: limit >= value for name, value in needed.items()}
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the limit of each law at each rate, with the bound without a forecast."""
+        bounds, rates = self.front.no_forecast_bounds, self.front.rates
+        lower = {} if bounds is None else {"any law, at least": bounds}
+
+        def cells(k: int) -> Iterator[Line]:
+            yield degrees(f"laws.{k}.rate", rates[k])
+            for name, values in (self.limits | lower).items():
+                shown = degrees(f"laws.{k}.{name}", values[k])
+                odd = name in self.monotone and not self.monotone[name][k]
+                more = ("*",) if odd else ()
+                yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
+
+        caption = "Deflection limit that each law needs flown [deg]"
+        head = ("rate limit [deg/s]", *self.limits, *lower)
+        return (Table(caption, head, tuple(tuple(cells(k)) for k in range(rates.size))),)
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Notes on the flights of the table."""
+        stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOP_WORDS[self.cuts]
+        yield (
+            f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"
+            " for each rate limit; none: with no limit a flight survives up to three times the"
+            " largest trim deflection"
+        )
+        if not all(np.all(monotone) for monotone in self.monotone.values()):
+            yield "*: some lower limits survive as well; above this one all that were tried survive"
+
+
+def flown_fronts(
+    cases: Mapping[str, Case],
+    rates: ArrayLike | None = None,
+    *,
+    laws: tuple[str, ...] = tuple(LAWS),
+    cuts: int = 1,
+    progress: Callable[[float, float], None] | None = None,
+) -> dict[str, FlownFront]:
+    """Return the limit that each law needs at each rate limit, in many cases.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+        By name, such as a vehicle at several times of its flight, or in several winds. Actuator,
+        sample rate, delay, gains and filters are those of each; its nozzle's rate limit is tried
+        too.
+    rates : array_like, optional
+        Rate limits [rad/s], ``(n,)``; unless given 1.25 to 20 times the least one of each case.
+    laws : tuple of str
+        Names of the registry, all by default. Each is designed for the rate limit.
+    cuts : int
+        Sudden stops that are tried as well, as of `closed_loop_boundary`; one is at the peak of a
+        triangle.
+    progress : callable, optional
+        Called with how many boundaries are flown, in fractions too, and how many there are.
+
+    Raises
+    ------
+    InputError
+        As `rate_trade_off` and `closed_loop_boundary`, for unknown names, and for flights of more
+        than 2e9 samples in all.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> nozzle = tv.Nozzle(limit=np.radians(0.36), rate_limit=np.radians(0.5))
+    >>> case = tv.Case(vehicle=tv.load_vehicle("configuration-i"), nozzle=nozzle)
+    >>> laws = ("half-relief", "trim", "recoverable-attitude")
+    >>> found = tv.nozzle.flown_fronts({"a triangle": case}, [nozzle.rate_limit], laws=laws)
+    >>> found["a triangle"].survives
+    {'half-relief': False, 'trim': True, 'recoverable-attitude': True}
+    """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    instance("cases", cases, Mapping, "by name")
+    each("cases", tuple(cases.values()), Case, "by name")
+    names = tuple(one_of("laws", name, LAWS) for name in different("laws", laws))
+    within("cuts", whole_number("cuts", cuts), 0, 1000)
+    fronts = {key: _front(case, rates) for key, case in cases.items()}
+    total = len(names) * sum(front.rates.size for front in fronts.values())
+    _check_samples(cases, fronts, len(names) * (cuts + 1))
+    done = 0
+
+    def advanced(winds: int, most: int) -> None:
+        if progress is not None:
+            progress(done + winds / most, total)
+
+    def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
+        nonlocal done
+        options = {
+            **case.hardware,
+            "rate_limit": rate,
+            "cuts": cuts,
+            "highest": _MAX_LIMIT_OVER_TRIM,
+        }
+        law = law_asked(case, name, rate)
+        boundary = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
+        done += 1
+        advanced(0, 1)
+        return boundary
+
+    def answer(case: Case, front: RateTradeOff) -> FlownFront:
+        boundaries = {name: [flown(case, name, float(r)) for r in front.rates] for name in names}
+        return FlownFront(
+            front=front,
+            limits={name: np.abs([x.deflection for x in row]) for name, row in boundaries.items()},
+            monotone={
+                name: np.array([x.monotone for x in row]) for name, row in boundaries.items()
+            },
+            cuts=cuts,
+        )
+
+    return {key: answer(case, fronts[key]) for key, case in cases.items()}
+
+
+def _check_samples(
+    cases: Mapping[str, Case], fronts: Mapping[str, RateTradeOff], winds: int
+) -> None:
+    """Raise `InputError` for more samples in so many winds with each rate than can be flown."""
+    limits = STEPS + 1 + LEVELS * ABOVE * PARTS
+    samples = 0.0
+    for key, case in cases.items():
+        span = float(case.history.end) - float(case.history.onset)
+        samples += winds * fronts[key].rates.size * limits * span * case.hardware["sample_rate"]
+    if samples > _MAX_SAMPLES:
+        raise InputError(
+            f"flights of laws may have at most {_MAX_SAMPLES:.3g} samples in all, and these may"
+            f" have {samples:.3g}: take a lower sample rate, a shorter wind, fewer laws or fewer"
+            " rates"
+        )
+
+
+def _front(case: Case, rates: ArrayLike | None) -> RateTradeOff:
+    """Return the trade-off curve of theory at the rates, or multiples of its minimum rate."""
+    nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
+    theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
+    if rates is None:
+        usual = theory()
+        least_rate = usual.minimum_rate or usual.required_rate
+        rates = _RATES_OVER_MINIMUM * least_rate if least_rate > 0.0 else usual.rates
+    if nozzle.rate_limit is not None:
+        rates = np.unique(np.append(rates, nozzle.rate_limit))
+    return theory(rates)

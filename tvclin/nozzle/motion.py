@@ -1,0 +1,208 @@
+"""Motion of a nozzle step by step, from samples or a flight, and its torque, power and energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.case.nozzle import NozzleData
+from tvclin.flights.closed_loop.fly import NozzleFlight
+from tvclin.linear.extremes import Point
+from tvclin.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion of a nozzle and of its vehicle.
+
+    `times` [s], `deflection` [rad]: ``(n + 1,)``, with straight lines between. `at` [s]: a time in
+    each step, ``(n,)``, and at these times: `angle`, `rate`, `acceleration`: the deflection and its
+    derivatives [rad, rad/s, rad/s2]; `angle_of_attack` [rad]; `swing`: the angular acceleration of
+    the vehicle [rad/s2]. `weights` [s]: of an integral over time, ``(n,)``. `sharpest`: the largest
+    acceleration [rad/s2].
+    """
+
+    times: FloatArray
+    deflection: FloatArray
+    at: FloatArray
+    angle: FloatArray
+    rate: FloatArray
+    acceleration: FloatArray
+    sharpest: Point
+    angle_of_attack: FloatArray
+    swing: FloatArray
+    weights: FloatArray
+
+    @classmethod
+    def of_samples(
+        cls, t: FloatArray, delta: FloatArray, alpha: FloatArray, attitude: FloatArray
+    ) -> Self:
+        """Return a motion whose derivatives are differences, in the middle of each step."""
+        acceleration = _second_derivative(t, delta)
+        return cls(
+            times=t,
+            deflection=delta,
+            at=_middle(t),
+            angle=_middle(delta),
+            rate=np.diff(delta) / np.diff(t),
+            acceleration=_middle(np.pad(acceleration, 1, mode="edge")),
+            sharpest=largest(acceleration, t[1:-1]),
+            angle_of_attack=_middle(alpha),
+            swing=_middle(np.pad(_second_derivative(t, attitude), 1, mode="edge")),
+            weights=np.diff(t),
+        )
+
+    @classmethod
+    def of_flight(cls, f: NozzleFlight) -> Self:
+        """Return the motion of a flight with its actuator, right after the start of each step.
+
+        Integrals take every second time, in the middle between two changes of the command.
+        Without an actuator the motion is taken from sample to sample.
+        """
+        if f.rate is None or f.acceleration is None:
+            rows = (f.times, f.deflection, f.angle_of_attack, f.attitude)
+            return cls.of_samples(*(row[:: f.times_per_sample] for row in rows))
+        weights = np.zeros(f.times.size - 1)
+        weights[1::2] = f.times[2::2] - f.times[:-2:2]
+        return cls(
+            times=f.times,
+            deflection=f.deflection,
+            at=f.times[:-1],
+            angle=f.deflection[:-1],
+            rate=f.rate[:-1],
+            acceleration=f.acceleration[:-1],
+            sharpest=largest(f.acceleration, f.times),
+            angle_of_attack=f.angle_of_attack[:-1],
+            swing=np.pad(_second_derivative(f.times, f.attitude), (1, 0), mode="edge"),
+            weights=weights,
+        )
+
+    @property
+    def steps(self) -> FloatArray:
+        """Lengths of the steps [s], ``(n,)``."""
+        return np.diff(self.times)
+
+    def between(self, start: float, stop: float) -> Self | None:
+        """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps."""
+        inside = np.flatnonzero((self.times[:-1] >= start) & (self.times[1:] <= stop))
+        if inside.size < 2:
+            return None
+        steps = slice(inside[0], inside[-1] + 1)
+        rows = {k: getattr(self, k)[steps] for k in ("at", "angle", "rate", "acceleration")}
+        ends = slice(steps.start, steps.stop + 1)
+        return type(self)(
+            times=self.times[ends],
+            deflection=self.deflection[ends],
+            **rows,
+            sharpest=largest(rows["acceleration"], rows["at"]),
+            angle_of_attack=self.angle_of_attack[steps],
+            swing=self.swing[steps],
+            weights=self.weights[steps],
+        )
+
+
+def largest(values: FloatArray, times: FloatArray) -> Point:
+    """Return the value of largest size, with its sign, and its time."""
+    k = int(np.argmax(np.abs(values)))
+    return Point(float(values[k]), float(times[k]))
+
+
+def rms(values: FloatArray, weights: FloatArray) -> float:
+    """Return the root of the mean square, with the weights [s] of an integral over time."""
+    return float(np.sqrt(np.average(values**2, weights=weights)))
+
+
+def _second_derivative(t: FloatArray, values: FloatArray) -> FloatArray:
+    """Return second derivatives at the inner times, ``(n - 1,)``, from differences of slopes."""
+    return np.diff(np.diff(values) / np.diff(t)) / ((t[2:] - t[:-2]) / 2.0)
+
+
+def _middle(values: FloatArray) -> FloatArray:
+    """Return the means of neighbouring values, ``(n,)``."""
+    return (values[1:] + values[:-1]) / 2.0
+
+
+AT_REST = 1e-6
+"""Fraction of the largest rate below which a rate counts as zero."""
+
+
+@dataclass(frozen=True)
+class Work(Shown):
+    """Torque, power and energy of the actuators.
+
+    `torque`: largest torque [N m] while the nozzle turns, with friction. `holding`: largest torque
+    [N m] at rest, to which friction adds or takes up to M_f. `rms_torque`: root of the mean square
+    [N m] at all times, with friction in motion. `power`: largest power [W] of the actuators.
+    `energy`: work of the actuators [J], from which `returned` [J], the work of the nozzle on them,
+    is not subtracted.
+    `corner_power`: largest torque times largest rate [W], never below the largest power.
+    `stiffness`: k + s_E a_x [N m/rad]; with a negative one the nozzle turns away by itself.
+    """
+
+    torque: Point
+    holding: float
+    rms_torque: float
+    power: Point
+    energy: float
+    returned: float
+    corner_power: float
+    stiffness: float
+
+    as_dict = keyed(
+        "torque_N_m=torque.value torque_time_s=torque.time holding_torque_N_m=holding"
+        " rms_torque_N_m=rms_torque power_W=power.value power_time_s=power.time"
+        " corner_power_W=corner_power energy_J=energy returned_energy_J=returned"
+    )
+
+
+def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
+    """Return torque, power and energy of a motion, and notes on omitted terms.
+
+    See `nozzle_card` for the equation; without a vehicle the nozzle is on a bench.
+    """
+    engine, weights, rate = nozzle.engine, motion.weights, motion.rate
+    inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
+    stiffness, constant, inertial = nozzle.stiffness, 0.0, np.zeros(rate.size)
+    notes = []
+    if vehicle is None:
+        notes.append("without a vehicle the torque is that on a bench: no thrust, no acceleration")
+    else:
+        mass, thrust = float(vehicle.mass), float(vehicle.thrust)
+        a_x = (thrust - float(vehicle.axial_force)) / mass
+        force = float(vehicle.normal_force_slope) * motion.angle_of_attack
+        force = force + float(vehicle.control_force) * motion.angle
+        a_n = force / mass - float(vehicle.control_arm) * motion.swing
+        inertial = inertia * motion.swing - moment * a_n
+        stiffness += moment * a_x
+        constant = float(engine.mass) * a_x * nozzle.offset + thrust * nozzle.thrust_offset
+        if stiffness < 0.0:
+            notes.append("k + s_E a_x is negative: the nozzle turns away by itself")
+    frictionless = inertia * motion.acceleration + stiffness * motion.angle + constant + inertial
+    moving = np.abs(rate) > AT_REST * np.abs(rate).max()
+    torque = (
+        frictionless
+        + nozzle.damping * rate
+        + np.where(moving, nozzle.friction * np.sign(rate), 0.0)
+    )
+    power = torque * rate
+    moving_torque, resting_torque = (
+        np.where(moving, torque, 0.0),
+        np.where(moving, 0.0, np.abs(torque)),
+    )
+    peak, peak_power = largest(moving_torque, motion.at), int(np.argmax(power))
+    work = Work(
+        torque=peak,
+        holding=float(resting_torque.max()),
+        rms_torque=rms(torque, weights),
+        power=Point(max(float(power[peak_power]), 0.0), float(motion.at[peak_power])),
+        energy=float((np.maximum(power, 0.0) * weights).sum()),
+        returned=float((np.maximum(-power, 0.0) * weights).sum()),
+        corner_power=abs(peak.value) * float(np.abs(rate).max()),
+        stiffness=stiffness,
+    )
+    return work, notes

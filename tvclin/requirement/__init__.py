@@ -1,0 +1,11 @@
+"""Required deflection: of one wind, of a study, and over a whole flight.
+
+- One wind: `is_sufficient`, `required_deflection`, `survivable_peak`; of a `Case` a `Study`.
+- A flight: its `size` by a `SizingRequest` and `SoundingRequest`, with numbers by `Requirement`;
+  the `DeflectionTotal` of `total_deflection` and `worst_total`, and the `ControllabilityRatio` of
+  `controllability_ratio`.
+"""
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

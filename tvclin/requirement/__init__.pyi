@@ -1,0 +1,15 @@
+from .flight.controllability import ControllabilityRatio as ControllabilityRatio
+from .flight.controllability import controllability_ratio as controllability_ratio
+from .flight.request import SizingRequest as SizingRequest
+from .flight.request import SoundingRequest as SoundingRequest
+from .flight.size import size as size
+from .flight.sizing import Sizing as Sizing
+from .flight.total import DeflectionTotal as DeflectionTotal
+from .flight.total import total_deflection as total_deflection
+from .flight.total import worst_total as worst_total
+from .nominal_requirement import RequiredDeflection as RequiredDeflection
+from .nominal_requirement import is_sufficient as is_sufficient
+from .nominal_requirement import required_deflection as required_deflection
+from .nominal_requirement import survivable_peak as survivable_peak
+from .required_quantity import Requirement as Requirement
+from .study import Study as Study

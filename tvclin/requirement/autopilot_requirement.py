@@ -1,0 +1,117 @@
+"""Autopilot requirement: the smallest limit from which on an autopilot survives a wind, flown.
+
+It is flown as it is modelled, with samples, delay, actuator, filters, bending and rate limit: at
+nominal dynamic pressure and, where a head wind sets the required deflection, also at that of its
+peak, constant throughout, which is an upper bound of what it encounters.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from tvclin.base.errors import InputError
+from tvclin.case.case import Case
+from tvclin.case.flexible_autopilot import stop_boundary
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
+from tvclin.linear.flexible import AnyPlant
+from tvclin.requirement.case_requirement import CaseRequirement
+from tvclin.requirement.nominal_requirement import covers
+from tvclin.vehicle.linear_vehicle import complete_vehicle
+
+AnyCase = TypeVar("AnyCase", bound=Case)
+
+
+@dataclass(frozen=True, eq=False)
+class AutopilotRequirement:
+    """The autopilot requirement of a case.
+
+    Attributes
+    ----------
+    nominal : ClosedLoopBoundary
+        At nominal dynamic pressure.
+    head : ClosedLoopBoundary or None
+        At the dynamic pressure at the peak of a head wind; None where that does not count.
+    head_counts : bool
+        Whether a head wind sets the required deflection; without `head` no limit is known then.
+    of_both : float
+        Limit of both planes over the part that this plane has.
+    """
+
+    nominal: ClosedLoopBoundary
+    head: ClosedLoopBoundary | None
+    head_counts: bool
+    of_both: float = 1.0
+
+    @property
+    def nominal_deflection(self) -> float:
+        """The autopilot requirement [rad] at nominal dynamic pressure, a size."""
+        return abs(float(self.nominal.deflection)) * self.of_both
+
+    @property
+    def deflection(self) -> float:
+        """The autopilot requirement [rad], a size; infinite if it survives at no limit tried."""
+        if self.head is None:
+            return self.nominal_deflection
+        return abs(float(self.head.deflection)) * self.of_both
+
+    def sufficient(self, limit: float) -> bool | None:
+        """Return whether a limit [rad] is sufficient; None above that at nominal pressure alone."""
+        nominal = bool(covers(limit, self.nominal_deflection))
+        if nominal and self.head_counts:
+            return True if self.head is not None and covers(limit, self.deflection) else None
+        return nominal
+
+
+def autopilot_requirement(
+    case: Case, plant: AnyPlant, autopilot: Autopilot, need: CaseRequirement | None
+) -> AutopilotRequirement:
+    """Return the autopilot requirement of a case, in its plane alone.
+
+    `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
+    none, as in a sounding, whose requirement is that at nominal dynamic pressure. `InputError` as
+    `closed_loop_boundary`.
+    """
+    nominal = autopilot_boundary(case, plant, autopilot)
+    return AutopilotRequirement(
+        nominal, head_wind_boundary(case, autopilot, need), counts_head(need)
+    )
+
+
+def counts_head(need: CaseRequirement | None) -> bool:
+    """Return whether the wind raises the required deflection above that at nominal pressure."""
+    return need is not None and need.ratio_to_nominal > 1.0
+
+
+def head_wind_boundary(
+    case: Case, autopilot: Autopilot, need: CaseRequirement | None, of_both: float = 1.0
+) -> ClosedLoopBoundary | None:
+    """Return the boundary of an autopilot at the peak of a head wind; None if not flown."""
+    if need is None or not counts_head(need):
+        return None
+    with suppress(InputError):
+        denser = at_peak_pressure(case, need)
+        return autopilot_boundary(denser, denser.plant, autopilot, of_both)
+    return None
+
+
+def autopilot_boundary(
+    case: Case, plant: AnyPlant, autopilot: Autopilot, of_both: float = 1.0
+) -> ClosedLoopBoundary:
+    """Return the boundary of an autopilot, flown with the hardware of a case; its plane's part."""
+    part = (case.nozzle.limit or 0.0) / of_both
+    law = SaturatedLaw.of(autopilot)
+    return stop_boundary(plant, law, case.history, part, case.hardware)
+
+
+def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
+    """Return a case at the dynamic pressure at the peak of so many times its wind."""
+    from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
+    from tvclin.requirement.varying_equations import at_pressure
+
+    whole = complete_vehicle(case.vehicle, "a head wind")
+    ratio = largest_pressure(need.placed, whole.rigid, need.plane, need.direction, size)
+    return replace(case, vehicle=at_pressure(whole, ratio))

@@ -1,0 +1,330 @@
+"""Required deflection of the nozzle of a case: the number that the verdict of a study rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.errors import InputError, between, number, positive, single, within
+from tvclin.base.quantities import NOMINAL
+from tvclin.boundary.limit_shapes import limit_shape_of
+from tvclin.boundary.open_loop import Reason
+from tvclin.case.case import FROZEN, Case
+from tvclin.linear.plant import Plant
+from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
+from tvclin.requirement.plane_requirement import PlanesNeeded, of_heading, rectangle
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, complete_vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, beyond_linear
+
+_SIZE_TOLERANCE = 1e-9
+"""Tolerance of the logarithm of a factor on the wind."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaseRequirement:
+    """Requirement of a wind on the nozzle of a case, at one dead band.
+
+    Attributes
+    ----------
+    case : Case
+        The case; the verdict rests on its model.
+    dead_band : float
+        K of the verdict.
+    wind_in_plane : ShapedWind
+        The wind in the plane, with its gust.
+    requirement : RequiredDeflection
+        Required deflection at nominal dynamic pressure.
+    planes : PlanesNeeded or None
+        Requirement of both planes at nominal dynamic pressure, in a wind with a direction.
+    encountered : dict of str to float
+        Required deflection [rad] at the wind's own angle and dynamic pressure, by its possible
+        directions: head and tail, one of them, or cross. Empty by request, and where it is not
+        known.
+    encountered_unknown : str
+        Reason why it is not known.
+
+    All requirements are NaN, or empty, in a wind `beyond` linear aerodynamics.
+    """
+
+    case: Case
+    dead_band: float
+    wind_in_plane: ShapedWind
+    requirement: RequiredDeflection
+    planes: PlanesNeeded | None
+    encountered: dict[str, float]
+    encountered_unknown: str
+
+    @property
+    def vehicle(self) -> AnyVehicle:
+        """The vehicle."""
+        return self.case.vehicle
+
+    @property
+    def plane(self) -> str:
+        """The plane of the boundaries, and of the verdict where that is not on both."""
+        return self.case.plane
+
+    @property
+    def model(self) -> str:
+        """The model on which the verdict rests."""
+        return self.case.model
+
+    @property
+    def sign(self) -> str | None:
+        """Sign of the wind along the path that counts, as the case specifies it."""
+        return self.case.sign
+
+    @property
+    def limit(self) -> float | None:
+        """Available deflection [rad]; None if the case specifies none."""
+        return self.case.nozzle.limit
+
+    @property
+    def slanting(self) -> ShapedWind | None:
+        """The wind with its direction, where that is known, its gust at its time."""
+        return None if self.case.heading is None else self.placed
+
+    @property
+    def placed(self) -> ShapedWind:
+        """The wind of the case with its direction and speeds, as far as known, its gust placed."""
+        return replace(pulse_of(self.case), gust_at=self.wind_in_plane.gust_at)
+
+    @property
+    def in_both(self) -> bool:
+        """Whether the verdict is on both planes."""
+        return self.case.nozzle.stop is not None
+
+    @property
+    def history(self) -> History:
+        """The wind in the plane with its gust."""
+        return self.wind_in_plane.history({})
+
+    @property
+    def required_deflection(self) -> float:
+        """The required deflection [rad] at the verdict's model and dead band, a size."""
+        if self.direction == FROZEN:
+            return self.nominal_deflection
+        return self.encountered[self.direction]
+
+    @property
+    def nominal_deflection(self) -> float:
+        """The required deflection [rad] at nominal dynamic pressure, a size."""
+        if self.planes is not None and self.in_both:
+            return self.planes.deflection
+        return abs(float(self.requirement.deflection))
+
+    @property
+    def see_study(self) -> str:
+        """Required deflection in a clause, for answers other than the study."""
+        if np.isinf(self.required_deflection):
+            return "no limit is sufficient, see study"
+        band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
+        nominal = f" {NOMINAL}" if self.at_nominal_pressure else ""
+        required = f"{np.degrees(self.required_deflection):.3f} deg"
+        return f"required deflection {required}{band}{nominal}, see study"
+
+    @property
+    def of_both(self) -> float:
+        """Limit of both planes over the part that this plane has; one if it is judged alone."""
+        return self.planes.over(self.plane) if self.planes is not None and self.in_both else 1.0
+
+    @property
+    def direction(self) -> str:
+        """The direction of the wind that sets the required deflection, or `FROZEN`."""
+        return max(self.encountered, key=self.encountered.__getitem__, default=FROZEN)
+
+    @property
+    def at_nominal_pressure(self) -> bool:
+        """Whether the required deflection is that at nominal dynamic pressure."""
+        return self.direction == FROZEN
+
+    @property
+    def ratio_to_nominal(self) -> float:
+        """The required deflection over that at nominal dynamic pressure; one where that is zero."""
+        nominal = self.nominal_deflection
+        return self.required_deflection / nominal if nominal else 1.0
+
+    def required_at(self, size: float) -> float:
+        """Return the required deflection [rad] in so many times this wind.
+
+        Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
+        for a size that is not between 1e-9 and 1e9.
+        """
+        within("size", number("size", size, positive), 1e-9, 1e9)
+        if self.at_nominal_pressure:
+            return size * self.nominal_deflection
+        try:
+            return max(_encountered(self, size).values())
+        except InputError:
+            return np.inf
+
+    @property
+    def judged_peak(self) -> float:
+        """The peak [rad] of the wind that is judged: in both planes that of its vector."""
+        judged = self.planes if self.planes is not None and self.in_both else self.history
+        return float(judged.peak)
+
+    @property
+    def wind_angle(self) -> float:
+        """Largest angle [rad] at which the wind meets the flight: of a direction, its vector."""
+        return abs(float((self.planes or self.history).peak))
+
+    @property
+    def beyond(self) -> str:
+        """Sentence why nothing is known in this wind, as of `beyond_linear`; empty where it is."""
+        return beyond_linear(self.wind_angle)
+
+    @property
+    def peak_bound(self) -> float:
+        """Largest survivable peak [rad] that is known, with its sign, as of `judged_peak`.
+
+        There the wind angle is `MAX_LINEAR_ANGLE`; a limit that survives it may survive more.
+        """
+        return self.judged_peak * (MAX_LINEAR_ANGLE / self.wind_angle)
+
+    @property
+    def judged(self) -> dict[str, Any]:
+        """Fields `sufficient` and `survivable_peak` [rad] of the limit; None without a limit."""
+        limit, needed = self.limit, self.required_deflection
+        if limit is None:
+            return {"sufficient": None, "survivable_peak": None}
+        if self.beyond:
+            size = MAX_LINEAR_ANGLE / self.wind_angle
+            linear = replace(self.case, wind=self.placed.scaled(size))
+            judged = case_requirement(linear, self.dead_band).judged
+            return judged | {"sufficient": None}
+        size = limit / needed if needed else np.inf
+        if not self.at_nominal_pressure and 0.0 < size < np.inf:
+            size = survived_size(limit, self.required_at)
+        bound = self.peak_bound
+        peak = bound if np.isinf(size) else self.judged_peak * size
+        return {
+            "sufficient": bool(covers(limit, needed)),
+            "survivable_peak": float(np.copysign(min(abs(peak), abs(bound)), bound)),
+        }
+
+    @property
+    def governs(self) -> str:
+        """Reason that sets the required deflection, in words."""
+        if not self.at_nominal_pressure:
+            return f"the dynamic pressure in a {self.direction} wind"
+        if self.planes is not None and self.in_both:
+            return self.planes.governs
+        return self.requirement.governs
+
+
+def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
+    """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
+    K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
+    single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
+    stop = None if case.nozzle.stop is None else limit_shape_of(case.nozzle.stop)
+    in_plane, planes = case.wind_in_plane_at(K), None
+    assert isinstance(in_plane, ShapedWind)
+    if wind.heading is not None:
+        vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
+        placed = replace(wind, gust_at=in_plane.gust_at)
+        planes = of_heading(vehicle, case.model, placed, stop, K)
+    elif stop is not None:
+        raise InputError(
+            "a stop of both planes needs a wind with a direction: give where it blows from,"
+            " and the azimuth of the flight"
+        )
+    plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
+    required = required_deflection(plant, history, K)
+    if beyond_linear(float((planes or history).peak)):
+        required, planes = _unknown(required), planes and _unknown_planes(planes)
+    need = CaseRequirement(case, K, in_plane, required, planes, {}, "")
+    if not np.isfinite(required.deflection):
+        return need
+    try:
+        return replace(need, encountered=_encountered(need))
+    except InputError as error:
+        if case.sign is not None:
+            raise
+        return replace(need, encountered_unknown=str(error))
+
+
+def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | None:
+    """Return the requirement of a study of the case, for other answers; None where it has none.
+
+    There is none in a wind that is not of one shape, and beyond linear aerodynamics.
+    """
+    try:
+        need = case_requirement(case, dead_band)
+    except InputError:
+        return None
+    return None if np.isnan(need.required_deflection) else need
+
+
+def _unknown(required: RequiredDeflection) -> RequiredDeflection:
+    """Return a requirement with NaN deflections [rad], for winds beyond linear aerodynamics."""
+    return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
+
+
+def _unknown_planes(planes: PlanesNeeded) -> PlanesNeeded:
+    """Return a requirement of both planes with NaN [rad], for winds beyond linear aerodynamics."""
+    return replace(planes, deflection=np.nan, alone=dict.fromkeys(planes.alone, np.nan))
+
+
+def pulse_of(case: Case) -> ShapedWind:
+    """Return the wind of a case; `InputError` for one that is not of one shape."""
+    if not isinstance(case.wind, ShapedWind):
+        raise InputError(
+            "a study needs a wind of one shape: give shape, peak and duration in [wind]"
+        )
+    return case.wind
+
+
+def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
+    """Return required deflections [rad] of a case in `size` times its wind, by direction.
+
+    For both planes the larger of the requirement of the planes by themselves, as a limit of the
+    limit shape, and of that of the vector at nominal dynamic pressure times the larger ratio of
+    encountered to nominal requirement of the planes.
+    """
+    if need.sign == FROZEN:
+        return {}
+    from tvclin.requirement.encountered_requirement import (
+        encountered_requirements,  # late, with its engine
+    )
+
+    directions = encountered_requirements(need.case, need.placed, need.dead_band, size)
+    if not need.in_both or need.planes is None:
+        return {name: by_plane[need.plane] for name, by_plane in directions.items()}
+    planes, required = need.planes, {}
+    for name, by_plane in directions.items():
+        pitch, yaw = (by_plane.get(plane, 0.0) for plane in PLANES)
+        required[name] = float(rectangle(planes.stop, pitch, yaw))
+        if planes.governs is Reason.BOTH_PLANES:
+            ratios = [x / (size * float(planes.alone[plane])) for plane, x in by_plane.items() if x]
+            ratio = max(ratios, default=0.0)
+            required[name] = max(required[name], size * planes.deflection * ratio)
+    return required
+
+
+def survived_size(limit: float, need: Callable[[float], float]) -> float:
+    """Return the factor on a wind at which the required deflection, `need` of it, is the limit."""
+    from scipy.optimize import brentq
+
+    @cache
+    def excess(x: float) -> float:
+        ratio = need(float(np.exp(x))) / limit
+        return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
+
+    first = -excess(0.0)
+    if abs(first) < _SIZE_TOLERANCE:
+        return 1.0
+    end = first if excess(first) * first > 0.0 else 2.0 * first
+    while first < 0.0 < excess(end):
+        end *= 2.0
+    if excess(end) < 0.0 < first:
+        return float(np.exp(end))
+    root = brentq(excess, 0.0, end, xtol=_SIZE_TOLERANCE)
+    return float(np.exp(root - _SIZE_TOLERANCE))  # survived, not nearly so

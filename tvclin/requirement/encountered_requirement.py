@@ -1,0 +1,252 @@
+"""Required deflection of a wind at its own wind angles of attack and dynamic pressure.
+
+A wind known by its speed stays a velocity, so that angle and dynamic pressure follow from the wind
+triangle at each time (`winds.wind_angles`). A wind given by its angle is the velocity that has that
+angle. Whether a wind along the path is a head or a tail wind changes both; a wind across the path
+raises the dynamic pressure whichever side it comes from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, one_of
+from tvclin.case.case import CROSS, FROZEN, SIGNS, Case
+from tvclin.requirement.time_varying import (
+    VaryingRequirement,
+    batch_requirements,
+    over_steps,
+    varying_requirement,
+)
+from tvclin.requirement.varying_equations import Equations
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
+from tvclin.winds.wind_angles import EncounteredWind, angles_from_vector_size, sines_by_heading
+
+
+def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
+    """Return the possible directions of the wind of a case: head and tail, one of them, or cross.
+
+    `plane`: the plane that is judged, unless given that of the case. Empty for the nominal dynamic
+    pressure, by request. `InputError` for a sign of a wind that has a direction.
+    """
+    if case.sign is not None and case.sign not in SIGNS:
+        return ()
+    if case.heading is not None:
+        if case.sign is not None:
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        along = _heading_cosines(case.heading)[0] * float(np.sign(getattr(case.wind, "peak", 1.0)))
+        return (CROSS if along == 0.0 else next(k for k, s in SIGNS.items() if s * along > 0.0),)
+    if (plane or case.plane) == "yaw":
+        return (CROSS,)
+    return tuple(SIGNS) if case.sign is None else (case.sign,)
+
+
+def _heading_cosines(heading: float) -> tuple[float, float]:
+    """Return the fractions of a wind along the path, from behind, and across."""
+    along, across = sines_by_heading(heading, np.pi / 2)
+    return float(along), float(across)
+
+
+def encountered_wind(
+    wind: ShapedWind,
+    vehicle: Vehicle,
+    plane: str,
+    name: str,
+    size: float = 1.0,
+    values: Mapping[str, Any] | None = None,
+) -> EncounteredWind:
+    """Return the wind angles of attack and dynamic pressure in a plane that vehicles encounter.
+
+    Parameters
+    ----------
+    wind : ShapedWind
+        With its heading, its speeds where they are known, and its gust at its time.
+    vehicle : Vehicle
+        One vehicle, or one for each case ``(n,)``.
+    plane : str
+        Plane of the wind angles of attack.
+    name : str
+        Direction of the wind, one of `directions_of`.
+    size : float
+        Factor on the wind.
+    values : mapping, optional
+        Dispersed peaks and durations of cases, as of `ShapedWind.history`.
+
+    """
+    values = values or {}
+    path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)
+    peak = np.asarray(values.get("wind_peak", wind.peak))
+    positive = size * np.sign(peak)
+    base = replace(wind, gust=None, heading=None).history(dict(values))
+    parts: dict[bool, History | None] = {True: None, False: None}  # by whether the speed is known
+    known = wind.speed is not None
+    parts[known] = base * (
+        positive if wind.speed is None else positive * wind.speed / (wind.peak * velocity)
+    )
+    gust = wind.gust_history(values)
+    if gust is not None:
+        known, at = wind.gust_speed is not None, positive
+        if wind.gust_speed is not None:
+            at = positive * wind.gust_speed / (float(gust.peak) * velocity)
+        pulse = parts[known]
+        parts[known] = gust * at if pulse is None else pulse + gust * at
+    if wind.heading is not None:
+        angles = angles_from_vector_size(
+            peak, wind.heading, path
+        )  # a negative peak blows the other way
+        of_angle = angles[0] / np.abs(peak), angles[1] / np.abs(peak)
+        along, across = _heading_cosines(wind.heading)
+        sign = float(np.sign(wind.peak))
+        of_speed = sign * along, sign * across
+    else:
+        of_speed = (0.0, 1.0) if name == CROSS else (SIGNS[name], 0.0)
+        of_angle = np.asarray(of_speed[0]), np.asarray(of_speed[1])
+    return EncounteredWind(plane, path, parts[False], parts[True], of_angle, of_speed)
+
+
+def encountered_requirement(
+    wind: ShapedWind,
+    vehicle: Vehicle,
+    model: str,
+    plane: str,
+    name: str,
+    dead_band: float,
+    size: float = 1.0,
+) -> VaryingRequirement:
+    """Return what a wind requires of one vehicle frozen at its flight condition.
+
+    Parameters
+    ----------
+    wind, vehicle, plane, name, size
+        As of `encountered_wind`.
+    model : str
+        Model of the motion.
+    dead_band : float
+        K in [0, 1].
+
+    Raises
+    ------
+    InputError
+        As `encountered_wind`, and for a wind too long to be followed.
+    """
+    equations = Equations.frozen(vehicle, model, plane)
+    encountered = encountered_wind(wind, vehicle, plane, name, size)
+    encountered.check_possible()
+    return varying_requirement(equations, encountered, dead_band)
+
+
+def encountered_requirements(
+    case: Case, wind: ShapedWind, dead_band: float, size: float = 1.0
+) -> dict[str, dict[str, float]]:
+    """Return the required deflections [rad] of a case by the direction of its wind, and the plane.
+
+    Parameters
+    ----------
+    case : Case
+        Vehicle, model and plane; of a nozzle with one limit for both planes both are judged.
+    wind : ShapedWind
+        The wind of the case with its heading, its gust at its time.
+    dead_band, size
+        As of `encountered_requirement`.
+
+    Raises
+    ------
+    InputError
+        For a vehicle of which speed and attitude are not known, and as `encountered_requirement`.
+    """
+    names = directions_of(case)
+    if not names:
+        return {}
+    vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
+    planes: tuple[str, ...] = (case.plane,) if case.nozzle.stop is None else PLANES
+    if case.heading is not None:
+        peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
+        planes = tuple(plane for plane in planes if peaks[plane])
+    return {
+        name: {
+            plane: float(
+                encountered_requirement(
+                    wind, vehicle, case.model, plane, name, dead_band, size
+                ).required[0]
+            )
+            for plane in planes
+        }
+        for name in names
+    }
+
+
+def largest_pressure(
+    wind: ShapedWind, vehicle: Vehicle, plane: str, name: str, size: float = 1.0
+) -> float:
+    """Return the largest q/q_n that one vehicle encounters; arguments as of `encountered_wind`."""
+    encountered = encountered_wind(wind, vehicle, plane, name, size)
+    encountered.check_possible()
+    return float(over_steps(Equations.frozen(vehicle, "fixed-path", plane), encountered)[2].max())
+
+
+def own_sign(sign: str | None) -> bool:
+    """Return whether measured winds count with their own sign; `InputError` for another one."""
+    if isinstance(sign, str) and sign in SIGNS:
+        raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")
+    return sign is None or one_of("sign", sign, (FROZEN,)) != FROZEN
+
+
+def encountered_batch(
+    case: Case,
+    values: Mapping[str, Any],
+    vehicle: Vehicle,
+    dead_band: float,
+    plane: str,
+    nominal: FloatArray,
+) -> FloatArray:
+    """Return required deflections [rad] of dispersed cases, at the pressure encountered, ``(n,)``.
+
+    Parameters
+    ----------
+    case : Case
+        Model and wind; winds of an ensemble have their own direction along the path.
+    values : mapping
+        Dispersed values by name, as of `ShapedWind.history`.
+    vehicle : Vehicle
+        One vehicle for each case, or one for all.
+    dead_band : float
+        K in [0, 1].
+    plane : str
+        Plane of the deflection.
+    nominal : ndarray
+        Required deflections at nominal dynamic pressure [rad], which stand where no horizontal wind
+        has the angle, or the wind is too long to be followed.
+    """
+    winds: list[EncounteredWind] = []
+    if isinstance(case.wind, ShapedWind):
+        winds = [
+            encountered_wind(case.wind, vehicle, plane, name, values=values)
+            for name in directions_of(case, plane)
+        ]
+    elif own_sign(case.sign):
+        assert isinstance(case.wind, WindEnsemble)
+        winds = [_of_ensemble(case.wind.history(dict(values)), vehicle, plane)]
+    if not winds:
+        return nominal
+    equations = Equations.frozen(vehicle, case.model, plane)
+    each = [batch_requirements(equations, wind, dead_band) for wind in winds]
+    required = np.max(each, axis=0)  # NaN of one is NaN of all
+    unknown = ~np.isfinite(required) | ~np.isfinite(nominal) | (np.asarray(nominal) == 0.0)
+    return np.where(unknown, nominal, required)
+
+
+def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:
+    """Return measured winds, whose angles have their sign along the path, as encountered."""
+    in_pitch = float(plane == "pitch")
+    direction = np.asarray(in_pitch), np.asarray(1.0 - in_pitch)
+    path = np.asarray(vehicle.attitude)
+    return EncounteredWind(plane, path, winds, None, direction, (in_pitch, 1.0 - in_pitch))

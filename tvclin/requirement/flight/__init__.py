@@ -1,0 +1,1 @@
+"""Required deflection over a flight: flight times by winds, budget and controllability."""

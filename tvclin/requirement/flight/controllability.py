@@ -1,0 +1,179 @@
+"""The controllability ratio: the deflection limit over the deflection that trim takes.
+
+    ratio = limit/(nominal + trim + sqrt(gust^2 + thrust offset^2 + offset of centre of gravity^2))
+
+Design rules keep it above 2 where possible, and above 1 always.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import keyed
+from tvclin.base.errors import InputError, instance, number, positive, small_angle
+from tvclin.base.lines import Line, Table, degrees, significant
+from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.flight.total import (
+    HEAD,
+    SAME,
+    SUMS,
+    DeflectionTotal,
+    at_time,
+    flight_end,
+    rows_of,
+    total_deflection,
+)
+from tvclin.requirement.flight.total import Line as Part
+from tvclin.requirement.required_quantity import TRIM
+from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
+
+GOAL, LEAST = 2.0, 1.0
+"""Values that the ratio should exceed, and that it must exceed."""
+
+
+@dataclass(frozen=True)
+class ControllabilityRatio(Shown):
+    """The least controllability ratio over a flight.
+
+    Attributes
+    ----------
+    takes : DeflectionTotal
+        What takes deflection at the flight time that is worst: trim of the wind in place of what
+        the wind needs.
+    limit : float
+        Available deflection [rad].
+    """
+
+    takes: DeflectionTotal
+    limit: float
+
+    as_dict = keyed("ratio words time_s=takes.time takes_deg=takes.total limit_deg")
+
+    @property
+    def ratio(self) -> float:
+        """Available deflection over the deflection taken; infinite where none is."""
+        return self.limit / self.takes.total if self.takes.total else np.inf
+
+    @property
+    def words(self) -> str:
+        """The ratio against its goal and its limit, in words."""
+        known = " where the winds are known" if self.takes.not_sized else ""
+        if self.ratio > GOAL:
+            return f"above the goal of {GOAL:g}{known}"
+        if self.ratio > LEAST:
+            return f"above the limit of {LEAST:g}, below the goal of {GOAL:g}{known}"
+        return f"below the limit of {LEAST:g}"
+
+    @property
+    def table(self) -> Table:
+        """Table of the contributions to the ratio."""
+        rows = rows_of(self.takes, "ratio", "trim of the wind")
+        total = degrees("ratio.takes", self.takes.total)
+        rows.append((("trim and all that adds up",), (SUMS,), total))
+        rows.append((("available",), ("",), degrees("ratio.limit", self.limit)))
+        return Table(f"Controllability ratio{at_time(self.takes, 'its')}", HEAD, tuple(rows))
+
+    @property
+    def verdict(self) -> Line:
+        """The ratio with its number, and against its goal and limit."""
+        return (
+            "Controllability ratio ",
+            *significant("ratio.ratio", self.ratio),
+            f": {self.words}",
+        )
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Reasons for which ratio and verdict differ."""
+        yield (
+            "the controllability ratio takes the whole of trim at the wind's peak for needed, as if"
+            " the wind lasted, and adds a gust by squares; the boundary takes the time that the"
+            " vehicle needs to fall, and adds a gust in full: a ratio below 1 may survive a short"
+            " wind, and one above 1 is no proof, for it knows neither law nor rate"
+        )
+
+
+def controllability_ratio(
+    sizing: Sizing,
+    limit: float,
+    *,
+    gust: ArrayLike = 0.0,
+    thrust_offset: float = 0.0,
+    gravity_offset: float = 0.0,
+) -> ControllabilityRatio:
+    """Return the least controllability ratio over the flight times of a sizing.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        Its trim is that of winds with their gusts.
+    limit : float
+        Available deflection [rad].
+    gust : array_like
+        Peak of the gust [rad] in them, one or of each flight time, ``(n,)``: its trim counts as
+        random, and not with theirs.
+    thrust_offset, gravity_offset : float
+        As of `total_deflection`.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, and a trim that is known nowhere.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> found = tv.size(tv.load_schedule("configuration-i"), wind, times=[60.0, 70.0])
+    >>> ratio = tv.requirement.controllability_ratio(found, np.radians(1.0))
+    >>> round(ratio.ratio, 2), ratio.words
+    (1.67, 'above the limit of 1, below the goal of 2')
+    """
+    instance("sizing", sizing, Sizing, "see size")
+    available = number("limit", limit, small_angle("a deflection", positive), "rad")
+    gusts = np.abs(small_angle("a wind angle")("gust", gust, "rad"))
+    if gusts.shape not in ((), sizing.times.shape):
+        raise InputError(
+            f"gust must be one number or {sizing.times.size}, as times; got {gusts.shape}"
+        )
+    if np.all(np.isnan(sizing.required[TRIM])):
+        raise InputError("trim is not known at any flight time, and the ratio needs it")
+    planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
+    ratios = []
+    for time, trim, peak in _trims(sizing, np.broadcast_to(gusts, sizing.times.shape)):
+        vehicle = sizing.schedule.at(time)
+        slopes = (abs(float(Coefficients.from_vehicle(vehicle, name).B)) for name in planes)
+        gust_trim = min(max(slopes) * peak, trim)
+        total = total_deflection(
+            vehicle,
+            trim - gust_trim,
+            nominal=float(sizing.schedule.nominal_at(time)),
+            thrust_offset=thrust_offset,
+            gravity_offset=gravity_offset,
+            others=(Part("gust", gust_trim, "random"),),
+        )
+        ratios.append(ControllabilityRatio(total, available))
+    worst = min(ratios, key=lambda r: r.ratio)
+    others = min((r.ratio for r in ratios if r.takes.time != worst.takes.time), default=0.0)
+    end = flight_end(sizing, worst.takes.time) if worst.ratio < (1.0 - SAME) * others else ""
+    takes = replace(worst.takes, not_sized=sizing.not_sized(TRIM), end=end)
+    return replace(worst, takes=takes)
+
+
+def _trims(sizing: Sizing, gusts: FloatArray) -> Iterator[tuple[float, float, float]]:
+    """Yield flight times [s], the trim [rad] of each wind then, and the gust's peak angle [rad].
+
+    A wind that is fixed in flight time has the largest trim near each flight time, at its own time.
+    """
+    trim = sizing.required[TRIM]
+    time, gust = (np.broadcast_to(x[:, np.newaxis], trim.shape) for x in (sizing.times, gusts))
+    if sizing.concurrent is not None:
+        fixed = np.isfinite(sizing.concurrent.deflection)
+        trim = np.where(fixed, sizing.concurrent.deflection, trim)
+        time = np.where(fixed, sizing.concurrent.time, time)
+    known = np.isfinite(trim)
+    yield from zip(time[known].tolist(), trim[known].tolist(), gust[known].tolist(), strict=True)

@@ -1,0 +1,463 @@
+"""Required deflection of a wind at a flight time: of a frozen vehicle, or along the flight.
+
+Along the flight, at the dynamic pressure encountered, the unstable mode has a costate p and a
+control reach R,
+
+    x' = A(t) x + b(t) delta + w(t) alpha_w,    p' = -A(t)^T p,    R' = -b(t).p
+
+The unstable component p.x goes to zero in the end exactly when
+
+    integral of p.b delta + p.w alpha_w dt = 0,
+
+which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
+backwards, every costate p turns into that of the unstable mode. The control reach R is the effect
+on the unstable component of a unit deflection that is constant from t on.
+
+Both are marched backwards from the end of the flight, where they are those of the vehicle frozen as
+it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step. The error is
+of fourth order in the steps, below 1e-6 at the length taken here. Parts of a flight in which the
+moment of a wind has the other sign are separate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from tvclin.ascent.measured_wind import SoundingSpeeds
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit import OK, PAIRED_POLES, STABLE, leading_pole
+from tvclin.boundary.optimum.minimum_peak import minimum_peaks
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.time_varying import varying_requirement
+from tvclin.requirement.varying_equations import (
+    PRESSURES,
+    Equations,
+    at_pressure,
+    has_quick_path,
+    of_pressure,
+    unstable_end,
+)
+from tvclin.requirement.varying_minimum import unstable_modes_of
+from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import EncounteredWind, NominalWind
+
+_STEP_OVER_TIME_CONSTANT = 0.1
+"""Length of a step times the fastest rate of the attitude."""
+_MAX_STEPS = 100_000
+"""Largest number of steps along a flight."""
+_MAX_ROW_STEP_S = 0.5
+"""Longest time [s] between two rows at which the poles of the vehicle are computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightMode:
+    """The linear equations of a vehicle along its flight, and its fastest unstable mode.
+
+    Beyond the last time with a real unstable pole the vehicle is frozen as it is then: it is
+    stable, or oscillates, and that it is unstable for ever requires no less.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The vehicle along its flight.
+    model, plane : str
+        Linear model and its plane; see `Plant.from_vehicle`.
+    span : tuple of float
+        First and last time [s] at which the mode is known; parameters are constant outside the
+        schedule.
+    """
+
+    schedule: FlightSchedule
+    model: str
+    plane: str
+    span: tuple[float, float]
+
+    def matrices(self, t: Any) -> tuple[FloatArray, FloatArray]:
+        """Return A ``(..., m, m)`` and the columns of deflection and wind ``(..., m, 2)``.
+
+        `t`: times [s], ``(...)``.
+        """
+        equations = self._equations(t)
+        order = equations.shape[-2]
+        return equations[..., :order], equations[..., order:]
+
+    def trim_per_wind(self, t: Any) -> FloatArray:
+        """Return B of eq (5) at times [s]."""
+        _, inputs = self.matrices(t)
+        return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
+
+    def at(self, t: Any) -> tuple[FloatArray, Any]:
+        """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
+
+        `t`: times [s].
+        """
+        times = np.clip(np.asarray(t, dtype=float), *self.span)
+        ends, costates = self._march
+        step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
+        matrices = self._step_matrices(times, ends[step])
+        solution = np.einsum("...i,...ij->...j", costates[step], matrices)
+        solution = np.moveaxis(solution / _length(solution), -1, 0)
+        return solution[:-1], solution[-1]
+
+    @property
+    def unstable(self) -> bool:
+        """Whether a real pole is unstable at some time of the flight, and later than its begin."""
+        return self._last_unstable > self.schedule.times[0]
+
+    @property
+    def last_unstable(self) -> float:
+        """Last time [s] with a real unstable pole; `InputError` where there is none."""
+        if not self.unstable:
+            raise InputError(
+                "varying parameters need a real unstable pole, which this flight has at none of its"
+                " times"
+            )
+        return self._last_unstable
+
+    @cached_property
+    def fastest(self) -> FloatArray:
+        """Largest rate sqrt(|mu_alpha|) [1/s] up to the last unstable time, ``(1,)``."""
+        rows = self._rows[self._rows <= self.last_unstable]
+        return np.sqrt(np.abs(self._equations(rows)[:, 1, 0]).max(keepdims=True))
+
+    @property
+    def breakpoints(self) -> FloatArray:
+        """Times [s] of the schedule, between which the equations are smooth."""
+        return self.schedule.times
+
+    def over(self, times: FloatArray) -> Equations:
+        """Return the equations at times [s] of the steps of one wind, ``(1, S, 3)``.
+
+        The costate at the end of the wind includes the remaining flight.
+        """
+        inside = np.minimum(times.ravel(), self.last_unstable)
+        vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
+        plants = [
+            replace(self.schedule, vehicle=vehicle).plants(inside, self.model, self.plane)
+            for vehicle in vehicles
+        ]
+        nominal, slopes = (
+            np.broadcast_to(x, (inside.size, *x.shape[-k:])).reshape(*times.shape, *x.shape[-k:])
+            for x, k in zip(of_pressure(plants), (2, 3), strict=True)
+        )
+        plant, order = plants[0], nominal.shape[-2]
+        costate, reach = self.at(times[0, -1, 2])
+        paired = np.broadcast_to(leading_pole(plant)[1], inside.shape)
+        return Equations(
+            nominal,
+            slopes,
+            np.append(costate, reach)[np.newaxis],
+            paired.reshape(times.shape),
+            np.atleast_1d(np.any(has_quick_path(plant))),
+            unstable_modes_of(nominal[:, -1, 2, :, :order]),
+        )
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        """Times [s] of the schedule, with even ones in intervals above `_MAX_ROW_STEP_S`."""
+        times = self.schedule.times
+        return _refined(times, np.diff(times) / _MAX_ROW_STEP_S)
+
+    @cached_property
+    def _last_unstable(self) -> float:
+        """The last row with a real unstable pole [s]; minus infinity without one."""
+        pole = unstable_end(self._plants_at(self._rows))[..., -1]
+        return float(np.max(self._rows[~np.isnan(pole)], initial=-np.inf))
+
+    def _equations(self, t: Any) -> FloatArray:
+        """The matrices ``[A b w]`` at times [s], ``t.shape + (m, m + 2)``."""
+        return self._plants_at(np.minimum(np.asarray(t, dtype=float), self.last_unstable))
+
+    def _plants_at(self, t: FloatArray) -> FloatArray:
+        """Return ``[A b w]`` at times [s] up to the last unstable one, ``t.shape + (m, m + 2)``."""
+        A, inputs, _, _ = self.schedule.plants(t, self.model, self.plane).matrices()
+        equations = np.concatenate([A, inputs], axis=-1)
+        return np.broadcast_to(equations, (*t.shape, *equations.shape[-2:]))
+
+    @cached_property
+    def _march(self) -> tuple[FloatArray, FloatArray]:
+        """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``."""
+        start, stop = self.span
+        breakpoints = np.append(self.schedule.times, self.last_unstable)
+        inside = breakpoints[(breakpoints > start) & (breakpoints < stop)]
+        knots = np.unique([start, *inside, stop])
+        ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP_OVER_TIME_CONSTANT)
+        matrices = self._step_matrices(ends[:-1], ends[1:])
+        costates = np.empty((ends.size, matrices.shape[-1]))
+        costates[-1] = unstable_end(self._equations(stop))
+        for k in range(ends.size - 2, -1, -1):
+            before = costates[k + 1] @ matrices[k]
+            costates[k] = before / _length(before)
+        return ends, costates
+
+    def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
+        """The matrices M of (p, R) at the begin = (p, R) M at the end of steps, of fourth order."""
+        h = (end - begin)[..., np.newaxis, np.newaxis]
+        times = np.stack([begin, 0.5 * (begin + end), end])
+        first, middle, last = self._rates(times)
+        slopes = [last]
+        for matrix, fraction in ((middle, 0.5), (middle, 0.5), (first, 1.0)):
+            slopes.append(matrix + fraction * h * slopes[-1] @ matrix)
+        total = slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3]
+        return np.asarray(np.eye(total.shape[-1]) + h / 6.0 * total)
+
+    def _rates(self, t: FloatArray) -> FloatArray:
+        """The matrices of (p, R)' = -(p, R) [[A, b], [0, 0]], without their sign."""
+        equations = self._equations(t)[..., :-1]
+        return np.concatenate([equations, np.zeros_like(equations[..., :1, :])], axis=-2)
+
+
+def _length(costate_and_reach: FloatArray) -> FloatArray:
+    """Return the length of the costate, ``(..., 1)``."""
+    return np.asarray(np.linalg.norm(costate_and_reach[..., :-1], axis=-1, keepdims=True))
+
+
+def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
+    """Return times [s] with `steps` even steps between each two, rounded up, and at least one."""
+    counts = np.maximum(np.ceil(steps), 1.0)
+    if not counts.sum() <= _MAX_STEPS:
+        raise InputError(
+            f"varying parameters can be followed for at most {_MAX_STEPS} steps; a flight of"
+            f" {times[-1] - times[0]:.4g} s takes {counts.sum():.4g}: shorten it or the winds, or"
+            " let the vehicle be frozen"
+        )
+    between = [
+        np.linspace(*ends, int(count), endpoint=False)
+        for ends, count in zip(pairwise(times), counts, strict=True)
+    ]
+    return np.concatenate([*between, times[-1:]])
+
+
+_SAMPLES_BETWEEN = 16
+"""Times between breakpoints of a wind at which static trim is computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightWind(NominalWind):
+    """A wind in flight time, as a vehicle encounters it with the wind of a sounding.
+
+    Attributes
+    ----------
+    history : History
+        Wind angles [rad] at the nominal speed of the flight, eq (B1e).
+    plane : str
+        Plane of these angles.
+    speeds : SoundingSpeeds
+        The wind of both planes.
+    """
+
+    plane: str
+    speeds: SoundingSpeeds
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle."""
+        return self.speeds.encountered(self.plane, super().at(times)[0], times)
+
+    def between(self, start: float, stop: float) -> FlightWind:
+        """Return the wind from a time to another [s], and none before and after."""
+        return replace(self, history=super().between(start, stop).history)
+
+
+@dataclass(frozen=True, eq=False)
+class FlightRequirement:
+    """Deflections [rad] that one wind requires of a vehicle along its flight, as sizes.
+
+    Attributes
+    ----------
+    trim : float
+        Static trim: the largest ``|B(t) alpha_w(t)|`` at nominal dynamic pressure, without drift.
+    required : ndarray
+        Required deflection at each dead band, ``(k,)``; NaN with K < 1 for a wind that changes its
+        sign.
+    minimum : float
+        Lower bound with the wind known, to both sides, over all unstable modes.
+    trim_time : float
+        Time [s] of the largest static trim.
+    times : ndarray
+        Times [s] at which the dead bands are left with the required limits, ``(k,)``.
+    """
+
+    trim: float
+    required: FloatArray
+    minimum: float
+    trim_time: float
+    times: FloatArray
+
+
+def flight_requirement(
+    mode: FlightMode, wind: NominalWind, dead_bands: FloatArray, whole: NominalWind | None = None
+) -> FlightRequirement:
+    """Return the deflections that a wind requires of a vehicle along its flight.
+
+    Parameters
+    ----------
+    mode : FlightMode
+        The flight, with a span that covers the wind.
+    wind : NominalWind or FlightWind
+        One wind that ends.
+    dead_bands : ndarray
+        K, each in [0, 1], ``(k,)``.
+    whole : NominalWind or FlightWind, optional
+        The same with what blows to the other side, where `wind` is its part to one: what a law with
+        K = 1 encounters.
+    """
+    times = wind.history.probe_times(_SAMPLES_BETWEEN)
+    trim = np.abs(mode.trim_per_wind(times) * wind.history(times))
+    trimmed = requirement_of_parts(mode, whole or wind, 1.0)
+    required, _, exits = np.transpose(
+        [trimmed if K == 1.0 else requirement_of_parts(mode, wind, K) for K in dead_bands.tolist()]
+    )
+    largest = int(np.argmax(trim))
+    return FlightRequirement(
+        float(trim[largest]), required, trimmed[1], float(times[largest]), exits
+    )
+
+
+def requirement_of_parts(
+    mode: FlightMode, wind: NominalWind | EncounteredWind, dead_band: float
+) -> tuple[float, float, float]:
+    """Return required deflection and minimum [rad], and the exit time [s], of parts of a flight.
+
+    The larger of all parts; the time is that of the part that requires most.
+    """
+    parts = mode.schedule.one_sign_intervals
+    ends = [mode.span[0], *(part.span[0] for part in parts[1:]), mode.span[1]]
+    begins, stops = float(wind.history.onset), float(wind.history.end)
+    whole = not any(begins < end < stops for end in ends[1:-1])
+    if whole:
+        parts, ends = (mode.schedule,), list(mode.span)
+    required, minimum, time = 0.0, 0.0, np.nan
+    for part, (start, stop) in zip(parts, pairwise(ends), strict=True):
+        inside = mode if whole else FlightMode(part, mode.model, mode.plane, (start, stop))
+        inner = wind if whole else wind.between(start, stop)
+        if inside.unstable and not inner.calm:
+            result = varying_requirement(inside, inner, dead_band)
+            if not (np.isnan(required) or result.required[0] <= required):
+                required, time = float(result.required[0]), float(result.time[0])
+            minimum = max(minimum, float(result.minimum[0]))
+    return required, minimum, time
+
+
+LAWS = ("bound", "flown")
+"""Bases of the requirement without a forecast."""
+_SAMPLE_RATE_HZ = 100.0
+"""Sample rate [Hz] of flights of the recoverable-attitude law."""
+_MAX_LIMIT_OVER_TRIM = 4.0
+"""Largest limit of these flights over the largest trim deflection."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenRequirement:
+    """Required deflections [rad] of a frozen vehicle in one wind; NaN where one is not defined.
+
+    `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
+    `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
+    C; `slow_mode` y of eq (C8), from one on the slow mode of the flight path decides. `said` is why
+    one is not defined, or not satisfied exactly.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    slow_mode: float
+    said: tuple[str, ...]
+
+
+def frozen_requirement(
+    plant: Plant,
+    wind: History,
+    dead_bands: FloatArray,
+    law: str,
+    whole: History | None = None,
+) -> FrozenRequirement:
+    """Return the requirements [rad] of a wind that ends, at dead bands ``(k,)``.
+
+    With the law "bound" `no_forecast` is the bound of all laws without a forecast, with "flown" the
+    smallest limit that the recoverable-attitude law survives with. `whole` is the wind with the
+    angles of both signs.
+    """
+    said: list[str] = []
+
+    def value_or(function: Callable[[], Any], missing: Any) -> Any:
+        try:
+            return function()
+        except InputError as error:
+            said.append(str(error))
+            return missing
+
+    paired = False
+
+    def largest() -> FloatArray:
+        nonlocal paired
+        limit = required_deflection(plant, wind, dead_bands, whole=whole)
+        statuses = dict.fromkeys(np.ravel(limit.status).tolist())
+        said.extend(status for status in statuses if status not in (OK, STABLE))
+        paired = PAIRED_POLES in statuses
+        return np.abs(np.asarray(limit.deflection))
+
+    slow = slow_mode(plant, wind)
+    exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
+    two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
+    minimum = value_or(lambda: float(minimum_peaks(two, wind)), np.nan)
+    required = np.maximum(
+        value_or(largest, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
+    )
+    no_forecast = np.nan
+    if paired:
+        said.append("no bound of laws without a forecast is known where two modes grow as a pair")
+    else:
+        no_forecast = value_or(lambda: _no_forecast(plant, wind, law), np.nan)
+    return FrozenRequirement(
+        trim=abs(float(plant.coefficients.B * wind.peak)),
+        required=required,
+        no_forecast=no_forecast,
+        minimum=minimum,
+        slow_mode=slow,
+        said=tuple(dict.fromkeys(said)),
+    )
+
+
+def slow_mode(plant: Plant, wind: History) -> float:
+    """Return y of eq (C8) for any wind: the ratio of the slow mode's demand to the fast mode's.
+
+    It is one at the edge of the single-pole theory, for a triangle at `single_pole_validity`, and
+    negative where the modes are driven in opposite directions. NaN without two real unstable poles.
+    """
+    modes = unstable_modes(Plant.from_coefficients(plant.coefficients, "drift-exact"))
+    if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):
+        return float("nan")
+    from_onset = wind.shift(-wind.onset).laplace(modes.poles)
+    demands = modes.poles * from_onset * modes.wind_residues / modes.deflection_residues
+    return float(demands[1] / demands[0])
+
+
+def _no_forecast(plant: Plant, wind: History, law: str) -> float:
+    """Return the required deflection [rad] without a forecast; zero for a stable plant."""
+    if not _unstable(plant):
+        return 0.0
+    if law == "bound":
+        return abs(forecast_free_limit(plant, wind).deflection)
+    flown = RecoverableAttitudeLaw(plant, design_peak=abs(float(wind.peak)))
+    boundary = closed_loop_boundary(
+        plant, flown, wind, sample_rate=_SAMPLE_RATE_HZ, highest=_MAX_LIMIT_OVER_TRIM
+    )
+    return abs(boundary.deflection)
+
+
+def _unstable(plant: Plant) -> int:
+    """Return the number of unstable poles."""
+    return int(unstable_modes(plant).poles.size)

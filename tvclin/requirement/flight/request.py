@@ -1,0 +1,467 @@
+"""The sizing of a flight as a request: its schedule, its winds, and what else the nozzle turns.
+
+Model, planes, limit and stop are those of the case, and so is the first of its pulses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.errors import (
+    InputError,
+    NotKnownError,
+    bearing,
+    between,
+    each,
+    instance,
+    naming,
+    nonnegative,
+    nonzero,
+    number,
+    one_of,
+    positive,
+    small_angle,
+)
+from tvclin.base.fields import checked, file_table, flag, quantity, text, word
+from tvclin.case.case import CROSS, DIRECTIONS, FROZEN, SIGNS, Case
+from tvclin.control.laws.registry import LAWS
+from tvclin.requirement.flight.controllability import ControllabilityRatio, controllability_ratio
+from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.requirement.flight.flight_winds import WindOf
+from tvclin.requirement.flight.size import WORDS, size
+from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.flight.total import DeflectionTotal, worst_total
+from tvclin.requirement.flight.wind_sign import base_of, by_direction
+from tvclin.requirement.required_quantity import TRIM, Requirement, requirement_among
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import ShapedWind, component_in
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
+
+
+@dataclass(frozen=True, eq=False)
+class SoundingRequest:
+    """A wind over height that the flight goes through.
+
+    Attributes
+    ----------
+    profile : WindProfile
+        The wind; see `read_sounding`.
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    bias : WindProfile, optional
+        The mean wind for which the flight path is biased, as of `fly_through`.
+    """
+
+    profile: WindProfile
+    azimuth: float
+    bias: WindProfile | None = None
+
+    def __post_init__(self) -> None:
+        instance("profile", self.profile, WindProfile, "see read_sounding")
+        object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
+        if self.bias is not None:
+            instance("bias", self.bias, WindProfile, "see read_sounding")
+
+
+@dataclass(frozen=True, eq=False)
+class FlightWinds:
+    """Winds on the flight of a case.
+
+    `case`: its planes, model, nozzle and sign count. `schedule`: the flight. `pulses`: whose peak
+    meets each flight time, with the gust of the case. `soundings`: by name. `peak_speed`,
+    `gust_speed`: wind speeds [m/s] in place of the angles of pulses and their gust. `window`: of a
+    sounding, about each flight time [s]. `dead_band`: for which a gust comes at its worst time.
+    """
+
+    case: Case
+    schedule: FlightSchedule
+    pulses: tuple[ShapedWind, ...]
+    soundings: Mapping[str, SoundingRequest]
+    peak_speed: float | None
+    gust_speed: float | None
+    window: float | None
+    dead_band: float
+
+    @property
+    def by_name(self) -> dict[str, WindOf]:
+        """The winds as `size` takes them; soundings are in flight time. It raises as `winds`."""
+        sign = self.case.sign
+        if sign in SIGNS and any(one.heading is not None for one in self.pulses):
+            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+        return {self._name(one): self._met(one) for one in self.pulses} | {
+            name: self._flown(name, one) for name, one in self.soundings.items()
+        }
+
+    @property
+    def gust(self) -> GustOf | None:
+        """The gust as each vehicle of the flight meets it."""
+        gust: History | None = getattr(self.case.wind, "gust", None)
+        if self.gust_speed is None or gust is None:
+            return gust
+        return gust_of_speed(gust, self.gust_speed, self.case.planes)
+
+    def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
+        """Return the case of a vehicle of the flight, in a pulse as it meets it."""
+        case = self.case
+        return Case(
+            vehicle=vehicle,
+            model=case.model,
+            plane=case.plane,
+            wind=self._blows(vehicle, pulse),
+            nozzle=case.nozzle,
+            design=case.design,
+            sign=case.sign,
+        )
+
+    def _blows(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """A pulse with the angles at which a vehicle meets it and its gust."""
+        if self.peak_speed is not None:
+            pulse = pulse.with_speed(self.peak_speed, vehicle, self.case.plane)
+        if self.gust_speed is not None:
+            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, self.case.plane)
+        return pulse
+
+    def _met(self, pulse: ShapedWind) -> WindOf:
+        """A pulse as vehicles meet it: its part in the plane, or for both planes the vector."""
+        case = self.case
+
+        def met(vehicle: Vehicle) -> History | PlaneWind:
+            blows = self.case_of(vehicle, pulse).wind_at(self.dead_band)
+            attitude = float(np.asarray(vehicle.attitude))
+            if case.planes != BOTH:
+                return blows.in_plane(case.plane, attitude).history({})
+            peaks = blows.peaks(attitude)
+            return PlaneWind(**{plane: component_in(blows, peaks, plane) for plane in PLANES})
+
+        return met
+
+    def _flown(self, name: str, sounding: SoundingRequest) -> WindOf:
+        with naming(name):
+            return fly_through(
+                sounding.profile,
+                self.schedule,
+                azimuth=sounding.azimuth,
+                plane=self.case.planes,
+                window=self.window,
+                gust=self.gust,
+                pressure=self.case.sign != FROZEN,
+                bias=sounding.bias,
+            )
+
+    def _name(self, pulse: ShapedWind) -> str:
+        name = f"{pulse.shape} wind of {_strength(pulse.peak, self.peak_speed)}"
+        if pulse.gust is None:
+            return f"{name}, {pulse.duration:g} s"
+        gust, peak = pulse.gust, _strength(float(pulse.gust.peak), self.gust_speed)
+        return f"{name}, {pulse.duration:g} s, gust of {peak}, {gust.end - gust.onset:g} s"
+
+
+def _strength(peak: float, speed: float | None) -> str:
+    return f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
+
+
+_APART = 1e-9
+"""Steps by which even flight times must differ from the first and the last."""
+_MOST_TIMES = 10_000
+"""Flight times; more are a step that was given in the wrong unit."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SizingRequest:
+    """Options of the sizing of a flight, other than its case.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The flight.
+    source : str
+        The vehicle or file whose flight it is, as messages call it; empty where it has no name.
+    another : str
+        The study's vehicle, as messages call it, where the flight is that of another vehicle.
+    pulse : bool
+        Whether the wind of the case blows on the flight, its peak at each flight time.
+    others : tuple of ShapedWind
+        Other winds that do.
+    peak_speed : float, optional
+        Peak wind speed of the pulses [m/s], in place of their angle: the vehicle meets it at the
+        angle of its flight time, by eq (B1e).
+    soundings : dict of str to SoundingRequest
+        Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
+        time, or when the dead band that counts needs most, of a sounding about each flight time.
+    gust_speed : float, optional
+        Wind speed [m/s] at the peak of the gust of pulses, in place of its angle.
+    window : float, optional
+        Length of the part of a sounding that counts, about each flight time [s].
+    start : float, optional
+        First flight time [s]; without it the first that has the whole of the pulses about it.
+    stop : float, optional
+        Last flight time [s]; without it the last that has the whole of the pulses about it.
+    every : float
+        Time between flight times [s]; the last step may be shorter.
+    dead_bands : tuple of float
+        Dead band K, from 0 to 1; may be given several times.
+    law : str
+        Column 'no forecast': bound, the lower bound for all laws without a forecast, or flown, what
+        such a law needs in flight (slow).
+    varying : bool, optional
+        Let parameters vary while the wind blows, or take those of each flight time alone.
+    count : str, optional
+        Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...
+    dispersion : float
+        What dispersions add, as a fraction of what the wind needs.
+    thrust_offset : float
+        Angle between the thrust and the nozzle's axis [rad].
+    gravity_offset : float
+        Distance of the centre of gravity from the axis [m].
+    reserve : float
+        Fraction of the limit to keep unused, from 0 to 1.
+    card : str, optional
+        The law that is flown for the card of the nozzle, see `flight_card`; on the page too.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, unknown names, and without any wind.
+    """
+
+    schedule: FlightSchedule
+    source: str = text("", key=None, option=None)
+    another: str = text("", key=None, option=None)
+    pulse: bool = flag(True, key=None, option=None)
+    others: tuple[ShapedWind, ...] = ()
+    peak_speed: float | None = quantity("speed", None, nonzero, option=None)
+    gust_speed: float | None = quantity("speed", None, nonzero, key=None, option=None)
+    soundings: Mapping[str, SoundingRequest] = field(default_factory=dict)
+    window: float | None = quantity("time", None, positive, shown="all of it")
+    start: float | None = quantity(
+        "time", None, key="from", option="--from", shown="the earliest possible"
+    )
+    stop: float | None = quantity(
+        "time", None, key="to", option="--to", shown="the latest possible"
+    )
+    every: float = quantity("time", 5.0, positive)
+    dead_bands: tuple[float, ...] = quantity(
+        "number", (1.0, 0.5), between(0.0, 1.0), many=True, option="--dead-band"
+    )
+    law: str = word(WORDS["law"], "bound")
+    varying: bool | None = flag(
+        None, option="--varying/--frozen", shown="varying where they can be followed"
+    )
+    count: str | None = text(
+        None, shown="the largest dead band, varying, in the wind that needs more"
+    )
+    dispersion: float = quantity("percent", 0.0, nonnegative)
+    thrust_offset: float = quantity("angle", 0.0, small_angle("an angle"))
+    gravity_offset: float = quantity("length", 0.0)
+    reserve: float = quantity("percent", 0.0, nonnegative)
+    card: str | None = word(LAWS, None, option=None)
+
+    def __post_init__(self) -> None:
+        instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
+        object.__setattr__(self, "others", each("others", self.others, ShapedWind, "of one shape"))
+        instance("soundings", self.soundings, Mapping, "of names to SoundingRequest")
+        each("soundings", tuple(self.soundings.values()), SoundingRequest, "with their azimuth")
+        checked(self)
+        if not self.pulse and not self.others and not self.soundings:
+            raise InputError("a sizing needs a wind: a pulse or a sounding")
+
+    def counted(self, found: Sizing, sign: str | None = None) -> Requirement:
+        """Return the requirement that counts as the wind's, where none is named.
+
+        That of the largest dead band; with varying parameters if these are known wherever frozen
+        ones are, at the dynamic pressure encountered in the wind of the sign that is asked for.
+        Where none is, in the one of the possible directions that requires most.
+        """
+        if self.count is not None:
+            return requirement_among("count", self.count, found.required)
+        instance("found", found, Sizing, "see sizing()")
+        if sign is not None:
+            one_of("sign", sign, (*SIGNS, FROZEN))
+        base, worst = base_of(found), found.worst
+        if sign == FROZEN:
+            return base
+        directions = DIRECTIONS if sign is None else (sign, CROSS)
+        known = [one for one in (replace(base, direction=x) for x in directions) if one in worst]
+        return max(known, key=lambda one: worst[one].deflection, default=base)
+
+    def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
+        """Return the winds whose peak meets each flight time, with the gust of the case."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        own: Any = case.wind
+        instance("wind of the case", own, ShapedWind, "of one shape")
+        return tuple(
+            replace(one, gust=own.gust, gust_at=own.gust_at)
+            for one in (*((own,) if self.pulse else ()), *self.others)
+        )
+
+    def times(self, case: Case) -> NDArray[Any]:
+        """Return flight times [s], the first and the last and even ones between; see `start`.
+
+        Raises
+        ------
+        InputError
+            For ends not in order, and more than 10000 flight times.
+        """
+        half = 0.5 * max((pulse.duration for pulse in self.pulses(case)), default=0.0)
+        first, last = self.schedule.span
+        if last - first < 2.0 * half:
+            half = 0.0
+        low = first + half if self.start is None else number("the first flight time", self.start)
+        high = last - half if self.stop is None else number("the last one", self.stop)
+        if high < low:
+            raise InputError(
+                f"the last flight time must not be before the first; got {low:g} to {high:g} s"
+            )
+        if (high - low) / self.every > _MOST_TIMES:
+            raise InputError(
+                f"there may be at most {_MOST_TIMES} flight times; got one every {self.every:g} s"
+            )
+        even = np.ceil(low / self.every) * self.every if self.start is None else low
+        between = np.arange(even, high, self.every)
+        apart = np.abs(between - [[low], [high]]).min(axis=0) > _APART * self.every
+        return np.concatenate([[low], between[apart], [high][: int(high > low)]])
+
+    def winds(self, case: Case) -> dict[str, WindOf]:
+        """Return the winds by name, as `size` takes them; soundings are in flight time.
+
+        Raises
+        ------
+        InputError
+            As `fly_through`, with the name of the sounding, and for the sign of a pulse with a
+            direction.
+        """
+        return self._blowing(case).by_name
+
+    def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
+        """Return the case of a flight time [s], in a pulse whose peak it meets.
+
+        Raises
+        ------
+        InputError
+            For a time outside the schedule, and a wind that has no part in the plane.
+        """
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("pulse", pulse, ShapedWind, "one of pulses")
+        vehicle = self.schedule.at(number("time", time, unit="s"))
+        return self._blowing(case).case_of(vehicle, pulse)
+
+    def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
+        """Return the sizing, and tell how it goes on; raise `InputError` as `size`.
+
+        Of pulses the largest dead band has its need in a head wind and a tail wind beside it.
+        """
+        found = size(
+            self.schedule,
+            self.winds(case),
+            times=self.times(case),
+            dead_bands=self.dead_bands,
+            model=case.model,
+            plane=case.planes,
+            law=self.law,
+            varying=self.varying,
+            stop=case.nozzle.stop or "round",
+            progress=progress,
+        )
+        if self.soundings and any(one.varying for one in found.required):
+            air = "nominal" if case.sign == FROZEN else "encountered"
+            names = ", ".join(self.soundings)
+            said = f"each K, varying counts the {air} dynamic pressure in {names}"
+            found = replace(found, notes=(*found.notes, said))
+        pulses = self.pulses(case)
+
+        def at(time: float, k: int) -> Case:
+            return self.at(case, time, pulses[k])
+
+        return by_direction(found, len(pulses), at, self._mode(case, found))
+
+    def _mode(self, case: Case, found: Sizing) -> FlightMode | None:
+        """The flight over the schedule and all winds, where parameters vary in one plane."""
+        if case.nozzle.stop is not None or not base_of(found).varying:
+            return None
+        first, last = self.schedule.span
+        span = np.nanmin([first, *found.begins.flat]), np.nanmax([last, *found.ends.flat])
+        return FlightMode(self.schedule, case.model, case.plane, (float(span[0]), float(span[1])))
+
+    def total(self, case: Case, found: Sizing) -> DeflectionTotal:
+        """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        return worst_total(
+            found,
+            self.counted(found, case.sign),
+            dispersion=self.dispersion,
+            thrust_offset=self.thrust_offset,
+            gravity_offset=self.gravity_offset,
+            reserve=self.reserve,
+            limit=case.nozzle.limit,
+            rate_limit=case.nozzle.rate_limit,
+        )
+
+    def ratio(self, case: Case, found: Sizing) -> ControllabilityRatio | None:
+        """Return the controllability ratio of a sizing; None without a limit or any known trim."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("found", found, Sizing, "see sizing()")
+        if case.nozzle.limit is None or np.all(np.isnan(found.required[TRIM])):
+            return None
+        gust = self._blowing(case).gust
+
+        def peak(vehicle: Vehicle) -> float:
+            try:
+                return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
+            except NotKnownError:
+                return MAX_LINEAR_ANGLE
+
+        return controllability_ratio(
+            found,
+            case.nozzle.limit,
+            gust=[peak(self.schedule.at(t)) for t in found.times.tolist()],
+            thrust_offset=self.thrust_offset,
+            gravity_offset=self.gravity_offset,
+        )
+
+    def _blowing(self, case: Case) -> FlightWinds:
+        return FlightWinds(
+            case=case,
+            schedule=self.schedule,
+            pulses=self.pulses(case),
+            soundings=self.soundings,
+            peak_speed=self.peak_speed,
+            gust_speed=self.gust_speed,
+            window=self.window,
+            dead_band=float(max(self.dead_bands)),
+        )
+
+    @property
+    def warnings(self) -> list[str]:
+        """Why the flight may not be what was meant; nothing where it is the study's own."""
+        if not self.another:
+            return []
+        return [
+            f"the flight is that of {self.source}, not of the study's vehicle, {self.another}; give"
+            " its own in [schedule], or leave out [schedule] and [size]"
+        ]
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes on the winds; none without soundings."""
+        if not self.soundings:
+            return []
+        near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
+        return [
+            f"in {', '.join(self.soundings)} only what blows{near} to the side on which it is"
+            " largest counts",
+            *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
+        ]
+
+
+SIZE_TABLE = file_table("[size]", SizingRequest)

@@ -1,0 +1,419 @@
+"""Sizing: required deflections by flight time and wind, with the worst and its notes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.ascent.schedule import FlightSchedule
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.cards import Shown, table
+from tvclin.base.columns import Column, Columns, Tabled
+from tvclin.base.documents import keyed, picked
+from tvclin.base.errors import one_of
+from tvclin.base.lines import Table, degrees, significant
+from tvclin.boundary.limit_shapes import LimitShape
+from tvclin.requirement.plane_requirement import missing_part
+from tvclin.requirement.required_quantity import Requirement, requirement_among
+from tvclin.vehicle.coefficients import PLANE_TEXTS
+from tvclin.winds.wind_angles import linear_notes
+
+if TYPE_CHECKING:
+    from tvclin.requirement.flight.flight_winds import ConcurrentTrim
+
+STEADY = 0.1
+"""Relative change of beta or B above which frozen parameters are doubtful."""
+
+
+def beyond_one_pole(slow_mode: FloatArray) -> BoolArray:
+    """Return where y of eq (C8) says that the slow mode of the flight path decides."""
+    return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
+
+
+@dataclass(frozen=True)
+class Worst(Shown):
+    """The largest deflection [rad] of one requirement, its flight time [s] and its wind."""
+
+    deflection: float
+    time: float
+    wind: str
+
+    as_dict = keyed("deflection_deg time_s wind")
+
+
+@dataclass(frozen=True, eq=False)
+class Sizing(Tabled):
+    """Required deflections over a flight, in several winds; make it with `size`.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The flight.
+    times : ndarray
+        Flight times [s], ``(n,)``.
+    winds : tuple of str
+        Names of the winds, m of them.
+    dead_bands : ndarray
+        K, falling, ``(k,)``.
+    required : dict of Requirement to ndarray
+        Required deflections [rad], ``(n, m)``; ``required["K = 1"]`` finds one by its label as
+        well. NaN where one is not defined; `said` tells why. With varying parameters the minimum is
+        that of one pole, and not defined beyond it. NaN as well where the wind is not known.
+    law : str
+        What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
+        the recoverable-attitude law needs in flight.
+    model, plane : str
+        Of `boundary_limit` and `Plant`; "both" for both planes, which share one stop.
+    begins, ends : ndarray
+        Onset and end of each wind [s], ``(n, m)``; NaN in a calm.
+    change : ndarray
+        Relative change of beta or B during the wind, over its value at the flight time, ``(n, m)``.
+    known_times : ndarray
+        First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
+        its last level. Infinite for others.
+    known : ndarray of bool
+        Whether the wind is known, ``(n, m)``.
+    covered : ndarray of bool
+        Whether the schedule covers the wind; outside, parameters are those of its nearer end.
+    slow_mode : ndarray
+        y of eq (C8) for each wind, ``(n, m)``: from one on the slow mode of the flight path
+        decides, one pole is not enough, and "minimum" is the two-pole result.
+    edge : ndarray
+        Duration [s] of a triangle at which that happens, ``(n,)``; see `single_pole_validity`.
+    said : tuple of str
+        Reasons why a requirement is not defined or not exact; often none.
+    notes : tuple of str
+        Notes on the validity of the numbers; often none.
+    alone : dict of str to Sizing
+        For both planes, the sizing of each plane by itself; else empty.
+    unsigned : ndarray of bool, or None
+        Where a pulse needs the same in each column of a sign because what its sign changes is not
+        known there, ``(n, m)``; None where no sign was asked about.
+    stop : LimitShape or None
+        For both planes, what the nozzle can do; deflections are in its measure.
+    arises : dict of Requirement to ndarray
+        By requirement with varying parameters, for winds that meet every flight time
+        as one and the same, as a sounding without a window: their number is one for the flight,
+        repeated in each row, and this the flight time [s] at which it arises, ``(m,)``: of a dead
+        band its exit, of trim and the minimum that of the largest trim. NaN for other winds.
+    concurrent : ConcurrentTrim or None
+        Trim of winds that are fixed in flight time, each angle with the vehicle of its own time.
+    """
+
+    schedule: FlightSchedule
+    times: FloatArray
+    winds: tuple[str, ...]
+    dead_bands: FloatArray
+    required: dict[Requirement, FloatArray]
+    law: str
+    model: str
+    plane: str
+    begins: FloatArray
+    ends: FloatArray
+    change: FloatArray
+    known_times: FloatArray
+    known: BoolArray
+    covered: BoolArray
+    slow_mode: FloatArray
+    edge: FloatArray
+    said: tuple[str, ...]
+    notes: tuple[str, ...]
+    alone: Mapping[str, Sizing] = field(default_factory=dict)
+    stop: LimitShape | None = None
+    unsigned: BoolArray | None = None
+    arises: Mapping[Requirement, FloatArray] = field(default_factory=dict)
+    concurrent: ConcurrentTrim | None = None
+
+    _keys = "vehicle=schedule.vehicle.name model plane winds largest_deg"
+
+    @property
+    def pitch_misses(self) -> dict[Requirement, FloatArray]:
+        """Fraction of each requirement that the pitch plane alone omits, ``(n, m)``.
+
+        0.4 says that a limit for the pitch plane alone would be 40 percent too small.
+        Empty for one plane.
+        """
+        if not self.alone:
+            return {}
+        pitch = self.alone["pitch"].required
+        return {name: missing_part(alone, self.required[name]) for name, alone in pitch.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        planes: dict[str, Any] = {}
+        if self.alone:
+            alone = {plane: picked(sizing, "deg=required") for plane, sizing in self.alone.items()}
+            planes = {"stop": repr(self.stop)}
+            planes["alone_deg"] = {plane: sizing["deg"] for plane, sizing in alone.items()}
+            planes |= picked(self, "pitch_alone_misses=pitch_misses")
+        return {
+            **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
+            **picked(self, "required_deg"),
+            **(picked(self, "arises_s") if self.arises else {}),
+            **planes,
+            **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
+            **picked(self, "single_pole_edge_s=edge worst"),
+            "worst_by_wind": {
+                wind: {key.label: worst for key, worst in self.worst_in(wind).items()}
+                for wind in self.winds
+            },
+        }
+
+    def _repr_html_(self) -> str:
+        rows = tuple(
+            (
+                (key.label,),
+                degrees("", worst.deflection),
+                significant("", worst.time, 6),
+                (worst.wind,),
+            )
+            for key, worst in self.worst.items()
+        )
+        span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
+        name = self.schedule.vehicle.name or "Sizing"
+        title = f"{name}, {self.model}, {PLANE_TEXTS[self.plane]}: {span}"
+        head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
+        return table(Table(title, head, rows))
+
+    @property
+    def beyond_one_pole(self) -> BoolArray:
+        """Whether the wind is beyond the single-pole theory, ``(n, m)``."""
+        return beyond_one_pole(self.slow_mode)
+
+    @property
+    def steady(self) -> BoolArray:
+        """Whether beta and B change by at most a tenth during the wind, ``(n, m)``."""
+        return np.asarray((self.change <= STEADY) & self.covered)
+
+    @property
+    def law_words(self) -> str:
+        """Basis of the requirement without a forecast, in words."""
+        words = {
+            "bound": "a bound for every law without a forecast",
+            "flown": "the recoverable-attitude law",
+        }
+        return words[self.law]
+
+    @property
+    def worst(self) -> dict[Requirement, Worst]:
+        """Largest value of each requirement, omitting those that are defined nowhere."""
+        return self._largest(range(len(self.winds)))
+
+    @property
+    def largest(self) -> dict[Requirement, float]:
+        """Largest deflection [rad] of each requirement, omitting those that are defined nowhere."""
+        return {name: worst.deflection for name, worst in self.worst.items()}
+
+    def worst_in(self, wind: str) -> dict[Requirement, Worst]:
+        """Return the largest of each requirement in one wind, as `worst` has it for all.
+
+        Raises
+        ------
+        InputError
+            For an unknown wind.
+        """
+        return self._largest([self.winds.index(one_of("wind", wind, self.winds))])
+
+    @property
+    def freezing_error(self) -> dict[Requirement, FloatArray]:
+        """Frozen requirement over the varying one, minus one, ``(n, m)``; empty without these."""
+        pairs = {frozen: replace(frozen, varying=True) for frozen in self.required}
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return {
+                frozen: self.required[frozen] / self.required[varying] - 1.0
+                for frozen, varying in pairs.items()
+                if varying in self.required and not frozen.varying
+            }
+
+    def at_times(self, name: Requirement | str) -> FloatArray:
+        """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
+
+        By itself or its label. Winds in which it is not known do not count; see `not_sized`.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        values = self.required[requirement_among("name", name, self.required)]
+        with np.errstate(invalid="ignore"):
+            return np.fmax.reduce(values, axis=1)
+
+    def arising(self, name: Requirement | str) -> FloatArray:
+        """Return `arises` of a requirement [s], ``(m,)``; NaN where it has a number for each time.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        requirement = requirement_among("name", name, self.required)
+        return np.asarray(self.arises.get(requirement, np.full(len(self.winds), np.nan)))
+
+    def not_sized(self, name: Requirement | str) -> tuple[str, ...]:
+        """Return the intervals in which a requirement is not known in every wind, in words.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        values = self.required[requirement_among("name", name, self.required)]
+        first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
+        early, late = self.times < first, self.times > last
+        rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
+        words = {
+            f"above {self.schedule.altitude_text(last)}": np.any(late),
+            f"below {self.schedule.altitude_text(first)}": np.any(early),
+            f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
+            f"at {rest.max(initial=0):.6g} s": rest.size == 1,
+        }
+        return tuple(word for word, unknown in words.items() if unknown)
+
+    def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
+        """Return the largest of each requirement in winds of these positions."""
+        largest = {}
+        for name, required in self.required.items():
+            values = required[:, winds]
+            if np.all(np.isnan(values)):
+                continue
+            i, j = np.unravel_index(int(np.nanargmax(values)), values.shape)
+            arises = float(self.arising(name)[winds[int(j)]])
+            time = float(self.times[i]) if np.isnan(arises) else arises
+            largest[name] = Worst(float(values[i, j]), time, self.winds[winds[int(j)]])
+        return largest
+
+    def _columns(self) -> Columns:
+        needs = {requirement.column: values for requirement, values in self.required.items()}
+        for plane, sizing in self.alone.items():
+            needs |= {f"{k.column}_{plane}_alone": v for k, v in sizing.required.items()}
+        others = "change known covered slow_mode beyond_one_pole"
+        return Columns(
+            (Column("time", self.times, "s"), Column("wind", np.array(self.winds), "")),
+            (
+                *(Column(name, values, "rad") for name, values in needs.items()),
+                *(Column(name, getattr(self, name), "s") for name in ("begins", "ends")),
+                *(Column(name, getattr(self, name)) for name in others.split()),
+                Column("single_pole_edge", self.edge, "s", ("time",)),
+            ),
+            {"vehicle": self.schedule.vehicle.name, **picked(self, "model plane law")},
+        )
+
+
+_MAX_LISTED_TIMES = 2
+"""Largest number of flight times that are listed one by one."""
+_RELATIVE_TOLERANCE = 1e-9
+"""Relative difference up to which two deflections count as equal."""
+
+
+def notes_of(found: Sizing) -> tuple[str, ...]:
+    """Return notes on a sizing, each one sentence; often none."""
+    return (
+        *_unknown(found),
+        *_beyond_one_pole(found),
+        *found.said,
+        *_changes(found),
+        *_outside(found),
+        *_at_the_ends(found),
+    )
+
+
+def unknown_rows(found: Sizing, whys: list[list[str]]) -> list[str]:
+    """Return a note for each wind on the flight times at which it is not known, and why."""
+    notes = []
+    for j, wind in enumerate(found.winds):
+        times = {float(t): row[j] for t, row in zip(found.times, whys, strict=True) if row[j]}
+        if times:
+            notes.append(f"{wind} is not known at {flight_times(times)}: {times[min(times)]}")
+    return notes
+
+
+def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
+    """Return notes on winds, by name, whose largest angle [rad] is doubtfully linear."""
+    return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
+
+
+def flight_times(times: Collection[float]) -> str:
+    """Return in words at which flight times [s]."""
+    ends = [f"{t:.6g} s" for t in sorted({min(times), max(times)})]
+    return (
+        f"{len(times)} flight times, {' to '.join(ends)}"
+        if len(times) > _MAX_LISTED_TIMES
+        else " and ".join(ends)
+    )
+
+
+def hundredths(time: float, *, up: bool) -> str:
+    """Return a flight time [s] rounded up or down to hundredths, as options name it."""
+    return f"{(np.ceil if up else np.floor)(100.0 * time) / 100.0:.10g}"
+
+
+def _unknown(found: Sizing) -> list[str]:
+    begin, end = found.schedule.span
+    place = found.schedule.altitude_text
+    return [
+        f"{wind} is known from {place(first)} to {place(last)} only; beyond, it is unknown, not"
+        " calm: it is not counted, and no flight time there is sized"
+        for wind, (first, last) in zip(found.winds, found.known_times.tolist(), strict=True)
+        if begin < first or last < end
+    ]
+
+
+def _beyond_one_pole(found: Sizing) -> list[str]:
+    beyond = found.beyond_one_pole
+    notes = []
+    for j, wind in enumerate(found.winds):
+        if np.any(beyond[:, j]):
+            i = int(np.argmax(beyond[:, j]))
+            lasts, edge = found.ends[i, j] - found.begins[i, j], found.edge[i]
+            holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
+            notes.append(
+                f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
+                f" theory, which holds for {holds} there: the minimum counts two poles, and"
+                " every dead band needs at least as much"
+            )
+    return notes
+
+
+def _changes(found: Sizing) -> list[str]:
+    if found.freezing_error or not np.any(found.change > STEADY):
+        return []
+    i, j = np.unravel_index(int(np.nanargmax(found.change)), found.change.shape)
+    return [
+        f"beta or B changes by up to {100 * found.change[i, j]:.0f} % while {found.winds[j]} blows"
+        f" (at {found.times[i]:.6g} s); frozen parameters are doubtful above {100 * STEADY:.0f} %"
+    ]
+
+
+def _outside(found: Sizing) -> list[str]:
+    if np.all(found.covered):
+        return []
+    first, last = found.schedule.span
+    return [
+        f"winds blow outside the schedule, {first:.6g} to {last:.6g} s; parameters are there those"
+        " of its nearer end"
+    ]
+
+
+def _at_the_ends(found: Sizing) -> list[str]:
+    """Return notes on requirements that are largest at the first or the last flight time."""
+    order = np.argsort(found.times)
+    ends: dict[str, list[str]] = {}
+    for requirement in found.required:
+        if requirement.varying or requirement.direction:  # follows the nominal one
+            continue
+        name, values = requirement.label, found.at_times(requirement)[order]
+        times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
+        if times.size < 2:
+            continue
+        if values[0] > (1.0 + _RELATIVE_TOLERANCE) * values[1:].max():
+            ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
+        if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
+            ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
+    return [
+        f"largest at the {end} it, these may be larger: {'; '.join(names)}"
+        for end, names in ends.items()
+    ]

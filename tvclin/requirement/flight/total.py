@@ -1,0 +1,445 @@
+"""Total deflection of a nozzle: requirement of the wind, nominal flight, offsets, dispersions.
+
+    total = |nominal| + |wind| + sum of systematic offsets + sqrt(sum of random parts^2)
+
+A reserve is a fraction of the available limit that stays unused: total <= (1 - reserve) limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tvclin.base.cards import Shown, table
+from tvclin.base.documents import keyed
+from tvclin.base.errors import (
+    InputError,
+    between,
+    each,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    single,
+    small_angle,
+    text,
+    within,
+)
+from tvclin.base.lines import Line as Cell
+from tvclin.base.lines import Table, degrees, significant
+from tvclin.base.quantities import sufficiency
+from tvclin.boundary.limit_over_rate import ramp_rate, ramped_deflection
+from tvclin.linear.modes import unstable_modes
+from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.required_quantity import Requirement, requirement_among
+from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.vehicle import Vehicle
+
+KINDS = ("systematic", "random")
+"""Kinds of contributions to a total."""
+HEAD, SUMS = ("what", "how it adds up", "[deg]"), "sum and root of sum of squares"
+_MAX_DEFLECTION_RAD = 1e9
+"""Largest deflection [rad] of a contribution."""
+_MIN_SHORTFALL_RAD = float(np.radians(0.001))
+"""Shortfall [rad] below which more than three digits behind the point are shown."""
+RATES = (1e-15, 1e9)
+"""Smallest and largest rate limit [rad/s]."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A contribution to the total deflection [rad], zero or positive.
+
+    Systematic contributions add up, random ones by the root of the sum of squares.
+    """
+
+    name: str
+    deflection: float
+    kind: str = "systematic"
+
+    as_dict = keyed("name deflection_deg kind")
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, KINDS)
+        text("name of a line", self.name)
+        name = self.name or "deflection"
+        size = number(name, self.deflection, nonnegative, "rad")
+        within(name, size, 0.0, _MAX_DEFLECTION_RAD, "rad")
+        object.__setattr__(self, "deflection", size)
+
+
+@dataclass(frozen=True)
+class DeflectionTotal(Shown):
+    """The total deflection that a nozzle needs, and its limit; make it with `total_deflection`.
+
+    Attributes
+    ----------
+    lines : tuple of Line
+        Contributions; empty where the wind's is known at no flight time.
+    reserve : float
+        Fraction of the limit that is to stay unused, in [0, 1).
+    limit : float or None
+        Available deflection [rad].
+    time : float or None
+        Flight time [s] to which the lines belong.
+    not_sized : tuple of str
+        Intervals of the flight in which the total is not known, in words, such as
+        "above 24.9 km"; empty where it is known throughout.
+    rate_limit : float or None
+        Rate limit of the nozzle [rad/s].
+    end : str
+        End of the flight at that time, in words, beyond which the total may be larger; empty
+        between the ends.
+    needed_rate : float
+        Required rate [rad/s], at the limit or else at any; NaN where it is not known.
+    """
+
+    lines: tuple[Line, ...]
+    reserve: float = 0.0
+    limit: float | None = None
+    time: float | None = None
+    not_sized: tuple[str, ...] = ()
+    rate_limit: float | None = None
+    needed_rate: float = 0.0
+    end: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
+        object.__setattr__(self, "not_sized", each("not_sized", self.not_sized, str, "a place"))
+        reserve = number("reserve", self.reserve, nonnegative)
+        if reserve >= 1.0:
+            raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")
+        if self.limit is not None:
+            number("limit", self.limit, small_angle("a deflection", positive), "rad")
+        if self.time is not None:
+            number("time", self.time, unit="s")
+        if self.rate_limit is not None:
+            number("rate_limit", self.rate_limit, between(*RATES), "rad/s")
+        instance("needed_rate", self.needed_rate, float, "in rad/s")
+        text("end", self.end)
+
+    _keys = "time_s total_deg reserve limit_deg required_deg"
+
+    as_dict = keyed(
+        "time_s lines total_deg reserve required_deg rate_limit_deg_per_s needed_rate_deg_per_s"
+    )
+
+    def _repr_html_(self) -> str:
+        return table(total_table(self), self.verdict)
+
+    @property
+    def verdict(self) -> tuple[Cell, ...]:
+        """The verdict on the limit, and where the total is not known, each as a line."""
+        verdicts: list[Cell] = []
+        if self.limit is not None and self.left is not None:
+            remaining = degrees("total.left", abs(self.left), unit="deg")
+            words = " remaining after the reserve" if self.reserve else " remaining"
+            line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
+            if self.sufficient is None:
+                line = (f"{sufficiency(None)}; where the winds are known ", *line[1:])
+            if not self.lines:
+                line = (sufficiency(None),)
+            elif self.sufficient is False:
+                lacks = self.required - self.limit
+                short = degrees("total.short", lacks, unit="deg")
+                if lacks < _MIN_SHORTFALL_RAD:
+                    short = significant("total.short_deg", np.degrees(lacks), unit="deg")
+                of = " of a limit that keeps the reserve" if self.reserve else ""
+                line = (f"{sufficiency(False)}, short by ", *short, of)
+                if lacks <= 0.0:
+                    line = (f"{sufficiency(False)} at this rate limit",)
+            limit = degrees("total.limit", self.limit, unit="deg")
+            verdicts.append(("Limit ", *limit, ": ", *line))
+        if self.not_sized:
+            verdicts.append((f"NOT SIZED {', '.join(self.not_sized)}",))
+        if self.rate_limit is not None:
+            available = degrees("total.rate_limit", self.rate_limit, unit="deg/s")
+            needed = degrees("total.needed_rate", self.needed_rate, unit="deg/s")
+            word = f"{sufficiency(False)}, " if self.too_slow else ""
+            line = (*needed, " required")
+            if not np.isfinite(self.needed_rate):
+                unknown = np.isnan(self.needed_rate)
+                line = (sufficiency(None) if unknown else "no rate is sufficient",)
+            verdicts.append(("Rate limit ", *available, f": {word}", *line))
+        return tuple(verdicts)
+
+    @property
+    def systematic(self) -> float:
+        """Sum of the systematic lines [rad]."""
+        return float(sum(line.deflection for line in self.lines if line.kind == "systematic"))
+
+    @property
+    def random(self) -> float:
+        """Root of the sum of the squares of the random lines [rad]."""
+        deflections = [line.deflection for line in self.lines if line.kind == "random"]
+        return float(np.linalg.norm(deflections))
+
+    @property
+    def total(self) -> float:
+        """Sum of systematic and random contributions [rad]; NaN without any."""
+        return self.systematic + self.random if self.lines else float("nan")
+
+    @property
+    def required(self) -> float:
+        """Minimum limit [rad] with the reserve: total/(1 - reserve)."""
+        return self.total / (1.0 - self.reserve)
+
+    @property
+    def too_slow(self) -> bool:
+        """Whether the rate limit is below the required rate."""
+        return self.rate_limit is not None and self.needed_rate > self.rate_limit * (1.0 + 1e-9)
+
+    @property
+    def sufficient(self) -> bool | None:
+        """Whether the limit covers the total and the reserve, at the available rate.
+
+        None without a limit, and where it is sufficient at the flight times that are known and
+        others are not known.
+        """
+        if self.limit is None:
+            return False if self.too_slow else None
+        if not self.lines:
+            return None
+        sufficient = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
+        return None if sufficient and self.not_sized else sufficient
+
+    @property
+    def left(self) -> float | None:
+        """Remaining deflection [rad]: limit minus reserve and total; negative if insufficient."""
+        return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
+
+
+def total_table(total: DeflectionTotal, counted: str = "") -> Table:
+    """Return the contributions and the total as a table; `counted` names the wind's requirement."""
+    wind = f"wind, {counted}" if counted else "wind"
+    rows = rows_of(total, "total", wind)
+    rows.append((("total",), (SUMS,), degrees("total.total", total.total)))
+    if total.reserve:
+        reserve = significant("total.reserve_percent", 100 * total.reserve, unit="%")
+        needed = degrees("total.required", total.required)
+        rows.append((("limit that keeps ", *reserve, " in reserve"), ("",), needed))
+    known = " of those that are known" if total.not_sized else ""
+    return Table(f"All that takes deflection{at_time(total, 'the', known)}", HEAD, tuple(rows))
+
+
+def at_time(total: DeflectionTotal, whose: str, known: str = "") -> str:
+    """Return the worst flight time of a total as the end of a caption, with the end that it is."""
+    if total.time is None:
+        return ""
+    end = f", {total.end}" if total.end else ""
+    return f" at {whose} worst flight time{known}, {total.time:.5g} s{end}"
+
+
+def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
+    """Return the contributions as rows of a table, the wind's with the label `wind`."""
+    return [
+        (
+            (wind if line.name == "wind" else line.name,),
+            (line.kind,),
+            degrees(f"{key}.{line.name.replace(' ', '_')}", line.deflection),
+        )
+        for line in total.lines
+        if line.deflection
+    ]
+
+
+SAME = 1e-9
+"""Relative difference below which two totals count as equal."""
+_TIME_TOLERANCE = 1e-6
+"""Difference [s] below which two flight times count as equal."""
+
+
+def total_deflection(
+    vehicle: Vehicle,
+    wind: float,
+    *,
+    nominal: float = 0.0,
+    dispersion: float = 0.0,
+    thrust_offset: float = 0.0,
+    gravity_offset: float = 0.0,
+    others: Sequence[Line] = (),
+    reserve: float = 0.0,
+    limit: float | None = None,
+) -> DeflectionTotal:
+    """Return the total deflection that a nozzle needs at one time of the flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, at that time.
+    wind : float
+        Required deflection of the wind [rad]; see `boundary_limit` and `size`. Systematic.
+    nominal : float
+        Deflection of the nominal flight delta_n [rad]. Systematic.
+    dispersion : float
+        Contribution of the dispersed vehicle and wind [rad], such as the `required.upper` of
+        `disperse_study` less the required deflection of its study. Random.
+    thrust_offset : float
+        Angle [rad] between the thrust and the axis of the nozzle. Random.
+    gravity_offset : float
+        Distance [m] of the centre of gravity from the axis of the vehicle. Random.
+    others : sequence of Line
+        Further lines.
+    reserve : float
+        Part of the limit that is to stay unused.
+    limit : float, optional
+        Available deflection [rad].
+
+    Raises
+    ------
+    InputError
+        For a batch of vehicles and numbers out of range.
+
+    Notes
+    -----
+    An offset moment takes the deflection that balances it, moment/(T l_c) with the control force
+    per deflection for T: the thrust offset makes T l_c sin(angle), and the offset of the centre of
+    gravity (T - F_A) times its distance, for thrust and axial force pass it by. The attitude
+    is held; the drift that a side force starts is left out.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> booster = tv.load_vehicle("configuration-i")
+    >>> found = tv.requirement.total_deflection(
+    ...     booster, np.radians(0.35), thrust_offset=np.radians(0.25), gravity_offset=0.05,
+    ...     reserve=0.2, limit=np.radians(1.0))
+    >>> round(float(np.degrees(found.total)), 3), found.sufficient
+    (0.626, True)
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    single("vehicle", vehicle.batch)
+    others = each("others", others, Line, "such as Line('wind tunnel', 0.01)")
+    thrust, axial, slope, arm = (
+        float(np.asarray(x))
+        for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
+    )
+    turned = number("thrust_offset", thrust_offset, small_angle("an angle"), "rad")
+    aside = number("gravity_offset", gravity_offset, finite, "m")
+    lines = (
+        Line("nominal flight", abs(number("nominal", nominal, small_angle("a deflection"), "rad"))),
+        Line("wind", abs(number("wind", wind, finite, "rad"))),
+        Line("dispersions", number("dispersion", dispersion, nonnegative, "rad"), "random"),
+        Line("thrust offset", thrust * float(np.sin(abs(turned))) / slope, "random"),
+        Line("centre of gravity offset", abs((thrust - axial) * aside / (slope * arm)), "random"),
+    )
+    time = None if vehicle.time is None else float(np.asarray(vehicle.time))
+    return DeflectionTotal((*lines, *others), reserve, limit, time)
+
+
+def worst_total(
+    sizing: Sizing,
+    name: Requirement | str,
+    *,
+    dispersion: float = 0.0,
+    rate_limit: float | None = None,
+    **offsets: float | None,
+) -> DeflectionTotal:
+    """Return the largest total over the flight times of a sizing.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        The winds' requirements; its schedule gives the vehicle and the nominal deflection. Where
+        one is not known, the total says so in `not_sized`.
+    name : Requirement or str
+        Which of its requirements counts as the wind, or its label, such as "K = 1".
+    dispersion : float
+        What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
+    rate_limit : float, optional
+        Of the nozzle [rad/s]: what the wind needs is then that of a ramp at this rate.
+    **offsets
+        thrust_offset, gravity_offset, reserve and limit, as of `total_deflection`.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, and numbers out of range.
+    """
+    instance("sizing", sizing, Sizing, "see size")
+    ratio = number("dispersion", dispersion, nonnegative)
+    if rate_limit is not None:
+        rate_limit = number("rate_limit", rate_limit, between(*RATES), "rad/s")
+    requirement = requirement_among("name", name, sizing.required)
+    winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
+    if not winds:
+        reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
+        return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
+    totals = [
+        _at_rate(
+            total_deflection(
+                sizing.schedule.at(t),
+                wind,
+                nominal=float(sizing.schedule.nominal_at(t)),
+                dispersion=ratio * wind,
+                **offsets,  # type: ignore[arg-type]
+            ),
+            wind,
+            _fastest(sizing, t),
+            rate_limit,
+        )
+        for t, wind in winds
+    ]
+    worst = max(totals, key=lambda total: (total.too_slow, total.total))
+    needed = max(total.needed_rate for total in totals)
+    others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
+    end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
+    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
+
+
+def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
+    """Return flight times [s] with the requirement [rad] of the worst wind of each.
+
+    A wind that is fixed in flight time has one requirement, at the time at which it arises.
+    """
+    arises, required = sizing.arising(requirement), sizing.required[requirement]
+    fixed = np.isfinite(arises)
+    by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
+    needs = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))
+    if fixed.any():
+        once = np.fmax.reduce(required[:, fixed], axis=0)
+        first, last = sizing.schedule.span
+        needs += zip(np.clip(arises[fixed], first, last).tolist(), once.tolist(), strict=True)
+    return [(time, wind) for time, wind in needs if not np.isnan(wind)]
+
+
+def flight_end(sizing: Sizing, time: float | None) -> str:
+    """Return the end of a flight at a worst time [s], in words; empty between the ends."""
+    if time is None:
+        return ""
+    for word, beyond, k in (("first", "before", 0), ("last", "after", -1)):
+        if np.isclose(time, sizing.schedule.span[k], rtol=0.0, atol=_TIME_TOLERANCE):
+            return f"the {word} of the schedule: more may be needed {beyond}"
+        if np.any(np.isclose(time, sizing.known_times[:, k], rtol=0.0, atol=_TIME_TOLERANCE)):
+            return f"the {word} at which a wind is known: more may be needed {beyond}"
+        if sizing.times.size > 1 and time == np.sort(sizing.times)[k]:
+            return f"the {word} that is sized: more may be needed {beyond}"
+    return ""
+
+
+def _at_rate(
+    total: DeflectionTotal, wind: float, pole: float, rate_limit: float | None
+) -> DeflectionTotal:
+    """Return a total with the contribution of a rate limit, and the required rate.
+
+    The slower the nozzle, the later it reaches the deflection; see `ramped_deflection`.
+    """
+    if rate_limit is None or not wind or not pole:
+        return replace(total, rate_limit=rate_limit)
+    more = float(ramped_deflection(wind, pole, rate_limit)) - wind
+    others, rate = total.total - wind, pole * wind
+    if total.limit is not None:
+        rate = float(ramp_rate(wind, pole, (1.0 - total.reserve) * total.limit - others))
+    lines = (*total.lines, Line("rate limit", more)) if np.isfinite(more) else total.lines
+    return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=rate)
+
+
+def _fastest(sizing: Sizing, time: float) -> float:
+    """Return the fast unstable pole [1/s], the faster of the planes; zero without one."""
+    planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
+    plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
+    return max(float(np.abs(unstable_modes(plant).poles).max(initial=0.0)) for plant in plants)

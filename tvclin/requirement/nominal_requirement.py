@@ -1,0 +1,368 @@
+"""Required deflection limit at nominal dynamic pressure: the largest requirement of a control.
+
+The report's boundary is one requirement, and not always the largest. A limit is sufficient when it
+is none of these too low for
+
+- the boundary of the control, with the dead band left by trim itself, as in a flight;
+- the minimum over all unstable poles, appendix C, which nothing undercuts, from the onset of the
+  wind on, and for 0 < K < 1 from the state on that trim up to K times the limit has left;
+- for K = 1, which claims to need no forecast, the bound without one, and the ideal trim law with
+  limits, which (4b) describes where the wind rises and falls once and the path is slow.
+
+The minimum peak of a wind that is known, with trim and the boundary at K = 0, is `KnownWind`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
+from tvclin.base.lines import Row, Table, degrees, minimum_limit, number, quantities, significant
+from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN
+from tvclin.boundary.limit import boundary_limit, leading_pole
+from tvclin.boundary.open_loop import ROUNDING, Reason, open_loop_requirements
+from tvclin.boundary.optimum.minimum_peak import Optimum, minimum_peaks, optimum_deflection
+from tvclin.boundary.optimum.rate_limit import RateLimitedOptimum, optimum_with_rate_limit
+from tvclin.linear.deflections import trim_deflection
+from tvclin.linear.plant import Plant
+from tvclin.requirement.time_varying import batch_requirements
+from tvclin.requirement.varying_equations import Equations, has_quick_path
+from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, NominalWind, beyond_linear
+
+_MARCH_ERROR = 1e-6
+"""Error of `time_varying` over static trim: closed forms stand where it requires no more."""
+_AFTER_TRIM_ERROR = 0.01
+"""Relative error of the march where the minimum after trim decides, which has an exact solution."""
+
+
+@dataclass(frozen=True, eq=False)
+class RequiredDeflection(Shown):
+    """The deflection limit that is required, of one case or a batch ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        Required limit normalised by static trim B alpha_w,max.
+    deflection : float or ndarray
+        Required deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
+    governs : Reason or ndarray of str
+        Which of `needs` is the largest; "nothing" where no deflection is needed.
+    needs : dict of Reason to float or ndarray
+        All requirements, as sizes [rad]; zero where one does not apply.
+    status : str or ndarray of str
+        Status of the boundary with the literal switch; see `BoundaryLimit`.
+    """
+
+    limit: Any
+    deflection: Any
+    governs: Any
+    needs: dict[Reason, Any]
+    status: Any
+
+    _keys = "limit_over_trim=limit deflection_deg governs needs_deg"
+
+
+def required_deflection(
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike = 1.0,
+    *,
+    whole: History | None = None,
+) -> RequiredDeflection:
+    """Return the required deflection [rad] of linear theory in a wind of one sign.
+
+    It is at nominal dynamic pressure; the verdict on a vehicle, in the wind's own angle and dynamic
+    pressure, is that of a `Study`.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, of any model.
+    wind : History
+        Wind angle of attack that does not change its sign; batches broadcast.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    whole : History, optional
+        The same wind with what blows to the other side, where `wind` is its part to one side. The
+        minimum and the trim law meet it; what drifts to the other side first may cost deflection.
+
+    Returns
+    -------
+    RequiredDeflection
+        The largest of all requirements, and which one it is.
+
+    Raises
+    ------
+    InputError
+        For a wind that changes sign, never ends or is zero, and a dead band outside [0, 1].
+
+    Notes
+    -----
+    The eqs (4b), (17) and (C1). For K = 1 what the ideal trim law requires is that of
+    `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
+    min(trim, demand), and where the path is quick, trim meets the limit more than once, or a flight
+    with half a percent more diverges, the smallest limit above all with which the limited law was
+    seen to diverge, tried every two percent, and for six percent above the highest such limit every
+    0.2 percent. For 0 < K < 1 `time_varying` counts on a quick path too, where drift may turn trim
+    over, so that the dead band is left again. A wind too long to be followed requires the largest
+    trim over K, and so does a pair, infinite for K = 0.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> long = tv.TriangularWind(peak=np.radians(5), duration=60.0)
+    >>> found = tv.required_deflection(plant, long, dead_band=0.5)
+    >>> found.governs, round(found.limit, 3), round(tv.boundary_limit(plant, long, 0.5).limit, 3)
+    ('the minimum over all unstable poles after trim', 0.198, 0.124)
+    """
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    boundary = boundary_limit(plant, wind, K, "literal")
+    needs = open_loop_requirements(plant, wind, K, boundary)
+    law_wind = wind
+    if whole is not None:
+        instance("whole", whole, History, "the wind with what blows to the other side")
+        if whole.batch != wind.batch:
+            raise InputError(
+                f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
+            )
+        law_wind = whole
+        needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, whole))
+    open_loop = np.max(list(needs.values()), axis=0)
+    rate, paired = leading_pole(plant)
+    single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
+    limited = (K == 1.0) & single_pole
+    if plant.model == "fixed-path" and whole is None:
+        limited = limited & _rises_again(wind)
+    again = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
+    cases = np.broadcast_to(limited | again, open_loop.shape)
+    law = np.zeros(open_loop.shape)
+    for value in np.unique(K).tolist():
+        winds = law_wind if value == 1.0 else wind
+        law += _trim_law(plant, winds, cases & (value == K), value)
+    static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
+    error = _MARCH_ERROR * static + np.where(K == 1.0, 0.0, _AFTER_TRIM_ERROR * open_loop)
+    needs[Reason.TRIM_LAW] = np.where(law > open_loop + error, law, 0.0)
+    governs = np.full(needs[Reason.BOUNDARY].shape, Reason.BOUNDARY, dtype=object)
+    required = np.array(needs[Reason.BOUNDARY])
+    for name in (Reason.MINIMUM, Reason.NO_FORECAST, Reason.AFTER_TRIM, Reason.TRIM_LAW):
+        larger = needs[name] > required * (1.0 + ROUNDING)
+        governs = np.where(larger, name, governs)
+        required = np.where(larger, needs[name], required)
+    governs = np.where(required == 0.0, Reason.NOTHING, governs)
+    full = -np.asarray(plant.coefficients.B) * wind.peak
+    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
+        limit = np.where(required == 0.0, 0.0, required / np.abs(full))
+    return RequiredDeflection(
+        plain(limit),
+        plain(np.asarray(np.copysign(required, full))),
+        governs.astype(str) if governs.ndim else Reason(governs.item()),
+        {name: plain(np.asarray(need)) for name, need in needs.items()},
+        boundary.status,
+    )
+
+
+def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -> FloatArray:
+    """Return the required deflections [rad] of the trim law with K in some cases, else zero."""
+    which = np.flatnonzero(cases)
+    if not which.size:
+        return np.zeros(cases.shape)
+    plants, winds = plant.cases(which, cases.shape), wind.cases(which, cases.shape)
+    limits = batch_requirements(Equations.of_plant(plants), NominalWind(winds), dead_band)
+    if np.any(too_long := np.isnan(limits)):
+        trim = np.abs(trim_deflection(plants, winds).peak)
+        limits = np.where(too_long, trim / dead_band, limits)
+    required = np.zeros(cases.size)
+    required[which] = limits
+    return required.reshape(cases.shape)
+
+
+def _rises_again(wind: History) -> BoolArray:
+    """Return whether winds rise again after they have fallen, so that trim may be limited twice."""
+    size = np.abs(wind.peak)[..., np.newaxis]
+    change = np.diff(np.abs(wind.shape_samples), axis=-1)
+    fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
+    return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
+
+
+def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
+    """Return whether a limit is at least the required deflection of linear theory.
+
+    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Returns
+    -------
+    bool or ndarray of bool
+        Whether it is at or above `required_deflection`. A real autopilot lets go of deflection it
+        no longer needs, so every capability above that is sufficient. (A history that *holds*
+        more than the boundary for ever is not stable by (4b); that is the question of `judge`.)
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = _capability(limit)
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    if beyond := beyond_linear(float(np.max(np.abs(wind.peak)))):
+        warnings.warn(beyond, stacklevel=2)
+    sufficient = np.asarray(covers(capability, needed))
+    return sufficient if sufficient.ndim else bool(sufficient)
+
+
+def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
+    """Return whether a limit is at least the required one, but for rounding; sizes both."""
+    return np.asarray(limit) >= np.asarray(needed) * (1.0 - 4.0 * np.finfo(float).eps)
+
+
+def survivable_peak(
+    plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0
+) -> Any:
+    """Return the largest peak [rad] of a wind of this shape that a limit survives in linear theory.
+
+    It is at nominal dynamic pressure; the verdict on a vehicle is that of a `Study`.
+    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind, and at
+    most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a peak of 30
+    deg may survive more, or not.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`; only the shape of the wind counts.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = _capability(limit)
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        peak = np.abs(wind.peak) * (capability / needed)
+    peak = np.where(needed == 0.0, MAX_LINEAR_ANGLE, np.minimum(peak, MAX_LINEAR_ANGLE))
+    return plain(np.copysign(peak, wind.peak))
+
+
+def _capability(limit: ArrayLike) -> FloatArray:
+    """Return the size of a limit [rad]."""
+    return np.abs(small_angle("a deflection", nonzero)("limit", limit))
+
+
+_MAX_SHOWN_SWITCHES = 6
+"""Number of switch times that are shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class KnownWind(Shown):
+    """Minimum peak deflection in a known wind, with the numbers it is compared with.
+
+    `best` is the deflection of minimum peak, `limited` that with a rate limit; None without one.
+    """
+
+    plant: Plant
+    wind: History
+    best: Optimum
+    limited: RateLimitedOptimum | None = None
+
+    @classmethod
+    def of(
+        cls,
+        plant: Plant,
+        wind: History,
+        start: float,
+        horizon: float | None = None,
+        rate_limit: float | None = None,
+    ) -> Self:
+        """Return the optimum of a plant in a wind; arguments and errors of its two functions."""
+        best = optimum_deflection(plant, wind, start, horizon)
+        if rate_limit is None:
+            return cls(plant, wind, best)
+        limited = optimum_with_rate_limit(plant, wind, rate_limit, start, horizon)
+        return cls(plant, wind, best, limited)
+
+    @property
+    def deflection(self) -> History:
+        """Deflection [rad] of minimum peak, with the rate limit where there is one."""
+        return (self.limited or self.best).deflection
+
+    @property
+    def trim(self) -> float:
+        """Static trim [rad]: the largest deflection of ideal trim."""
+        return abs(float(self.plant.coefficients.B * self.wind.peak))
+
+    @property
+    def part_of_trim(self) -> float | None:
+        """Minimum peak over static trim; None without trim."""
+        return self.best.peak / self.trim if self.trim else None
+
+    @property
+    def held(self) -> float:
+        """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
+        return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
+
+    @property
+    def first_segment(self) -> str:
+        """Direction of the first segment of the deflection, in words."""
+        deflection = self.best.deflection
+        if np.isinf(deflection.onset):
+            return "none"
+        first = np.sign(deflection(np.nextafter(deflection.onset, np.inf)))
+        against = -np.sign(self.plant.coefficients.B * self.wind.peak)
+        return "opposes the wind" if first == against else "goes with the wind"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        return {
+            **picked(self.best, "peak_deg"),
+            **picked(self, "part_of_trim trim_deg held_deg first_segment"),
+            **picked(self.best, "switch_times_s status certificate"),
+            **({} if self.limited is None else {"with_rate_limit": self.limited}),
+        }
+
+    def table(self, caption: str) -> Table:
+        """Return the peak, its certificate, and the numbers it is compared with."""
+        best, proof = self.best, self.best.certificate
+        peak = degrees("optimum.peak", best.peak, unit="deg")
+        if self.part_of_trim is not None:
+            part = number("optimum.part_of_trim", self.part_of_trim)
+            peak = (*peak, " (", *part, " of trim)")
+        rows: list[Row] = [(WIND_KNOWN, peak)]
+        if self.limited is not None:
+            rate = f"with {np.degrees(self.limited.rate):.4g} deg/s"
+            limited = degrees("optimum.limited", self.limited.peak, unit="deg")
+            rows.append((rate, (*limited, f", {self.limited.status}")))
+        switches = (
+            ", ".join(f"{t:.4g} s" for t in best.switch_times[:_MAX_SHOWN_SWITCHES]) or "none"
+        )
+        more = best.switch_times.size - _MAX_SHOWN_SWITCHES
+        gap = significant("optimum.gap", proof.gap, 2)
+        rows += [
+            ("first segment", (self.first_segment,)),
+            ("switches", (switches + (f" and {more} more" if more > 0 else ""),)),
+            (
+                "fast pole alone (K = 0)",
+                minimum_limit(degrees("optimum.held", self.held, unit="deg")),
+            ),
+            (STATIC_TRIM, degrees("optimum.trim", self.trim, unit="deg")),
+            ("dual bound", degrees("optimum.dual", proof.dual, unit="deg")),
+            ("certificate", ("gap ", *gap, f", {best.status}")),
+        ]
+        return quantities(caption, rows)

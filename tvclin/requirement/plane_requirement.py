@@ -1,0 +1,226 @@
+"""Required deflection of both planes with one limit shape: by planes, and of their vector.
+
+A rectangle inside the stop gives each plane a part of its own, in which it may be flown as if the
+other were not there: what each requires alone is then sufficient. The report's control in the
+plane, whose dead band is left by the vector, may need more in a wind that turns; the larger counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError, plain
+from tvclin.boundary.limit_shapes import CircularShape, LimitShape
+from tvclin.boundary.open_loop import ROUNDING, Reason
+from tvclin.linear.plant import Plant
+from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import ShapedWind, component_in
+
+_MAX_FINITE_RAD = 1e99
+"""Deflections [rad] below this are finite; others are infinite or NaN."""
+
+
+@dataclass(frozen=True, eq=False)
+class VectorNeed:
+    """Requirements of the vector of a wind [rad], in the measure of the stop.
+
+    `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
+    dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
+    that of every control; `said` is why a number is not defined, or is more than (4b) says.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    said: tuple[str, ...]
+
+
+def vector_need(
+    pitch: Plant, yaw: Plant, wind: PlaneWind, stop: LimitShape, dead_bands: FloatArray
+) -> VectorNeed:
+    """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
+    from tvclin.boundary.plane_bounds import PlanePair, checked_batch
+    from tvclin.boundary.plane_limits import plane_requirements
+
+    pair = PlanePair((pitch, yaw), wind)
+    try:
+        checked_batch(pitch, wind, stop, yaw)
+        limits = plane_requirements(pair, stop, dead_bands.tolist(), literal=True)
+    except InputError as error:
+        return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
+    if isinstance(stop, CircularShape):
+        trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
+    else:
+        trim = float(stop.gauge(pair.moment_driver(pair.times())).max())
+    return VectorNeed(
+        trim=trim,
+        required=np.array([limit.limit for limit in limits]),
+        no_forecast=limits[0].bound,
+        minimum=limits[0].minimum,
+        said=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
+    )
+
+
+def rectangle(stop: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+    """Return the minimum limit whose shape contains -x to x in pitch and -y to y in yaw [rad].
+
+    Infinite and NaN where one of the deflections is.
+    """
+    x, y = np.broadcast_arrays(np.asarray(pitch, dtype=float), np.asarray(yaw, dtype=float))
+    finite = (np.abs(x) < _MAX_FINITE_RAD) & (np.abs(y) < _MAX_FINITE_RAD)
+    a, b = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
+    corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
+    return np.where(finite, stop.gauge(corners).max(axis=0), x + y)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanesNeeded:
+    """Requirement of both planes at one dead band, in a wind with a direction or a batch of them.
+
+    `deflection` is the required deflection [rad], in the measure of the stop, `alone` that of each
+    plane by itself.
+    """
+
+    stop: LimitShape
+    wind: PlaneWind
+    deflection: Any
+    alone: dict[str, Any]
+
+    @property
+    def governs(self) -> Reason:
+        """Reason of the larger requirement, one plane or the vector of both; for one wind."""
+        by_planes = rectangle(self.stop, self.alone["pitch"], self.alone["yaw"])
+        vector = self.deflection > by_planes * (1.0 + ROUNDING)
+        return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
+
+    @property
+    def peak(self) -> float:
+        """Size [rad] of the largest wind vector."""
+        return float(self.wind.peak)
+
+    def over(self, plane: str) -> float:
+        """Return the ratio of the limit of both planes to that of one, in a wind of one direction.
+
+        The other plane is the same loop in the same wind, and its deflections have that ratio.
+        """
+        peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
+        return float(rectangle(self.stop, peaks["pitch"], peaks["yaw"])) / peaks[plane]
+
+    def misses(self, plane: str) -> float:
+        """Return the fraction of the requirement of both planes that one plane omits."""
+        return float(missing_part(self.alone[plane], self.deflection))
+
+
+def planes_needed(
+    plants: dict[str, Plant], wind: PlaneWind, stop: LimitShape, dead_band: float
+) -> PlanesNeeded:
+    """Return the requirement of both planes; `InputError` as `required_deflection`.
+
+    Plants and winds broadcast; the vectors of a batch are solved case by case.
+    """
+    alone = alone_needed(plants, wind, dead_band)
+    required = rectangle(stop, alone["pitch"], alone["yaw"])
+    if all(_has_onset(getattr(wind, plane)) for plane in PLANES):
+        vector = [
+            _vector(plants, wind, stop, dead_band, by_planes, case, required.shape)
+            for case, by_planes in enumerate(required.ravel().tolist())
+        ]
+        required = np.reshape(vector, required.shape)
+    return PlanesNeeded(
+        stop, wind, plain(required), {k: plain(np.asarray(v)) for k, v in alone.items()}
+    )
+
+
+def alone_needed(
+    plants: dict[str, Plant], wind: PlaneWind, dead_band: float
+) -> dict[str, FloatArray]:
+    """Return the required deflection of each plane by itself [rad]; zero in a calm."""
+    winds = {plane: getattr(wind, plane) for plane in PLANES}
+    return {
+        plane: np.abs(required_deflection(plants[plane], history, dead_band).deflection)
+        if _has_onset(history)
+        else np.zeros(())
+        for plane, history in winds.items()
+    }
+
+
+def _has_onset(wind: History) -> bool:
+    """Return whether no wind of a batch is a calm, whose onset is infinite."""
+    return bool(np.all(np.isfinite(wind.onset)))
+
+
+def _vector(
+    plants: dict[str, Plant],
+    wind: PlaneWind,
+    stop: LimitShape,
+    dead_band: float,
+    by_planes: float,
+    case: int,
+    shape: tuple[int, ...],
+) -> float:
+    """Return the required limit [rad] of one wind vector of a batch, at least `by_planes`."""
+    from tvclin.boundary.plane_bounds import PlanePair, checked_batch
+    from tvclin.boundary.plane_limits import vector_requirement
+
+    pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
+    pair = PlanePair((pitch, yaw), wind.case(case, shape))
+    try:
+        checked_batch(pitch, pair.wind, stop, yaw)
+        return vector_requirement(pair, stop, dead_band, by_planes)
+    except InputError:  # (4b) has no vector for them
+        return by_planes
+
+
+def of_heading(
+    vehicle: Vehicle,
+    model: str,
+    wind: ShapedWind,
+    stop: LimitShape | None,
+    dead_band: float,
+) -> PlanesNeeded:
+    """Return the requirement of both planes in a wind with a heading; the default stop is round."""
+    peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
+    plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
+    plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
+    return planes_needed(plants, plane_wind, stop or CircularShape(), dead_band)
+
+
+def words_of(planes: PlanesNeeded | None, plane: str, judged: bool, calm: bool) -> Iterator[str]:
+    """Yield what the direction of a wind changes, in words; nothing without one.
+
+    `calm`: whether the nominal dynamic pressure counts, at which `planes` are.
+    """
+    if planes is None:
+        return
+    missing = 100.0 * planes.misses(plane)
+    if not judged:
+        air = "" if calm else " at nominal dynamic pressure"
+        yield (
+            f"this wind blows in both planes: with a round stop they need"
+            f" {np.degrees(planes.deflection):.3f} deg{air}, {missing:.0f} % of which"
+            f" the {plane} plane"
+            " alone does not see (to judge both: --stop, or stop in [nozzle])"
+        )
+        return
+    yield (
+        f"the verdict is on both planes with one stop; boundaries, minima and laws are of the"
+        f" {plane} plane alone, which does not see {missing:.0f} % of what both need"
+    )
+
+
+def missing_part(alone: ArrayLike, both: ArrayLike) -> FloatArray:
+    """Return the fraction of the requirement of both planes that one omits; zero without any."""
+    plane, planes = np.asarray(alone, dtype=float), np.asarray(both, dtype=float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)

@@ -1,0 +1,102 @@
+"""Requirements on a deflection limit: quantity, dead band, parameters, direction of the wind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.base.errors import between, flag, number, one_of
+from tvclin.case.case import DIRECTIONS
+
+DEAD_BAND = "dead band"
+QUANTITIES = ("trim", DEAD_BAND, "no forecast", "minimum")
+
+
+@dataclass(frozen=True, eq=False)
+class Requirement:
+    """One requirement on a deflection limit, by which records, tables and figures have its numbers.
+
+    It is equal to its label, and to each requirement with that label: a mapping by requirements is
+    also one by labels.
+
+    Parameters
+    ----------
+    quantity : {"trim", "dead band", "no forecast", "minimum"}
+        Ideal trim along the path; the required deflection with a dead band; the lower bound of laws
+        without a forecast; the lower bound with the wind known.
+    dead_band : float
+        K in [0, 1], of the quantity "dead band"; the others have none.
+    varying : bool
+        Whether the parameters vary while the wind blows; else they are those of the flight time.
+    direction : {"", "head", "tail", "cross"}
+        Direction of the wind whose angle and dynamic pressure are encountered; empty at nominal
+        dynamic pressure.
+
+    Raises
+    ------
+    InputError
+        For unknown names, and a dead band outside [0, 1].
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> print(tv.requirement.Requirement(dead_band=0.5, varying=True, direction="head"))
+    K = 0.5, varying, head wind
+    """
+
+    quantity: str = DEAD_BAND
+    dead_band: float = 1.0
+    varying: bool = False
+    direction: str = ""
+
+    def __post_init__(self) -> None:
+        one_of("quantity", self.quantity, QUANTITIES)
+        number("dead_band", self.dead_band, between(0.0, 1.0))
+        flag("varying", self.varying)
+        one_of("direction", self.direction, ("", *DIRECTIONS))
+
+    @property
+    def name(self) -> str:
+        """The quantity, or the dead band with all its digits, as "K = 1"."""
+        if self.quantity != DEAD_BAND:
+            return self.quantity
+        return f"K = {np.format_float_positional(self.dead_band, trim='-')}"
+
+    @property
+    def label(self) -> str:
+        """All of it in words, such as "K = 1, varying, head wind"."""
+        varying = ", varying" if self.varying else ""
+        return f"{self.name}{varying}{in_wind(self.direction)}"
+
+    @property
+    def column(self) -> str:
+        """The label without blanks and signs, for columns of a CSV and variables of a Dataset."""
+        return self.label.replace(" = ", "").replace(", ", "_").replace(" ", "_")
+
+    def __str__(self) -> str:
+        return self.label
+
+    def __eq__(self, other: object) -> bool:
+        return str(other) == self.label if isinstance(other, Requirement | str) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.label)
+
+
+TRIM, NO_FORECAST, MINIMUM = (Requirement(one) for one in ("trim", "no forecast", "minimum"))
+
+
+def in_wind(direction: str) -> str:
+    """Return the end of a label, ", head wind", for a direction of the wind; empty for none."""
+    return f", {direction} wind" if direction else ""
+
+
+def requirement_among(
+    argument: str, requirement: Requirement | str, known: Iterable[Requirement]
+) -> Requirement:
+    """Return one of the known requirements, by itself or its label; `InputError` for another."""
+    by_label = {one.label: one for one in known}
+    label = requirement.label if isinstance(requirement, Requirement) else requirement
+    return by_label[one_of(argument, label, by_label)]

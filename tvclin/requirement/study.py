@@ -1,0 +1,479 @@
+"""Study: the answer for one vehicle in one wind, with the notes on its validity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain
+from math import radians
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.cards import Shown
+from tvclin.base.documents import picked
+from tvclin.base.errors import InputError, instance, one_of
+from tvclin.base.quantities import NOMINAL
+from tvclin.base.tables import FileTable
+from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
+from tvclin.boundary.limit import PAIRED_POLES, BoundaryLimit, boundary_limit
+from tvclin.boundary.limit_shapes import LimitShape
+from tvclin.boundary.open_loop import ROUNDING, Reason, with_larger_requirements
+from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.case.case import FROZEN, Case
+from tvclin.case.nozzle import Nozzle
+from tvclin.linear.deflections import SWITCHES
+from tvclin.linear.modes import Modes, unstable_modes
+from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE, Plant, models_of
+from tvclin.requirement.case_requirement import CaseRequirement, case_requirement, pulse_of
+from tvclin.requirement.nominal_requirement import RequiredDeflection, required_deflection
+from tvclin.requirement.plane_requirement import words_of
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, coefficients_of
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import vehicle_warnings as slips
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.wind_angles import linear_notes, pressure_ratio
+
+_MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
+"""Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""
+
+_POLE_REDUCTION = 0.04
+"""Relative reduction of the pole of a booster by the damping of air and jet, about."""
+_MAX_DURATION_OVER_TIME_CONSTANT = 2.5
+"""Duration over the time constant of the pole, above which a slower pole may require more."""
+OUTLASTS = "is too long for the single-pole theory"
+"""Words on a wind in the notes of a study."""
+TRUSTS = "trusts a forecast"
+"""Words on a dead band in the notes of a study."""
+
+
+def doubts(vehicle: AnyVehicle) -> Iterator[str]:
+    """Yield warnings on implausible or unknown numbers of a vehicle."""
+    if isinstance(vehicle, LinearVehicle):
+        if not vehicle.path_known:
+            yield (
+                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
+                " from mu_alpha and mu_delta, and a long wind may then need more"
+            )
+    else:
+        yield from slips(vehicle)
+
+
+def along_the_path(need: CaseRequirement) -> Iterator[str]:
+    """Yield a note where a strong wind in the pitch plane changes the dynamic pressure."""
+    if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
+        return
+    changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
+    if need.sign == FROZEN:
+        yield f"{changes}, as asked: a head wind needs more"
+    elif need.encountered_unknown:
+        yield f"{changes}; what a head wind needs more is not known: {need.encountered_unknown}"
+
+
+def nominal_pressure(case: Case) -> Iterator[str]:
+    """Yield a note on the rise of the dynamic pressure in a head wind over the nominal one."""
+    peak = abs(float(getattr(case.wind, "peak", 0.0)))
+    if (
+        case.plane != "pitch"
+        or peak <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD
+        or not isinstance(case.vehicle, Vehicle)
+    ):
+        return
+    ratio = float(pressure_ratio(case.vehicle.attitude, np.asarray(-peak)))
+    if ratio > 1.0:
+        yield (
+            f"computed {NOMINAL}; a head wind of this size raises it by up to"
+            f" {100.0 * (ratio - 1.0):.2g} percent and requires more"
+        )
+
+
+def gust_placed(asked: ShapedWind, placed: ShapedWind) -> Iterator[str]:
+    """Yield the time of a gust that was placed where it requires most."""
+    if asked.gust_at is None and placed.gust_at is not None:
+        yield (
+            f"the gust comes when it asks for most, at {placed.gust_at:.4g} s (--gust-at, or"
+            " peak_time_s in [gust], gives another time)"
+        )
+
+
+def slow_or_paired(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory."""
+    if required.status == PAIRED_POLES:
+        yield (
+            "two unstable poles are a pair or equal here, and no limit meets the condition (4b) of"
+            " both: required is the largest trim deflection over K, so that the dead band is never"
+            " left (tvclin optimum shows the minimum)"
+        )
+        return
+    edge = float(single_pole_validity(plant.coefficients))
+    flown = dead_band == 1.0 and plant.model not in ONE_POLE
+    if wind.end - wind.onset > edge and required.governs == Reason.BOUNDARY and not flown:
+        yield (
+            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
+            " then need more (tvclin optimum)"
+        )
+
+
+def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
+    """Yield a note where the exact model has unstable modes that this model omits."""
+    name = DEFAULT_MODEL
+    if plant.model not in ONE_POLE or name not in modes:
+        return
+    more = modes[name].poles.size > modes[plant.model].poles.size
+    if more and np.isnan(single_pole_validity(plant.coefficients)):
+        yield (
+            f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
+            f" (--model {name})"
+        )
+
+
+def forecast_trusted(
+    required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
+) -> Iterator[str]:
+    """Yield a note where the required limit is below the bound of laws without a forecast."""
+    if free is None or dead_band == 1.0:
+        return
+    bound = abs(float(free.deflection))
+    if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
+        yield (
+            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
+            f" stop needs at least {np.degrees(bound):.3f} deg"
+        )
+
+
+def undamped(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Yield a note where a vehicle without damping requires less, because its pole is faster."""
+    c = plant.coefficients
+    if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
+        return
+    if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_OVER_TIME_CONSTANT:
+        return
+    slower = (1.0 - _POLE_REDUCTION) * float(c.pole)
+    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
+    needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
+    damped_limit, undamped_limit = (abs(float(r.deflection)) for r in (needed, required))
+    if damped_limit > undamped_limit * (1.0 + ROUNDING):
+        excess = damped_limit / undamped_limit - 1.0
+        yield (
+            "no pitch_damping is given, and leaving it out is not conservative here: a pole"
+            f" {100 * _POLE_REDUCTION:.0f} percent slower would need {100 * excess:.1f}"
+            " percent more"
+        )
+
+
+_SURVIVES = "the limit survives peaks of up to"
+DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
+STUDY_TABLE = FileTable(
+    "[study]", {"time": "time"}, ("vehicle", "model", "plane", "dead_band", "switch", "sign")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Study(CaseRequirement, Shown):
+    """Required deflection of a booster in a wind, and the verdict on a limit.
+
+    It has all of `CaseRequirement`, on which the verdict rests.
+
+    Attributes
+    ----------
+    coefficients : Coefficients
+        The vehicle's linear coefficients in the plane.
+    wind : RectangularWind or TriangularWind
+        The wind in the plane, without its gust.
+    switch : str
+        What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
+        always that of a flight, whose trim itself leaves it.
+    modes : dict of str to Modes
+        Unstable poles of every model.
+    trim_deflection : float
+        ``|B alpha_w,max|`` [rad], the largest deflection that ideal trim without drift takes.
+    boundaries : dict of str to BoundaryLimit
+        For "fixed-path" and for a model with drift, the boundary at each of `dead_bands`.
+    dead_bands : ndarray
+        K, falling; the dead band of the verdict is among them.
+    sufficient : bool or None
+        Whether the limit is at or above what is required; None without a limit, and in a wind
+        `beyond` 30 deg, of which linear aerodynamics says nothing.
+    survivable_peak : float or None
+        The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`. Up
+        to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
+    forecast_free : dict of str to ForecastFreeLimit
+        For the models of `boundaries` that have one, the least deflection of any law that does
+        not know when the wind will stop.
+    minima : dict of str to float
+        For the same models the least peak [rad] when the whole wind is known, appendix C.
+    notes : tuple of str
+        What the reader should know before believing the numbers; often nothing.
+    """
+
+    coefficients: Coefficients
+    wind: Any
+    switch: str
+    modes: dict[str, Modes]
+    trim_deflection: float
+    boundaries: dict[str, BoundaryLimit]
+    dead_bands: FloatArray
+    sufficient: bool | None
+    survivable_peak: float | None
+    forecast_free: dict[str, ForecastFreeLimit]
+    minima: dict[str, float]
+    notes: tuple[str, ...] = ()
+
+    _keys = (
+        "vehicle=vehicle.name model plane wind=shape peak_deg=wind.peak duration_s=wind.duration"
+        " dead_band required_deflection_deg governed_by=governs trim_deflection_deg limit_deg"
+        " sufficient survivable_peak_deg=|survivable_peak|"
+    )
+
+    @classmethod
+    def from_vehicle(
+        cls,
+        vehicle: AnyVehicle,
+        *,
+        wind: str = "triangular",
+        duration: float,
+        peak: float,
+        limit: float | None = None,
+        dead_band: float = 1.0,
+        model: str | None = None,
+        plane: str = "pitch",
+        switch: str = "literal",
+        sign: str | None = None,
+        gust: History | None = None,
+        gust_at: float | None = None,
+        heading: float | None = None,
+        stop: LimitShape | str | None = None,
+    ) -> Self:
+        """Return the study of a vehicle in a wind, and the verdict on a limit.
+
+        Parameters
+        ----------
+        vehicle, model, plane, sign
+            As of `Case`.
+        wind : {"triangular", "rectangular"}
+            Shape of the wind.
+        duration, peak, heading, gust, gust_at
+            Of the wind [s, rad], as of `ShapedWind`.
+        limit, stop
+            As of `Nozzle`.
+        dead_band, switch
+            As of `of`.
+
+        Raises
+        ------
+        InputError
+            As `Case`, `Nozzle` and `of`, and for an unknown shape and numbers out of range.
+
+        Examples
+        --------
+        >>> import numpy as np, tvclin as tv
+        >>> vehicle = tv.load_vehicle("configuration-i")
+        >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
+        >>> round(float(np.degrees(result.requirement.deflection)), 3)
+        -0.351
+        >>> round(float(np.degrees(result.required_deflection)), 3), result.governs
+        (0.412, 'the dynamic pressure in a head wind')
+        """
+        one_of("wind", wind, SHAPES)
+        blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
+        nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
+        given: Any = {"model": model, "plane": plane, "wind": blows, "nozzle": nozzle}
+        return cls.of(Case(vehicle=vehicle, sign=sign, **given), dead_band, switch)
+
+    @classmethod
+    def of(
+        cls,
+        case: Case,
+        dead_band: float = 1.0,
+        switch: str = "literal",
+    ) -> Self:
+        """Return the boundaries of a case, and the verdict on the limit of its nozzle.
+
+        With a stop of both planes the verdict is on both. Of a wind with a direction the boundaries
+        are those of its part in the plane.
+
+        Parameters
+        ----------
+        case : Case
+            One vehicle in a wind of one shape.
+        dead_band : float
+            K of the verdict, in [0, 1].
+        switch : {"literal", "report"}
+            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
+
+        Raises
+        ------
+        InputError
+            For a sign where what it changes is not known, a stop without a heading, a wind that
+            does nothing in the plane, and for a batch of vehicles or gusts, a wind and gust whose
+            sum changes its sign, a wind of another shape, and a dead band out of range.
+        """
+        instance("case", case, Case, "of a vehicle, a wind and a nozzle")
+        one_of("switch", switch, SWITCHES)
+        need = case_requirement(case, dead_band)
+        model, history = case.model, need.history
+        coefficients = coefficients_of(case.vehicle, case.plane)
+        plants = {name: Plant(coefficients, name) for name in models_of(case.vehicle)}
+        dead_bands = np.array(sorted({*DEAD_BANDS, need.dead_band}, reverse=True))
+        with_drift = model if model != "fixed-path" else DEFAULT_MODEL
+        shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
+        plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, case.plane)
+        modes = {name: unstable_modes(each) for name, each in plants.items()}
+        needed = _needed(shown, history, dead_bands, switch)
+        rests = plant, history, need.requirement, need.dead_band
+        judged = need.judged
+        survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
+        free, nominal = needed["forecast_free"].get(plant.model), need.at_nominal_pressure
+        every = (
+            linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
+            slow_or_paired(*rests),
+            left_out(plant, modes),
+            () if need.beyond else forecast_trusted(*rests[2:], free),
+            () if need.beyond else undamped(*rests),
+            doubts(case.vehicle),
+            gust_placed(pulse_of(case), need.wind_in_plane),
+            () if need.beyond else along_the_path(need),
+            () if need.beyond else words_of(need.planes, case.plane, need.in_both, nominal),
+        )
+        trim = abs(float(coefficients.B * history.peak))
+        if need.beyond:
+            needed, trim = _unknown(needed), np.nan
+        return cls(
+            **vars(need),
+            **judged,
+            **needed,
+            coefficients=coefficients,
+            wind=replace(need.wind_in_plane, gust=None).history({}),
+            switch=switch,
+            modes=modes,
+            trim_deflection=trim,
+            dead_bands=dead_bands,
+            notes=tuple(chain.from_iterable(every)),
+        )
+
+    @property
+    def shape(self) -> str:
+        """Shape of the wind, a key of `winds.shaped.SHAPES`."""
+        return self.wind_in_plane.shape
+
+    @property
+    def gust(self) -> History | None:
+        """Gust on top of the wind, in its time; its component in the plane."""
+        return self.wind_in_plane.placed_gust
+
+    @property
+    def peak_of(self) -> str:
+        """Wind whose peak is the survivable one, in words; empty without direction and gust."""
+        gust = "" if self.wind_in_plane.gust is None else " with its gust"
+        if self.slanting is None:
+            return gust and f"of the wind{gust}"
+        if self.in_both:
+            return f"of the wind's vector in both planes{gust}"
+        return f"of the wind's part in the {self.plane} plane{gust}"
+
+    @property
+    def survives_bound(self) -> bool | None:
+        """Whether the survivable peak is a lower bound, `peak_bound`; None without a limit."""
+        if self.survivable_peak is None:
+            return None
+        return abs(self.survivable_peak) >= abs(self.peak_bound) * (1.0 - ROUNDING)
+
+    @property
+    def needs(self) -> dict[str, dict[str, float]]:
+        """Lower bounds [rad] by model, of laws without a forecast and of every control."""
+        free = {name: abs(float(limit.deflection)) for name, limit in self.forecast_free.items()}
+        return {"forecast_free": free, "minimum": self.minima}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        v, slanting, planes = self.vehicle, self.slanting, {}
+        if self.planes is not None and slanting is not None:
+            planes["planes"] = {
+                **picked(slanting, "heading_deg"),
+                **picked(self.planes, "peak_deg"),
+                "stop": repr(self.planes.stop),
+                **picked(self.planes, "required_deflection_deg=deflection alone_deg"),
+                "pitch_alone_misses": self.planes.misses("pitch"),
+                "judged": self.in_both,
+            }
+        gust = (
+            None if self.gust is None else picked(self.gust, "peak_deg begins_s=onset ends_s=end")
+        )
+        return {
+            "vehicle": v if isinstance(v, Vehicle) else {"name": v.name},
+            **picked(self, "plane coefficients"),
+            "wind": {"shape": self.shape, **picked(self.wind, "peak_deg duration_s")},
+            "gust": gust,
+            **planes,
+            "unstable_poles_per_s": {name: modes.poles for name, modes in self.modes.items()},
+            **picked(self, "trim_deflection_deg"),
+            "boundaries": {
+                name: {"dead_band": self.dead_bands, **boundary.as_dict()}
+                for name, boundary in self.boundaries.items()
+            },
+            **picked(self, "forecast_free minimum_deg=minima notes"),
+            "verdict": picked(
+                self,
+                "model dead_band switch sign required_deflection_deg governed_by=governs"
+                " requirements_deg=requirement.needs nominal_deflection_deg encountered_deg"
+                " limit_deg sufficient"
+                " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of"
+                " survivable_peak_is_bound=survives_bound",
+            ),
+        }
+
+
+def _needed(
+    plants: dict[str, Plant], wind: History, dead_bands: FloatArray, switch: str
+) -> dict[str, Any]:
+    """Return boundaries with dead bands and lower bounds without and with a forecast, by model."""
+    optima = _where_defined(_optimum, plants, wind)
+    return {
+        "boundaries": {
+            name: with_larger_requirements(
+                plant, wind, dead_bands, boundary_limit(plant, wind, dead_bands, switch)
+            )
+            for name, plant in plants.items()
+        },
+        "forecast_free": _where_defined(forecast_free_limit, plants, wind),
+        "minima": {name: optimum.peak for name, optimum in optima.items()},
+    }
+
+
+def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
+    """Return boundaries and bounds with NaN [rad], for winds beyond linear aerodynamics."""
+    unknown = {
+        key: {k: replace(x, deflection=x.deflection * np.nan) for k, x in needed[key].items()}
+        for key in ("boundaries", "forecast_free")
+    }
+    return unknown | {"minima": dict.fromkeys(needed["minima"], np.nan)}
+
+
+def _optimum(plant: Plant, wind: History) -> Optimum:
+    """Return the minimum peak of a control from t = 0 on, or from the earlier onset of a gust."""
+    return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
+
+
+def _where_defined(
+    function: Callable[..., Any], plants: dict[str, Plant], wind: History
+) -> dict[str, Any]:
+    """Return the values of a function of plant and wind, by the models that it is defined for."""
+    values = {}
+    for name, plant in plants.items():
+        with suppress(InputError):
+            values[name] = function(plant, wind)
+    return values
+
+
+def outlasts_one_pole(study: Study) -> bool:
+    """Return whether the wind lasts longer than `single_pole_validity` allows."""
+    return bool(study.wind.duration > single_pole_validity(study.coefficients))

@@ -1,0 +1,243 @@
+"""A study as tables, and its verdict in words."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from tvclin.base.cards import Quantity
+from tvclin.base.lines import (
+    Line,
+    Row,
+    Table,
+    degrees,
+    minimum_limit,
+    number,
+    quantities,
+    significant,
+    upper_pole,
+)
+from tvclin.base.quantities import NO_FORECAST, QUANTITIES, STATIC_TRIM, WIND_KNOWN, sufficiency
+from tvclin.boundary.open_loop import ROUNDING, Reason
+from tvclin.requirement.study import Study
+from tvclin.winds.wind_angles import BEYOND_LINEAR
+
+LEAST = {"forecast_free": NO_FORECAST, "minimum": WIND_KNOWN}
+"""Labels of the lower bounds, below the boundaries of every control."""
+LEGEND = (
+    f"{NO_FORECAST[0].upper()}{NO_FORECAST[1:]}: {QUANTITIES[NO_FORECAST]}."
+    f" {WIND_KNOWN[0].upper()}{WIND_KNOWN[1:]}: {QUANTITIES[WIND_KNOWN]}."
+)
+_FIELDS = {
+    "inertia": "moment_of_inertia",
+    "slope": "normal_force_slope",
+    "l_a": "aerodynamic_arm",
+    "l_c": "control_arm",
+    "attitude_deg": "attitude",
+    "control_slope": "control_force_slope",
+    "damping": "pitch_damping",
+}
+"""Names of the quantities of a vehicle in files, where these differ."""
+AIR = {
+    None: "the worst of head and tail wind",
+    "head": "encountered in a head wind",
+    "tail": "encountered in a tail wind",
+    "frozen": "nominal",
+}
+"""Words for the dynamic pressure, by the sign that counts."""
+LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
+"""Words for the exit of the dead band, by switch."""
+_NOT_STABLE = ("none (stable)",)
+_VERDICT = " (verdict)"
+
+
+def vehicle(
+    s: Study, source: str = "unnamed", own: Mapping[str, tuple[float, str]] | None = None
+) -> Table:
+    """Return the numbers of the vehicle, first in the units of its file where these differ.
+
+    `source` is the title of a vehicle without a name, `own` the numbers in the units of the file,
+    by name, with these units; see `as_written`.
+    """
+    rows = [(quantity.label, _in_units(quantity, own or {})) for quantity in s.vehicle.quantities()]
+    planes = "pitch and yaw" if s.in_both else s.plane
+    return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
+
+
+def coefficients(s: Study) -> Table:
+    """Return the linear coefficients, with those of the flight path where these are known."""
+    c, unstable = s.coefficients, s.coefficients.mu_alpha > 0.0
+    units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
+    path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
+    rows: list[Row] = []
+    drifts = "drift-exact" in s.modes
+    for name, unit in (units | (path if drifts else {})).items():
+        label = "pole p" if name == "pole" else name
+        if name == "K1" and not drifts:
+            continue
+        if name in ("damping", "pole") and not (c.damping and (unstable or name == "damping")):
+            continue
+        if name in ("beta", "K1") and not unstable:
+            rows.append((label, _NOT_STABLE))
+            continue
+        rows.append((label, significant(f"coefficients.{name}", getattr(c, name), 4, unit)))
+    return quantities(f"Linear coefficients, {s.plane} plane", rows)
+
+
+def poles(s: Study) -> Table:
+    """Return the unstable poles of every model."""
+    rows: list[Row] = []
+    for model, modes in s.modes.items():
+        line: Line = ()
+        for k, pole in enumerate(pole for pole in modes.poles if pole.imag >= 0.0):
+            line += ((", ",) if k else ()) + upper_pole(f"poles.{model}.{k}", pole)
+        rows.append((model, line or ("none",)))
+    return quantities("Unstable poles [1/s]", rows)
+
+
+def boundaries(s: Study) -> Table:
+    """Return static trim, the boundary at every dead band, lower bounds, and survivable peaks.
+
+    The row of the verdict is marked. The last column, where a limit is in question, is the peak of
+    the wind that it survives with the model of the verdict.
+    """
+    names, judged = tuple(s.boundaries), _judged(s)
+    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(s, "trim", s.trim_deflection))]
+    for i, K in enumerate(s.dead_bands):
+        mark = _VERDICT if K == s.dead_band and not judged else ""
+        cells: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), mark)]
+        for name in names:
+            boundary, key = s.boundaries[name], f"boundary.{name}.{i}"
+            cells.append(minimum_limit(degrees(key, abs(boundary.deflection[i]))))
+            cells.append(minimum_limit(number(f"{key}.limit", boundary.limit[i])))
+        rows.append(tuple(cells))
+    for row in judged:
+        mark, needs = _VERDICT if row.of_verdict else "", {s.model: row.required}
+        rows.append(((row.label + mark,), *_parts(s, row.label.replace(" ", "_"), needs)))
+    rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
+    head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
+    if s.limit is not None and not s.in_both and s.model in s.boundaries:
+        peaks = _survived(s, s.limit, [row.survived for row in judged])
+        bound = abs(s.peak_bound)
+        survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
+        head = (*head, "limit survives [deg]")
+        rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
+    peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    component = ""
+    if s.slanting is not None:
+        vector = abs(float(np.degrees(s.slanting.peak)))
+        component = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
+    caption = (
+        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
+        f"{s.wind_in_plane.gust_text}{component}"
+    )
+    return Table(caption, head, tuple(rows))
+
+
+class _Judged(NamedTuple):
+    """Row of a required deflection [rad], with the peak [rad] that the limit survives there."""
+
+    label: str
+    required: float
+    survived: float
+    of_verdict: bool
+
+
+def _judged(s: Study) -> list[_Judged]:
+    """Return the rows of required deflections that are larger than a boundary.
+
+    Empty where the boundary with the dead band of the verdict is all that is required. Of the
+    directions of a wind the peak is known only of the one that counts.
+    """
+    survived = abs(s.survivable_peak or np.nan)
+    if s.in_both:
+        return [_Judged("both planes", s.required_deflection, survived, True)]
+    if s.model not in s.boundaries:
+        return []
+    rows = []
+    by_boundary = s.governs == Reason.BOUNDARY and s.switch == "literal"
+    if not s.encountered and (by_boundary or s.governs == Reason.NOTHING):
+        return []
+    row = float(s.boundaries[s.model].deflection[list(s.dead_bands).index(s.dead_band)])
+    nominal = s.nominal_deflection
+    if not np.isclose(abs(row), nominal, rtol=ROUNDING):
+        peak = abs(s.judged_peak) * (s.limit or np.nan) / nominal
+        label = "nominal pressure" if s.encountered else "required"
+        rows.append(_Judged(label, nominal, peak, s.at_nominal_pressure))
+    for name, need in s.encountered.items():
+        counts = s.direction == name
+        rows.append(_Judged(f"{name} wind", need, survived if counts else np.nan, counts))
+    return rows
+
+
+def verdict(s: Study) -> Iterator[Line]:
+    """Yield the required deflection, and the verdict on the limit."""
+    needed = minimum_limit(degrees("verdict.required", s.required_deflection, unit="deg"))
+    switch = "" if s.switch == "literal" else f", left when {LEFT_WHEN[s.switch]}"
+    air = "" if s.sign is None else f", dynamic pressure {AIR[s.sign]}"
+    basis = f" (model {s.model}, dead band {s.dead_band:g}{switch}{air}), {_governed(s)}"
+    yield (
+        "Required deflection: ",
+        *((f"NOT KNOWN: {s.beyond}",) if s.beyond else (*needed, basis)),
+    )
+    if s.limit is None or s.survivable_peak is None:
+        return
+    have = degrees("verdict.limit", s.limit, unit="deg")
+    line: Line = ("Limit ", *have, f": {sufficiency(s.sufficient)}; ")
+    survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
+    line = (*line, "it survives peaks up to ", *survived)
+    of = f", {s.peak_of}" if s.peak_of else ""
+    yield (*line, f" at least{of}; {BEYOND_LINEAR}" if s.survives_bound else of)
+
+
+def survivable(name: str, peak: float, bound: float) -> Line:
+    """Return a survivable peak [rad] in degrees, marked at the bound of what is known."""
+    if peak >= bound * (1.0 - ROUNDING):
+        return ("≥ ", *degrees(name, bound))
+    return degrees(name, peak)
+
+
+def _in_units(quantity: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
+    """Return a number in the unit of its file, and in that of tables where it differs."""
+    shown = significant(f"vehicle.{quantity.key}", quantity.value, 6, quantity.unit)
+    name = _FIELDS.get(quantity.key, quantity.key)
+    value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
+    if not unit or unit == quantity.unit.replace("²", "2"):
+        return shown
+    return (*significant(f"vehicle.{quantity.key}.own", value, 6, unit), " (", *shown, ")")
+
+
+def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
+    """Return the cells of a deflection for each model: in degrees, and normalised by trim."""
+    cells: list[Line] = []
+    for name in s.boundaries:
+        need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
+        if not s.trim_deflection:
+            need = np.nan
+        ratio = need / s.trim_deflection if s.trim_deflection else np.nan
+        cells += [degrees(f"{key}.{name}", need), number(f"{key}.{name}.part", ratio)]
+    return cells
+
+
+def _survived(s: Study, limit: float, judged: list[float]) -> list[float]:
+    """Return the survivable peaks [rad] of a limit, for each row, of the model of the verdict."""
+    undercut = s.minima.get(s.model, 0.0)
+    rows = [
+        s.nominal_deflection if s.dead_band == K else max(abs(float(boundary)), undercut)
+        for K, boundary in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
+    ]
+    minimum_limit = [needs.get(s.model, np.nan) for needs in s.needs.values()]
+    peak = abs(float(s.history.peak))
+    with np.errstate(divide="ignore"):
+        linear, below = (
+            [float(peak * limit / np.float64(required)) for required in column]
+            for column in ((s.trim_deflection, *rows), minimum_limit)
+        )
+    return [*linear, *judged, *below]
+
+
+def _governed(s: Study) -> str:
+    """Return words for the reason that sets the required deflection."""
+    if s.in_both:
+        return f"of both planes, {s.governs}"
+    return "none is needed" if s.governs == Reason.NOTHING else f"set by {s.governs}"

@@ -1,0 +1,510 @@
+"""Requirements of vehicles whose equations vary over a wind, from two curves: trim and demand.
+
+    x' = A x + b delta + w alpha_w
+
+varies with time since the flight goes on, since the dynamic pressure encountered differs from the
+nominal one, or not at all. With the costate p, p' = -A^T p, that is the left eigenvector of the
+fastest unstable mode at the end of the wind, the unstable component p.x obeys
+
+    p(T).x(T) = p.x + F + R delta,    F = integral of p.w alpha_w dt,  R = integral of p.b dt,
+
+for a deflection held from t on. Under ideal trim up to t the deflection limit that is sufficient
+when it is held from t on is demand(t) = -(p.x + F)/R, beside trim(t) itself
+(`kernels.trim_and_demand`). `varying_curves` reads from both what a control with a dead band
+requires; with one unstable mode the demand at the onset is the minimum peak of all control.
+
+With several unstable modes no control needs less than the minimum over all of them
+(`varying_minimum`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
+
+Required with K = 1 is the smallest limit from which on every limit survives, for the ideal trim law
+in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
+path, and where trim meets the limit once and the path is slow; it is required as long as trim meets
+it to one side alone. Else the limited law itself is flown (`LimitedFlights`) with many limits,
+through the wind and the calm after it, and what is required lies above all of them with which a
+flight diverges.
+
+The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
+`STEP` taken here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.errors import InputError
+from tvclin.kernels import limited_trim
+from tvclin.kernels import trim_and_demand as marches
+from tvclin.kernels.choice import run
+from tvclin.requirement.varying_curves import Curves
+from tvclin.requirement.varying_equations import Equations
+from tvclin.requirement.varying_minimum import minimum_peaks
+from tvclin.winds.histories import History
+from tvclin.winds.wind_angles import EncounteredWind, NominalWind
+
+STEP = 0.1
+"""Length of a step times the fastest rate of vehicle and wind."""
+FLIGHT_PARTS = 4
+"""Parts of a step in flights of the limited law, whose attitude feedback is ten times as fast."""
+_FEEDBACK_OVER_TRIM = 10.0
+"""Attitude feedback of the ideal trim law over its trim, that of `TrimLaw`."""
+_CALM_OVER_TIME_CONSTANT = 15.0
+"""Length of a flight after its wind times the unstable pole. On a quick path the law may diverge
+with a limit that survives if it is constant."""
+_CALM_STEP_OVER_TIME_CONSTANT = 0.05
+"""Length of a step after the wind times the fastest rate."""
+_FLIGHT_MARGIN = 1.005
+"""A flight with so many times the limit of both curves shows whether they are sufficient."""
+_LOWEST_OF_BOTH_SIDES, _LOWEST_AGAIN = 0.5, 0.9
+"""Fractions of the largest min(trim, demand) from which on flights are tried, where trim reaches it
+to both sides, or more than once while the path drifts. With less than the first the attitude leaves
+the linear range."""
+_MIN_LIMIT = 1e-12
+"""A limit [rad] in place of zero."""
+_EVEN_STEP = 0.125
+"""Length of an even step times the fastest rate, through winds whose breakpoints are not ends.
+With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
+_MIN_RATE_PER_S = 0.25
+"""Smallest rate [1/s] that sets even steps."""
+_MAX_BATCH_STEPS = 5_000
+"""Largest number of steps of the winds of a batch: some ten megabytes."""
+_LIMITS_MULTIPLE = 4
+"""Multiple to which the number of limits is rounded, so that many winds have the same."""
+_MAX_STEPS = 20_000
+"""Largest number of steps over one wind."""
+_WIND_RATE_FACTOR = 2.0
+"""Factor on the rates of a wind, whose curvature sets the error of the parabola of trim."""
+_MIN_STEPS = 4
+"""Smallest number of steps between two breakpoints of a wind."""
+
+
+class Motion(Protocol):
+    """Equations of vehicles over time: `Equations`, or `FlightMode`."""
+
+    @property
+    def fastest(self) -> FloatArray:
+        """Largest rate [1/s] of the attitude of each vehicle, ``(n,)``."""
+
+    @property
+    def breakpoints(self) -> FloatArray:
+        """Times [s] between which the equations are smooth, beside those of the wind."""
+
+    def over(self, times: FloatArray) -> Equations:
+        """Return the equations at times [s] of steps, ``(n, S, 3)``."""
+
+
+class Encounter(Protocol):
+    """A wind as vehicles encounter it: `EncounteredWind`, `NominalWind` or `FlightWind`."""
+
+    @property
+    def history(self) -> History:
+        """A history with the breakpoints and rates of the wind."""
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)``."""
+
+
+def step_counts(wind: History, motion: Motion) -> FloatArray:
+    """Return how many steps winds take between their breakpoints, ``(n, k)``.
+
+    As many as `STEP` requires, rounded up to one of four numbers in each octave, so that winds of
+    like length have the same.
+    """
+    widths = np.diff(_breakpoints(wind, motion), axis=-1)
+    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
+    fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
+    with np.errstate(invalid="ignore"):  # a calm has no breakpoints
+        counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
+        quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0
+        return np.where(widths > 0.0, np.ceil(counts / quarter) * quarter, 0.0 * widths)
+
+
+def _breakpoints(wind: History, motion: Motion) -> FloatArray:
+    """Return the breakpoints [s] of winds and motion within each wind, ``(n, k + 1)``."""
+    knots = wind.knots.reshape(-1, wind.knots.shape[-1])
+    if motion.breakpoints.size:
+        more = np.broadcast_to(motion.breakpoints, (len(knots), motion.breakpoints.size))
+        knots = np.sort(np.concatenate([knots, more], axis=-1), axis=-1)
+    return np.clip(knots, np.reshape(wind.onset, (-1, 1)), np.reshape(wind.end, (-1, 1)))
+
+
+def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
+    """Return times [s] at begin, middle and end of the steps over winds, ``(n, S, 3)``.
+
+    Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: into
+    how many each step is divided. `InputError` where a wind takes more steps than can be followed.
+    """
+    counts = step_counts(wind, motion).max(axis=0)
+    if not counts.sum() <= _MAX_STEPS:
+        slowest, lasts = 1.0 / motion.fastest.max(), np.max(wind.end - wind.onset)
+        raise InputError(
+            f"varying parameters can be followed for at most {_MAX_STEPS * STEP:.4g} times"
+            f" {slowest:.4g} s, the time of the fastest motion; this wind lasts {lasts:.4g} s:"
+            " shorten it"
+        )
+    knots = _breakpoints(wind, motion)
+    widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
+    rows = [
+        knots[:, i, None, None] + widths[:, i, None, None] * (np.arange(n)[:, None] + inside) / n
+        for i, n in enumerate((counts * parts).astype(int).tolist())
+        if n
+    ]
+    for i, row in zip(np.flatnonzero(counts), rows, strict=True):
+        row[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
+    return np.concatenate(rows, axis=1)
+
+
+def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
+    """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``.
+
+    `parts`: into how many each step is divided.
+    """
+    count = max(
+        np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _MIN_RATE_PER_S) / _EVEN_STEP), 32
+    )
+    ends = np.linspace(*span, min(int(count), _MAX_STEPS) * parts + 1)
+    return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
+
+
+def over_steps(
+    motion: Motion, encountered: Encounter, parts: int = 1
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
+
+    `parts`: as of `step_times`.
+    """
+    times = step_times(encountered.history, motion, parts)
+    at_end = np.zeros(times.shape, dtype=bool)
+    at_end[..., 2] = True
+    inside = np.where(
+        at_end, np.maximum(np.nextafter(times, -np.inf), times[..., 1:2]), times
+    )  # from the left
+    wind, ratio = encountered.at(inside)
+    shape = np.broadcast_shapes(wind.shape, (len(motion.fastest), 1, 1))
+    return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
+
+
+def and_after(
+    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
+
+    `times`, `wind`, `ratio`: as of `over_steps`.
+    """
+    count = int(steps_after(equations).max())
+    rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
+    step = (_CALM_STEP_OVER_TIME_CONSTANT / rate)[:, np.newaxis, np.newaxis]
+    calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
+    times = np.concatenate([times, calm], axis=1)
+    wind = np.concatenate([wind, np.zeros(calm.shape)], axis=1)
+    return times, wind, np.concatenate([ratio, np.ones(calm.shape)], axis=1)
+
+
+def steps_after(equations: Equations) -> IndexArray:
+    """Return how many steps a flight of the limited law takes after its wind, ``(n,)``.
+
+    None on a slow path, on which the law brings back whatever the limit can.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
+    counts = np.ceil(_CALM_OVER_TIME_CONSTANT / _CALM_STEP_OVER_TIME_CONSTANT) * np.where(
+        np.isnan(slower), 1.0, np.ceil(slower)
+    )
+    quick = np.broadcast_to(equations.quick_path, counts.shape)
+    return np.where(quick, np.minimum(counts, _MAX_STEPS), 0.0).astype(int)
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingRequirement:
+    """Deflections [rad] that winds require of vehicles whose equations vary, as sizes ``(n,)``.
+
+    Attributes
+    ----------
+    trim : ndarray
+        Trim along the path: the largest deflection of ideal trim, with drift.
+    required : ndarray
+        Required deflection at the dead band; zero without an unstable mode, the largest trim over K
+        where a pair alone is unstable, NaN with K < 1 for a wind that changes its sign.
+    minimum : ndarray
+        Lower bound with the wind known: no control needs less.
+    time : ndarray
+        Time [s] at which trim leaves the dead band with the required deflection as the limit.
+    """
+
+    trim: FloatArray
+    required: FloatArray
+    minimum: FloatArray
+    time: FloatArray
+
+
+def varying_requirement(
+    motion: Motion, encountered: Encounter, dead_band: float = 1.0
+) -> VaryingRequirement:
+    """Return trim, required deflection at a dead band K and lower bound [rad] of winds, ``(n,)``.
+
+    Parameters
+    ----------
+    motion : Equations or FlightMode
+        Of one vehicle, or of as many as there are winds.
+    encountered : EncounteredWind, NominalWind or FlightWind
+        One wind or a batch.
+    dead_band : float
+        K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.
+    """
+    if not np.any(np.isfinite(encountered.history.onset)):
+        none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
+        return VaryingRequirement(none, none, none, np.full(none.shape, np.nan))
+    times, wind, ratio = over_steps(motion, encountered)
+    equations = motion.over(times)
+    found = curves(equations, times, wind, ratio)
+    trim = found.largest_trim
+    no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
+    minimum = np.where(no_real_mode, 0.0, np.abs(found.demand[:, 0, 0]))
+    march = _columns(equations, times, wind, ratio, None)[:6]
+    after_trim, exit_time = np.zeros(trim.shape), np.zeros(trim.shape)
+    for modes in equations.modes:
+        cases = modes.cases if len(equations.nominal) > 1 else np.arange(len(trim))
+        peaks = minimum_peaks(
+            modes,
+            [x if len(x) == 1 else x[cases] for x in march],
+            found.path[cases],
+            found.of(cases).heights_over(dead_band) if 0.0 < dead_band < 1.0 else None,
+        )
+        minimum[cases] = peaks[:, 0]
+        if 0.0 < dead_band < 1.0:
+            from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
+            after_trim[cases], exit_time[cases] = found.of(cases).limit_over_minimum(
+                from_step, dead_band
+            )
+    paired = np.broadcast_to(equations.paired, found.trim.shape)
+    never_limited = np.where(np.any(paired, axis=(1, 2)), trim, 0.0)
+    if dead_band == 1.0:
+        limit, time = found.limit_of_trim_law(paired)
+        required = _of_flights(motion, equations, encountered, found, limit, minimum)
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            limit, time = found.limit_of_dead_band(dead_band)
+            time = np.where(after_trim > limit, exit_time, time)
+            limit = np.where(np.isnan(limit), limit, np.maximum(limit, after_trim))
+            inside = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
+            highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
+            required = np.maximum(np.minimum(np.maximum(limit, inside), highest), minimum)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a pair alone, or stable
+        paired_alone = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
+    required = np.where(no_real_mode, paired_alone, required)
+    required = np.where(np.isnan(trim), np.nan, required)
+    return VaryingRequirement(trim, required, minimum, time)
+
+
+def batch_requirements(
+    equations: Equations, encountered: EncounteredWind | NominalWind, dead_band: float
+) -> FloatArray:
+    """Return the required deflections [rad] of a batch of winds, ``(n,)``.
+
+    NaN for a wind too long to be followed, and where the wind has no dynamic pressure. Those with
+    the same steps are marched together, so that no case depends on its company.
+    """
+    count = max(len(equations.end), encountered.count)
+    counts = step_counts(encountered.history, equations)
+    counts = np.broadcast_to(counts, (count, counts.shape[-1]))
+    known = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    counts = np.insert(counts, 0, steps_after(equations), axis=-1)
+    required = np.full(count, np.nan)
+    groups, group = np.unique(counts[known], axis=0, return_inverse=True)
+    for k in range(len(groups)):
+        alike = known[np.ravel(group) == k]
+        together = int(_MAX_BATCH_STEPS // groups[k].sum()) + 1
+        for first in range(0, alike.size, together):
+            cases = alike[first : first + together]
+            each = equations.of(cases), encountered.of(cases, count)
+            required[cases] = varying_requirement(*each, dead_band).required
+    return required
+
+
+def _of_flights(
+    motion: Motion,
+    equations: Equations,
+    encountered: Encounter,
+    found: Curves,
+    limit: FloatArray,
+    minimum: FloatArray,
+) -> FloatArray:
+    """Return the required deflection [rad] with K = 1, where need be by flights of the law.
+
+    Of an aerodynamically stable vehicle with an unstable path the law may not bring back the path
+    with any limit: flights then end with the wind, where the limit has to bring back the unstable
+    component.
+    """
+    flown, lowest = decided_by_flights(equations, found, limit)
+    known = np.isfinite(found.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
+    required = np.maximum(limit, minimum)
+    if not np.any(known & (flown | equations.drifts)):
+        return required
+    in_wind = over_steps(motion, encountered, FLIGHT_PARTS)
+    times, wind, ratio = and_after(equations, *in_wind)
+    flights = LimitedFlights(motion.over(times), times, wind, ratio)
+    if equations.drifts:
+        every = np.flatnonzero(known)
+        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[every, np.newaxis]
+        flown[every] |= flights.diverge(tried, every)[:, 0]
+    which = np.flatnonzero(flown & known)
+    if which.size:
+        low, high = np.maximum(lowest, minimum), found.highest_limit
+        required[which] = flights.of(which).requirement(low[which], high[which])
+        stable = np.all(equations.nominal[..., 1, 0] < 0.0, axis=(1, 2))
+        never = which[(np.isinf(required) & stable)[which]]
+        if never.size and in_wind[0].shape != times.shape:
+            flights = LimitedFlights(motion.over(in_wind[0]), *in_wind).of(never)
+            required[never] = flights.requirement(low[never], high[never])
+    return required
+
+
+def decided_by_flights(
+    equations: Equations, found: Curves, limit: FloatArray
+) -> tuple[BoolArray, FloatArray]:
+    """Return whether flights decide what K = 1 requires, and the lowest limits to try [rad].
+
+    `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it to
+    both sides, and where the path drifts and is quick, or trim meets it more than once.
+    """
+    both, again = found.reaches_both_sides(limit), found.meets_again(limit) & equations.drifts
+    lowest = np.where(again, _LOWEST_AGAIN * limit, limit)
+    lowest = np.where(both, _LOWEST_OF_BOTH_SIDES * limit, lowest)
+    return both | again | (equations.quick_path & equations.drifts), lowest
+
+
+@dataclass(frozen=True, eq=False)
+class LimitedFlights:
+    """Flights of the ideal trim law with deflection limits, one wind each ``(n,)``.
+
+    `equations` to `onset`: as of `curves`, at `FLIGHT_PARTS` times as many steps.
+    """
+
+    equations: Equations
+    times: FloatArray
+    wind: FloatArray
+    ratio: FloatArray
+    onset: FloatArray | None = None
+
+    def of(self, cases: IndexArray) -> LimitedFlights:
+        """Return the flights through some of the winds."""
+        equations = self.equations if len(self.equations.end) == 1 else self.equations.of(cases)
+        times = self.times if len(self.times) == 1 else self.times[cases]
+        onset = None if self.onset is None else self.onset[cases]
+        return LimitedFlights(equations, times, self.wind[cases], self.ratio[cases], onset)
+
+    def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
+        """Return with which limits ``(k, tries)`` [rad] the flights through k winds diverge."""
+        some = self if isinstance(cases, slice) else self.of(cases)
+        order, diverged = some.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
+        columns = _columns(some.equations, some.times, some.wind, some.ratio, some.onset)
+        work = some.wind.shape[1] * limits.size * order
+        run(
+            limited_trim.limited_trim,
+            (*columns, _FEEDBACK_OVER_TRIM, np.require(limits, float, ["C", "W"]), diverged),
+            len(limits),
+            limited_trim.PLAIN * work,
+            limited_trim.COMPILED * work,
+        )
+        return diverged
+
+    def requirement(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the smallest limits [rad] from which on all survive, at least `low`, ``(n,)``.
+
+        Infinite where flights with `high` [rad] diverge too, with which the law should never be
+        limited.
+        """
+        from tvclin.flights.closed_loop.survival_limit import (
+            limits_above_losses,  # late: with all flights
+        )
+
+        bottom = np.maximum(low, _MIN_LIMIT)
+        top, required = np.maximum(high, bottom), np.empty(bottom.shape)
+        for case in np.arange(bottom.size)[:, np.newaxis]:  # the scan of many depends on all
+
+            def diverge(limits: FloatArray, case: IndexArray = case) -> BoolArray:
+                return self.diverge(limits.T, case).T
+
+            edge, never = limits_above_losses(diverge, bottom[case], top[case])
+            required[case] = np.where(never, np.inf, np.maximum(edge, low[case]))
+        return required
+
+    def survive(self, limit: FloatArray, high: FloatArray, bound: FloatArray) -> BoolArray:
+        """Return whether flights survive with limits [rad] and all above, up to `high`, ``(n,)``.
+
+        Limits are tried as by `requirement`: every `FINE` up to `AHEAD` above a `bound` [rad] of
+        what is required, or above the first limit, and every `STRIDE` from there on.
+        """
+        from tvclin.flights.closed_loop.survival_limit import AHEAD, FINE, STRIDE
+
+        low = np.maximum(limit, _MIN_LIMIT)
+        top = np.maximum(high, low)
+        middle = np.clip((1.0 + AHEAD) * np.minimum(bound, low), low, top)
+        spans = np.log(middle / low)[:, np.newaxis], np.log(top / middle)[:, np.newaxis]
+        fine, coarse = (np.ceil(x / step) for x, step in zip(spans, (FINE, STRIDE), strict=True))
+        counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
+        survives = ~self.diverge(low[:, np.newaxis])[:, 0]
+        for count in np.unique(counts[survives & (counts > 0)]).tolist():
+            cases = np.flatnonzero(survives & (counts == count))
+            k, n = np.arange(1, count + 1), fine[cases]
+            parts = spans[0][cases] * np.minimum(k / np.maximum(n, 1.0), 1.0)
+            above = np.clip((k - n) / np.maximum(coarse[cases], 1.0), 0.0, 1.0)
+            tried = low[cases, np.newaxis] * np.exp(parts + spans[1][cases] * above)
+            survives[cases] = ~np.any(self.diverge(tried, cases), axis=1)
+        return survives
+
+
+def curves(
+    equations: Equations,
+    times: FloatArray,
+    wind: FloatArray,
+    ratio: FloatArray,
+    onset: FloatArray | None = None,
+) -> Curves:
+    """Return trim and demand of winds over their steps.
+
+    Parameters
+    ----------
+    equations : Equations
+        Of one vehicle or of each.
+    times, wind, ratio : ndarray
+        Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
+        one, at begin, middle and end of each step, ``(n, S, 3)``.
+    onset : ndarray, optional
+        Position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third, whose times are
+        those from there on. Zero without it.
+    """
+    shape, order = wind.shape, equations.nominal.shape[-2]
+    columns = _columns(equations, times, wind, ratio, onset)
+    trim, demand = np.zeros(shape), np.zeros(shape)
+    slope = np.zeros((*shape[:2], 2))
+    path = np.zeros((shape[0], shape[1] + 1, order - 2))
+    work = shape[0] * shape[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        run(
+            marches.trim_and_demand,
+            (*columns, trim, demand, slope, path),
+            shape[0],
+            marches.PLAIN * work,
+            marches.COMPILED * work,
+        )
+    return Curves(np.broadcast_to(times, shape), wind, trim, demand, slope, path)
+
+
+def _columns(
+    equations: Equations,
+    times: FloatArray,
+    wind: FloatArray,
+    ratio: FloatArray,
+    onset: FloatArray | None,
+) -> list[FloatArray]:
+    """Return the arguments that both kernels share."""
+    shape = wind.shape
+    end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
+    lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])
+    begin = np.zeros(shape[0]) if onset is None else onset
+    arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end, begin
+    return [np.require(x, float, ["C", "W"]) for x in arrays]

@@ -1,0 +1,9 @@
+"""The study file: one TOML that asks everything, its findings and verdicts.
+
+`load_study`, `load_sizing` and `load_campaign` read files; `StudyPlan` is a study file as a record,
+with its `Document`.
+"""
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

@@ -1,0 +1,246 @@
+"""Campaign files: the `Campaign` of a TOML file, and the tables that study files share with it."""
+
+from collections.abc import Mapping
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.ascent.schedule_file import SOURCE_TABLE, load_vehicle_at
+from tvclin.base.errors import Faults, InputError, between, naming, number, one_of, shown
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.tables import FileTable, known
+from tvclin.case.load import LOAD_TABLE
+from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
+from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
+from tvclin.control.margins.criteria import CRITERIA_TABLE
+from tvclin.design.standard_trials import LAWS_TABLE
+from tvclin.ensembles.availability.availability_request import AVAILABILITY_TABLE
+from tvclin.ensembles.campaign.campaign_plan import (
+    CAMPAIGN_TABLE,
+    OUTPUTS_TABLE,
+    QUESTION_TABLE,
+    Campaign,
+)
+from tvclin.ensembles.dispersions import (
+    CORRELATION_TABLE,
+    DEFAULT_DISPERSIONS,
+    DISPERSION_TABLE,
+    Dispersion,
+    Dispersions,
+    spread_table,
+)
+from tvclin.requirement.flight.request import SIZE_TABLE
+from tvclin.requirement.study import STUDY_TABLE
+from tvclin.studyfile.title_block import DOCUMENT_TABLE
+from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.vehicle_file import HEADINGS, build_vehicle, list_vehicles
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.wind_file import GUST_TABLE, WIND_TABLE, wind_for_vehicle, winds_of
+
+_STUDY_TABLES = (
+    *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
+    *(CRITERIA_TABLE, DOCUMENT_TABLE, LOAD_TABLE),
+)
+"""Tables that no campaign reads; their keys are checked nevertheless."""
+_SINGLE_TABLES = (
+    *_STUDY_TABLES,
+    CAMPAIGN_TABLE,
+    GUST_TABLE,
+    SOURCE_TABLE,
+    OUTPUTS_TABLE,
+    QUESTION_TABLE,
+    NOZZLE_TABLE,
+)
+"""Tables that a file has at most once."""
+TABLES = (*_SINGLE_TABLES, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
+"""All tables of a file for studies, campaigns and pages, each of which reads some of them."""
+_SUBJECT_KEYS = ("vehicle", "time_s", "model", "plane", "sign")
+"""Keys of vehicle, model and plane, in [study] or in [campaign]."""
+_FIELDS = {"names": "outputs"}
+"""Fields of `Campaign` by key, where the two names differ."""
+
+
+def load_campaign(path: str | PathLike[str]) -> Campaign:
+    """Return the campaign that a TOML file describes.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; the paths in it are relative to its folder. `template` shows one.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, is not TOML, or has an unknown key (similar keys are
+        suggested), and as `Campaign`. One sentence says which and how to correct it.
+    """
+    file = a_path("path", path)
+    start = f"write a campaign file with: tvclin campaign init {called(file)}"
+    document = tables_of(read_text(file, "a campaign file", start), str(file))
+    with naming(called(file)):
+        return parse_campaign(document, file.parent)
+
+
+def template() -> str:
+    """Return a commented campaign file to fill in."""
+    return files("tvclin.studyfile").joinpath("campaign_template.txt").read_text(encoding="utf-8")
+
+
+def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
+    """Return the campaign of a document; see `load_campaign`."""
+    subject = subject_of(document, folder)
+    head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    head.pop("time", None)
+    study = STUDY_TABLE.one(document)
+    outputs: dict[str, Any] = {}
+    if "dead_band" in study:
+        outputs["dead_bands"] = [number("dead_band", study["dead_band"], between(0.0, 1.0))]
+    outputs |= OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
+    CAMPAIGN_TABLE.need(head, ["cases"])
+    wind = winds_of(document, folder)[0]
+    vehicle, plane = subject["vehicle"], subject.get("plane", "pitch")
+    wind = wind_for_vehicle(document, wind, vehicle, plane)
+    nozzle = nozzle_of(document)
+    assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
+    return Campaign(
+        nozzle=nozzle,
+        design=design_of(document),
+        wind=wind,
+        dispersions=DEFAULT_DISPERSIONS if assumed else dispersions_of(document),
+        **(head | subject),
+        **{_FIELDS.get(key, key): value for key, value in outputs.items()},
+        **question_of(document),
+    )
+
+
+def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return vehicle, model, plane and sign of a document by field, where they are specified.
+
+    They stand in [study] or in [campaign], so that one file serves both.
+    """
+    if not document:
+        raise InputError(
+            "the file is neither a vehicle file (it has no [vehicle]) nor a study (no [study])"
+        )
+    _check_tables(document, folder)
+    keys = {table: table.one(document) for table in _SINGLE_TABLES}
+    if not {"study", "campaign"} & document.keys():
+        raise InputError("[study] is missing: it names the vehicle")
+    study, campaign = keys[STUDY_TABLE], keys[CAMPAIGN_TABLE]
+    for key in _SUBJECT_KEYS:
+        if key in study and key in campaign:
+            raise InputError(f"{key} is given in [study] and in [campaign]; keep one")
+    subject = {k: table[k] for table in (study, campaign) for k in _SUBJECT_KEYS if k in table}
+    where = STUDY_TABLE if "study" in document else CAMPAIGN_TABLE
+    where.need(subject, ["vehicle"])
+    time = subject.pop("time_s", None)
+    if time is not None:
+        time = number("time_s", time)
+    return subject | {"vehicle": _vehicle(subject["vehicle"], folder, where.name, time)}
+
+
+def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
+    """Raise `InputError` for all faults in the tables of a file, a line for each fault."""
+    faults = Faults()
+    with faults.kept():
+        vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
+        known("table", document, [*vehicle, *(table.name for table in TABLES)])
+    for table in _SINGLE_TABLES:
+        with faults.kept():
+            keys = table.one(document)
+            if table is SOURCE_TABLE:
+                continue  # it may hold a whole flight
+            if table.name in document or table in _STUDY_TABLES:
+                _check_keys(table, keys)
+                table.read(keys)
+    with faults.kept():
+        if "wind" in document:
+            winds_of(document, folder)
+    with faults.kept():
+        dispersions_of(document)
+    faults.tell()
+
+
+def _check_keys(table: FileTable, keys: Mapping[str, Any]) -> None:
+    """Raise `InputError` for keys that belong to another table, and name that table."""
+    faults = Faults()
+    for key in keys:
+        homes = [other.heading for other in TABLES if key in other.every_key]
+        with faults.kept():
+            if homes and key not in (*table.every_key, *table.quantities):
+                raise InputError(f"{key} stands in {' or '.join(homes)}, not in {table.heading}")
+    faults.tell()
+
+
+def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return probability and confidence by field, where the document specifies them."""
+    return QUESTION_TABLE.read(QUESTION_TABLE.one(document))
+
+
+def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
+    """Return the nozzle of the table [nozzle]; without the table, a nozzle without any limit."""
+    return NOZZLE_TABLE.made(document, Nozzle.from_table) or Nozzle()
+
+
+def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVehicle:
+    """Return the vehicle of a table, of the package by name, or of a file by path."""
+    if isinstance(source, dict):
+        if time is not None:
+            raise InputError(f"time_s is that of a flight schedule; take it out of [{where}]")
+        return build_vehicle(source, f"[{where}.vehicle]")
+    if not isinstance(source, str) or not source.isprintable():
+        raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
+    return load_vehicle_at(beside(source, folder), time)
+
+
+def beside(source: str, folder: Path) -> str | Path:
+    """Return the name of a vehicle of the package, or a path, in `folder` if the file exists."""
+    path = folder / source
+    return path if source not in list_vehicles() and exists(path) else source
+
+
+def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
+    """Return the autopilot design of the table [autopilot]; None without the table."""
+    return AUTOPILOT_TABLE.made(document, AutopilotDesign.from_table)
+
+
+def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
+    """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
+    rows = DISPERSION_TABLE.each(document)
+    correlation = CORRELATION_TABLE.each(document)
+    dispersions, faults = [], Faults()
+    for row in rows:
+        with faults.kept():
+            dispersions.append(_dispersion(row))
+    faults.tell()
+    names = [dispersion.parameter for dispersion in dispersions]
+    if not correlation:
+        return Dispersions(tuple(dispersions))
+    matrix = np.eye(len(dispersions))
+    for row in correlation:
+        keys = CORRELATION_TABLE.read(row)
+        between = keys.get("between")
+        if not isinstance(between, list) or len(between) != 2 or between[0] == between[1]:
+            raise InputError(
+                f"between in [[correlation]] must name two parameters; got {shown(between)}"
+            )
+        i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
+        matrix[i, j] = matrix[j, i] = number("coefficient", keys.get("coefficient", ""))
+    return Dispersions(tuple(dispersions), tuple(map(tuple, matrix.tolist())))
+
+
+def _dispersion(row: dict[str, Any]) -> Dispersion:
+    table = spread_table(row.get("parameter"))
+    keys = table.read(row)
+    parameter, shape = keys.pop("parameter"), keys.pop("shape", "normal")
+    if len(keys) != 1:
+        raise InputError(
+            f"the spread of {parameter} must be given once, as percent or as"
+            f" {table.spelled('spread').replace(' or ', ', ')}"
+        )
+    ((name, spread),) = keys.items()
+    return Dispersion(parameter, shape, spread, relative=name != "spread")

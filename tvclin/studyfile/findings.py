@@ -1,0 +1,368 @@
+"""Results of a study plan, computed before anything is written.
+
+The engine of a result is imported where the plan requests that result.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from tvclin.base.errors import InputError
+from tvclin.base.warned import warned
+from tvclin.requirement.case_requirement import survived_size
+from tvclin.requirement.study import Study
+from tvclin.studyfile.study_plan import StudyPlan
+
+if TYPE_CHECKING:
+    from tvclin.boundary.limit_over_load import LoadTradeOff
+    from tvclin.boundary.limit_over_rate import RateTradeOff
+    from tvclin.case.flexible_autopilot import FlexibleAnswer
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.comparison import TrimComparison
+    from tvclin.control.margins.bands import BandMargins
+    from tvclin.control.margins.criteria import Criteria
+    from tvclin.control.margins.margins import Margins
+    from tvclin.design.standard_trials import LawsRequest, LawTrial
+    from tvclin.ensembles.availability.availability_record import Availability
+    from tvclin.ensembles.dispersed_study import DispersedStudy
+    from tvclin.ensembles.dispersions import Dispersions
+    from tvclin.flights.closed_loop.flown_margins import FlownMargins
+    from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
+    from tvclin.linear.flexible import AnyPlant
+    from tvclin.nozzle.data_sheet import FlightCard
+    from tvclin.requirement.autopilot_requirement import AutopilotRequirement
+    from tvclin.requirement.flight.request import SizingRequest
+    from tvclin.requirement.flight.sizing import Sizing
+    from tvclin.requirement.flight.total import DeflectionTotal
+
+Told = Callable[[float, float], None]
+"""Progress of a result: called with the steps done and the steps in total."""
+Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
+"""Function that returns the plant that flies and its autopilot."""
+Flying: TypeAlias = "FlexibleAnswer | TrimComparison"
+"""Results with a plant and an autopilot."""
+_UNSEALED_IF_NONE = (
+    *("availability", "gust_at", "sign", "gust_speed", "data", "card"),
+    *("acceleration_limit", "travel_limit", "torque_limit", "power_limit", "load"),
+)
+"""Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
+MOST_CASES = 20_000
+"""Largest number of dispersed cases of a page; a campaign computes more."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeadWind:
+    """Answers at a constant dynamic pressure, that at the peak of a head wind.
+
+    `stop` and `rates` have the meaning of those fields of `Findings`; None where not computed.
+    """
+
+    stop: ClosedLoopBoundary | None
+    rates: RateTradeOff | None
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """A plan and its results; None, or empty, where the plan does not request a result.
+
+    `trials` are the laws, each in each wind; `comparison` is the autopilot in the wind, with its
+    margins; `flexible` the autopilot and margins of a flexible vehicle. `stop` is the minimum limit
+    with which the autopilot, flown with it as a stop, survives the wind, `flown` the margins with
+    the limit in that wind. `flight` is the sizing of the whole flight, and its worst total;
+    `card` the nozzle duty of a law along it. `availability` is the fraction of the days of an
+    archive that fly, `rates` the trade-off of limit and rate limit in the wind, `loads` that of
+    limit and load. `head` has `stop` and `rates` in a head wind, where that sets the requirement.
+    `reasons` says why a result is missing, by the name of its field; `warnings` are those of the
+    computation.
+    """
+
+    plan: StudyPlan
+    study: Study
+    trials: tuple[LawTrial, ...]
+    comparison: TrimComparison | None
+    flexible: FlexibleAnswer | None
+    stop: ClosedLoopBoundary | None
+    flown: FlownMargins | None
+    dispersed: DispersedStudy | None
+    flight: tuple[Sizing, DeflectionTotal] | None
+    card: FlightCard | None
+    availability: Availability | None
+    rates: RateTradeOff | None
+    loads: LoadTradeOff | None
+    head: HeadWind | None
+    reasons: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def criteria(self) -> Criteria:
+        """Criteria of the margins."""
+        return self.plan.held_to
+
+    @property
+    def margins(self) -> Margins | BandMargins | None:
+        """The margins that are judged: those by band of a flexible vehicle."""
+        if self.flexible is not None:
+            return self.flexible.bands
+        return None if self.comparison is None else self.comparison.margins
+
+    @property
+    def autopilot_requirement(self) -> AutopilotRequirement | None:
+        """The autopilot requirement; None where it is not flown."""
+        from tvclin.requirement.autopilot_requirement import AutopilotRequirement, counts_head
+
+        if self.stop is None:
+            return None
+        head = None if self.head is None else self.head.stop
+        return AutopilotRequirement(self.stop, head, counts_head(self.study), self.study.of_both)
+
+    @property
+    def autopilot_survives(self) -> float:
+        """Largest factor on the wind that the autopilot survives, flown with the limit as its stop.
+
+        At nominal dynamic pressure a flight scales with its wind; a larger head wind raises that
+        too. NaN where it is not flown.
+        """
+        limit, stop, s = self.study.limit, self.stop, self.study
+        if stop is None or limit is None:
+            return np.nan
+        limit /= s.of_both  # of this plane
+        head = None if self.head is None else self.head.stop
+        if head is None or not np.isfinite(head.deflection):
+            required = abs((head or stop).deflection)
+            return limit / required if required else np.inf
+        loop = self.flexible or self.comparison
+        assert loop is not None
+
+        from tvclin.requirement.autopilot_requirement import at_peak_pressure, autopilot_boundary
+
+        def requirement(size: float) -> float:
+            with suppress(InputError):
+                denser = at_peak_pressure(self.plan, s, size)
+                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.of_both)
+                return size * abs(float(flown.deflection))
+            return np.inf
+
+        return survived_size(limit, requirement)
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of the inputs, in SI units and in one order."""
+        inputs = asdict(self.plan, dict_factory=_sealed)
+        del inputs["document"]  # no number depends on it
+        return sha256(json.dumps(inputs, sort_keys=True, default=_plain).encode()).hexdigest()
+
+
+def _sealed(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the inputs of a record that its seal covers, by name."""
+    pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it
+    return {key: value for key, value in pairs if value is not None or key not in _UNSEALED_IF_NONE}
+
+
+def _plain(value: Any) -> Any:
+    """Return an array or history as JSON lists: complex numbers as pairs, times as text."""
+    array = np.asarray(value)
+    if np.iscomplexobj(array):
+        return [array.real.tolist(), array.imag.tolist()]
+    if array.dtype.kind == "M":
+        return array.astype(str).tolist()
+    return array.tolist()
+
+
+def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
+    """Return all results that a plan requests; `progress` is called with results done and in total.
+
+    A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
+    has its reason in place of an answer. `InputError` as `StudyPlan.study`.
+    """
+    messages: list[str] = []
+    with warned(messages.append):
+        study = plan.study()
+        reasons: dict[str, str] = {}
+        requests = _requests(plan)
+
+        def result(name: str, compute: Callable[[Any, Told], Any]) -> Any:
+            if name not in requests:
+                return None
+
+            def report(done: float, total: float) -> None:
+                if progress is not None:
+                    progress(list(requests).index(name) + done / total, len(requests))
+
+            try:
+                return compute(requests[name], report)
+            except InputError as error:
+                reasons[name] = str(error)
+                return None
+            finally:
+                report(1, 1)
+
+        loop = cache(partial(_loop, plan, study))  # gains for the smallest nozzle take a search
+        trials = result("trials", partial(_trials, plan, study, loop)) or ()
+        comparison = result("comparison", lambda *_: _comparison(study, loop))
+        flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
+        flying = flexible or comparison
+        return Findings(
+            plan=plan,
+            study=study,
+            trials=trials,
+            comparison=comparison,
+            flexible=flexible,
+            stop=flying and result("stop", lambda *_: _stop(plan, study, flying)),
+            flown=flying and result("flown", lambda limit, _: _flown(plan, study, flying, limit)),
+            dispersed=result("dispersed", lambda request, _: _dispersed(plan, study, request)),
+            flight=result("flight", partial(_flight, plan)),
+            card=result("card", partial(_card, plan)),
+            availability=result(
+                "availability", lambda request, told: request.availability(plan, told)
+            ),
+            rates=result("rates", lambda limit, _: _rates(plan, study, limit)),
+            loads=result("loads", lambda request, _: request.front(plan, 1.0 / study.of_both)),
+            head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, limit)),
+            reasons=reasons,
+            warnings=tuple(messages),
+        )
+
+
+def _requests(plan: StudyPlan) -> dict[str, Any]:
+    """Return the requests of a plan, each an input of its result, by field of `Findings`."""
+    loop = plan.design or plan.criteria
+    requests = {
+        "trials": plan.laws,
+        "comparison": loop,
+        "flexible": plan.vehicle.structure and loop,
+        "stop": loop and plan.nozzle.limit,
+        "flown": loop and plan.nozzle.limit,
+        "dispersed": plan.dispersions,
+        "flight": plan.sizing,
+        "card": plan.sizing if plan.sizing and plan.sizing.card else None,
+        "availability": plan.availability,
+        "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
+        "loads": plan.load,
+        "head": plan.nozzle.limit if loop or plan.nozzle.rate_limit else None,
+    }
+    return {name: request for name, request in requests.items() if request is not None}
+
+
+def _trials(
+    plan: StudyPlan, study: Study, loop: Loop, request: LawsRequest, told: Told
+) -> tuple[LawTrial, ...]:
+    from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
+    from tvclin.linear.flexible import plant_of
+
+    plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
+    nozzle = plan.hardware | {"sample_rate": request.sample_rate}
+    autopilot = None if plan.design is None else loop()[1]
+    laws = standard_laws(plant.rigid, study.wind.peak, autopilot, nozzle["rate_limit"])
+    winds = standard_winds(study.wind.peak, study.wind.duration)
+    if plan.vehicle.structure is None:  # compared with boundaries, which have none
+        nozzle |= {"actuator": None, "delay": 0.0}
+    else:
+        from tvclin.case.flexible_autopilot import with_filters
+
+        laws = {name: with_filters(law, plan.asked) for name, law in laws.items()}
+    return law_trials(
+        plant,
+        {name: laws[name] for name in request.names},
+        {name: winds[name] for name in request.winds},
+        loads=False,
+        progress=told,
+        **nozzle,
+    )
+
+
+def _comparison(study: Study, loop: Loop) -> TrimComparison:
+    from tvclin.control.comparison import compare_with_trim
+
+    return compare_with_trim(*loop(), study.history)
+
+
+def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
+    from tvclin.case.flexible_autopilot import flexible_answer
+
+    (plant, autopilot), criteria = loop(), plan.held_to
+    # of this plane, along a straight wind
+    limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.of_both
+    return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
+
+
+def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
+    """Return the margins of an autopilot and its plant in the wind, with the limit."""
+    from tvclin.control.laws.attitude import SaturatedLaw
+    from tvclin.flights.closed_loop.flown_margins import flown_margins
+
+    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.of_both
+    return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
+
+
+def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
+    """Return the autopilot requirement at nominal pressure; `loop` has a flexible vehicle's."""
+    from tvclin.case.flexible_autopilot import FlexibleAnswer
+    from tvclin.requirement.autopilot_requirement import autopilot_boundary
+
+    if isinstance(loop, FlexibleAnswer):
+        return loop.boundaries[0]
+    return autopilot_boundary(plan, loop.plant, loop.autopilot, study.of_both)
+
+
+def _in_a_head_wind(
+    plan: StudyPlan, study: Study, loop: Flying | None, limit: float
+) -> HeadWind | None:
+    """Return answers at the pressure of a head wind; None where that sets no requirement."""
+    from tvclin.requirement.autopilot_requirement import at_peak_pressure, head_wind_boundary
+
+    if study.ratio_to_nominal <= 1.0:
+        return None
+    stop = head_wind_boundary(plan, loop.autopilot, study, study.of_both) if loop else None
+    rates = None
+    with suppress(InputError):
+        denser = at_peak_pressure(plan, study)
+        rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
+    return HeadWind(stop, rates)
+
+
+def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
+    """Return the plant and its autopilot, whose optimised gains satisfy the criteria."""
+    from tvclin.design.least_gains_curves import autopilot_asked
+
+    return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
+
+
+def _flight(plan: StudyPlan, request: SizingRequest, told: Told) -> tuple[Sizing, DeflectionTotal]:
+    sizing = request.sizing(plan, told)
+    return sizing, request.total(plan, sizing)
+
+
+def _card(plan: StudyPlan, request: SizingRequest, told: Told) -> FlightCard:
+    from tvclin.nozzle.flight_duty import flight_card
+
+    return flight_card(plan, request, str(request.card), progress=told)
+
+
+def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
+    from tvclin.boundary.limit_over_rate import rate_trade_off
+
+    limit /= study.of_both  # of this plane
+    rate = plan.nozzle.rate_limit
+    return rate_trade_off(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
+
+
+def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:
+    from tvclin.ensembles.dispersed_study import disperse_study
+
+    return disperse_study(
+        study,
+        request,
+        cases=min(plan.cases, MOST_CASES),
+        seed=plan.seed,
+        probability=plan.probability,
+        confidence=plan.confidence,
+        method=plan.method,
+    )

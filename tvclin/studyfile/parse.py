@@ -1,0 +1,213 @@
+"""The tables of a study file: from a document to its plan."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tvclin.ascent.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
+from tvclin.base.errors import Faults, InputError, one_of, shown
+from tvclin.base.errors import text as printable_text
+from tvclin.base.files import called
+from tvclin.case.load import LOAD_TABLE, LoadBound
+from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
+from tvclin.design.standard_trials import LAWS_TABLE, LawsRequest
+from tvclin.ensembles.availability.availability_request import (
+    AVAILABILITY_TABLE,
+    AvailabilityRequest,
+)
+from tvclin.ensembles.availability.sounding_winds import PairGrowth
+from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest, SoundingRequest
+from tvclin.studyfile.campaign_file import (
+    beside,
+    design_of,
+    dispersions_of,
+    nozzle_of,
+    parse_campaign,
+    question_of,
+    subject_of,
+)
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.studyfile.title_block import DOCUMENT_TABLE, Document
+from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.soundings.sounding_files import read_sounding, read_soundings
+from tvclin.winds.wind_file import (
+    GUST_TABLE,
+    SOUNDING,
+    SOUNDING_TABLE,
+    is_wind_from_gust,
+    peak_speed_of,
+    wind_for_vehicle,
+    wind_tables,
+    winds_of,
+)
+
+
+def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
+    """Return the plan of a document; see `load_study`.
+
+    A campaign in the same document is checked too.
+    """
+    subject = subject_of(document, folder)
+    if "cases" in document.get("campaign", {}):
+        parse_campaign(document, folder)
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    options = {key: study[key] for key in ("dead_band", "switch") if key in study}
+    options |= {key: campaign[key] for key in ("cases", "seed", "method") if key in campaign}
+    readers: dict[str, Callable[[], Any]] = {
+        "wind": lambda: _wind(document, folder, subject),
+        "sizing": lambda: _sizing(document, folder),
+        "availability": lambda: _availability(document, folder),
+        "laws": lambda: LAWS_TABLE.made(
+            document, lambda keys: LawsRequest(**LAWS_TABLE.read(keys))
+        ),
+        "nozzle": lambda: nozzle_of(document),
+        "load": lambda: LOAD_TABLE.made(document, lambda keys: LoadBound(**LOAD_TABLE.read(keys))),
+        "design": lambda: design_of(document),
+        "criteria": lambda: CRITERIA_TABLE.made(document, _criteria),
+        "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),
+    }
+    if "dispersion" in document:
+        readers["dispersions"] = lambda: dispersions_of(document)
+    faults, values = Faults(), {}
+    for name, read in readers.items():
+        with faults.kept():
+            values[name] = read()
+    faults.tell()
+    return StudyPlan(**subject, **values, **question_of(document), **options)
+
+
+def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:
+    """Return the wind of a study in the plane of its vehicle, with its gust."""
+    wind, plane = winds_of(document, folder)[0], subject.get("plane", "pitch")
+    return wind_for_vehicle(document, wind, subject["vehicle"], plane)
+
+
+def _criteria(table: dict[str, Any]) -> Criteria:
+    """Return the criteria of the table [criteria]: custom limits, or a standard set changed."""
+    limits = CRITERIA_TABLE.read(table)
+    name = limits.pop("name", None)
+    if name is None:
+        return Criteria.custom("own", "the study file", **limits)
+    standard = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
+    return standard.with_limits("the study file", **limits)
+
+
+def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
+    """Return the sizing request of a document; None without [schedule] and [size]."""
+    measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
+    soundings = dict(measured)
+    if len(soundings) < len(measured):
+        names = ", ".join(name for name, _ in measured)
+        raise InputError(f"two soundings have one name among {names}; give each its own name")
+    if "schedule" not in document and "size" not in document:
+        if soundings:
+            raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
+        return None
+    options = SIZE_TABLE.read(SIZE_TABLE.one(document))
+    if not isinstance(options.get("varying", False), bool):
+        raise InputError(
+            f"varying in [size] must be true or false; got {shown(options['varying'])}"
+        )
+    others = winds_of(document, folder)[1:]
+    if (speed := peak_speed_of(document)) is not None:
+        if others and "peak_speed" not in options:
+            raise InputError(
+                "on a flight all pulses have one speed: give peak_speed_m_per_s in [size], or"
+                " peak_deg in each [[wind]]"
+            )
+        options = {"peak_speed": speed} | options
+    return SizingRequest(
+        **_flight(document, folder),
+        others=tuple(wind for wind in others if isinstance(wind, ShapedWind)),
+        soundings=soundings,
+        gust_speed=_gust_speed(document),
+        **options,
+    )
+
+
+def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequest | None:
+    """Return the availability request of a document; None without [availability]."""
+    if "availability" not in document:
+        return None
+    options = AVAILABILITY_TABLE.read(AVAILABILITY_TABLE.one(document))
+    AVAILABILITY_TABLE.need(options, ("archive", "azimuth"))
+    archive = options.pop("archive")
+    names = archive if isinstance(archive, list) else [archive]
+    if not names or not all(isinstance(name, str) and name.isprintable() for name in names):
+        raise InputError(
+            "archive in [availability] must be a station file, a folder, or a list of them; got"
+            f" {shown(archive)}"
+        )
+    hours = options.pop("persistence_hours", None)
+    if hours is not None:
+        if "persistence" in options:
+            raise InputError("[availability] has an angle and hours of persistence; keep one")
+        options["persistence"] = PairGrowth(hours)
+    keys = ("months", "years", "station", "in_order")
+    selection = {key: options.pop(key) for key in keys if key in options}
+    if "dates" in options:
+        selection["dates"] = folder / str(options.pop("dates"))
+    offset = options.pop("utc_offset_hours", 0.0)
+    return AvailabilityRequest(
+        flight=_flight(document, folder)["schedule"],
+        soundings=read_soundings([folder / name for name in names], utc_offset=offset, **selection),
+        gust_speed=_gust_speed(document),
+        **options,
+    )
+
+
+def _gust_speed(document: Mapping[str, Any]) -> float | None:
+    """Return the speed [m/s] of [gust]; None for a gust with an angle, and without a gust."""
+    on_top = "gust" in document and not is_wind_from_gust(document)
+    return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed") if on_top else None
+
+
+def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
+
+    With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
+    """
+    table = document.get("schedule", {})
+    lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
+    if lists and "source" in table:
+        raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
+    if lists:
+        return {"schedule": schedule_of(table, "[schedule]"), "source": "the lists in [schedule]"}
+    SOURCE_TABLE.read(table)
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    vehicle = study.get("vehicle", campaign.get("vehicle"))
+    source = table.get("source", vehicle)
+    if not isinstance(source, str) or not source.isprintable():
+        raise InputError(
+            "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
+            f" {shown(source)}"
+        )
+    flight = {"schedule": load_schedule(beside(source, folder)), "source": source}
+    named = isinstance(vehicle, str)
+    same = named and Path(beside(source, folder)) == Path(beside(vehicle, folder))
+    if same or not _is_vehicle(beside(source, folder)):
+        return flight
+    name = vehicle if named else vehicle.get("name") or "given by its numbers"
+    return flight | {"another": name}
+
+
+def _is_vehicle(source: str | Path) -> bool:
+    """Return whether the source of a flight is a vehicle, not a table of its times."""
+    return "vehicle" in source_tables(source)
+
+
+def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingRequest]:
+    """Return name and request of a sounding in [[wind]]."""
+    options = SOUNDING_TABLE.read(table)
+    file = table[SOUNDING]
+    if not isinstance(file, str) or not file.isprintable():
+        raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
+    for key in ("name", "format", "time", "units"):
+        printable_text(f"{key} in [[wind]]", table.get(key, ""))
+    reading = {key: options.get(key) for key in ("format", "time", "units", "above_ground")}
+    profile = read_sounding(folder / file, **reading)
+    name = Path(file).name  # without its folder, so that the page is the same from another one
+    profile = replace(profile, source=profile.source.replace(called(folder / file), name, 1))
+    return table.get("name") or name, SoundingRequest(profile, options["azimuth"])

@@ -1,0 +1,503 @@
+"""Questions of a study file about a limit and an autopilot, and the table of their answers."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tvclin.base.documents import keyed
+from tvclin.base.lines import Line, Table, degrees, listed, minimum_limit, number, significant, text
+from tvclin.base.quantities import NOMINAL, satisfaction, sufficiency, survival
+from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
+from tvclin.control.margins.criteria import Judgement
+from tvclin.control.margins.margins import DIGITS, margin, unit_factor
+from tvclin.requirement.nominal_requirement import covers
+from tvclin.requirement.study import nominal_pressure
+from tvclin.studyfile.findings import Findings
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.winds.wind_angles import ATTACK, beyond_linear
+
+_FLIGHTS = ("flexible flight",)
+"""Questions whose answer is the outcome of a flight: survived or not."""
+_CRITERIA = ("nozzle rate", "load", "nozzle card", "availability", "margins")
+"""Questions whose answer is that of a criterion: satisfied or not. Others have a verdict."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Required and available value of a question, both in `unit`, the unit that is shown.
+
+    `digits` is the number of digits behind the point. `at_most`: the available value must not be
+    above the required value, in place of not below.
+    """
+
+    needed: float
+    there: float
+    unit: str = "deg"
+    digits: int = 3
+    at_most: bool = False
+
+    as_dict = keyed("needed there unit")
+
+    @property
+    def left(self) -> float:
+        """Available minus required value; negative where it is insufficient."""
+        return (self.there - self.needed) * (-1.0 if self.at_most else 1.0)
+
+    @property
+    def part(self) -> float:
+        """Required over available value; above one where it is insufficient."""
+        over, under = (self.there, self.needed) if self.at_most else (self.needed, self.there)
+        return over / under if under else float("inf") if over > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """One question of a study file.
+
+    `name` is "wind", "nozzle rate", "load", "whole flight", "nozzle card", "availability",
+    "probability", "autopilot", "margins" or "flexible flight"; the answer is None where it is not
+    known, and `line` is why. `needs` is the required deflection [rad], NaN for a question without
+    one, and `whose` its subject with the verb, in words. `measure` holds the required and the
+    available value: by default `needs` and the limit.
+    """
+
+    name: str
+    yes: bool | None
+    line: Line
+    needs: float = float("nan")
+    whose: str = ""
+    measure: Measure | None = None
+
+    as_dict = keyed("name answer yes why=text measure")
+
+    @property
+    def answer(self) -> str:
+        """The answer as a word: a verdict, whether a criterion is met, or a flight survived."""
+        if self.name in _FLIGHTS:
+            return survival(self.yes)
+        return satisfaction(self.yes) if self.name in _CRITERIA else sufficiency(self.yes)
+
+    @property
+    def text(self) -> str:
+        """Reason of the answer, as plain text."""
+        return text(self.line)
+
+
+def questioned(plan: StudyPlan) -> StudyPlan:
+    """Return a plan without the parts that its page shows and that no question judges."""
+    archive = plan.availability
+    if archive is not None and archive.least_part is None:
+        archive = None
+    return replace(plan, laws=None, availability=archive)
+
+
+def questions(found: Findings) -> tuple[Question, ...]:
+    """Return the questions of a plan with their answers, in the order of the plan."""
+    limit = found.study.limit
+    return tuple(
+        replace(question, measure=_of_angles(question.needs, limit))
+        if question.measure is None and limit is not None and not np.isnan(question.needs)
+        else question
+        for question in _in_linear_range(found)
+    )
+
+
+def sufficient(found: Findings) -> bool | None:
+    """Return whether every answer is yes; None where one is not known, or no limit was given."""
+    answers = [question.yes for question in questions(found)]
+    if False in answers:
+        return False
+    return None if found.study.limit is None or None in answers else True
+
+
+def overall(found: Findings) -> str:
+    """Return the answers that are not yes by their words, or the verdict where all are."""
+    others: dict[str, list[str]] = {}
+    for question in questions(found):
+        if question.yes is not True:
+            others.setdefault(question.answer, []).append(question.name)
+    if not others:
+        return "no limit was given" if found.study.limit is None else sufficiency(True)
+    return "; ".join(f"{word}: {', '.join(names)}" for word, names in sorted(others.items()))
+
+
+def all_yes(found: Findings) -> bool:
+    """Return whether no question has another answer than yes."""
+    return all(question.yes is True for question in questions(found))
+
+
+def nominal_notes(found: Findings) -> Iterator[str]:
+    """Say which answers are at nominal pressure, where a head wind sets the requirement."""
+    flown = found.head is not None and found.head.stop is not None
+    names = {"load", *(() if flown else ("autopilot", "flexible flight"))}
+    nominal = [q.name for q in questions(found) if q.yes and q.name in names]
+    if nominal and found.study.ratio_to_nominal > 1.0:
+        for words in nominal_pressure(found.plan):
+            yield f"{listed(nominal)}: {words}"
+
+
+_IN_THE_WIND = ("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight")
+"""Questions whose answers rest on the wind of the study."""
+
+
+def loop_notes(found: Findings) -> Iterator[str]:
+    """Yield notes on properties of autopilot and nozzle that the plan does not specify."""
+    if found.margins is None and found.card is None:
+        return
+    from tvclin.case.autopilot_assumptions import (  # late: it designs autopilots
+        actuator_notes,
+        gain_notes,
+    )
+
+    margins = found.margins
+    if margins is not None:
+        satisfied = bool(found.criteria.are_satisfied(margins))
+        yield from gain_notes(found.plan, found.criteria, satisfied)
+    else:
+        yield from actuator_notes(found.plan)
+
+
+def _in_linear_range(findings: Findings) -> Iterator[Question]:
+    """Yield the questions; the answer is None where the wind is beyond linear aerodynamics."""
+    for question in _answered(findings):
+        beyond = findings.study.beyond if question.name in _IN_THE_WIND else ""
+        yield Question(question.name, None, (beyond,)) if beyond else question
+
+
+def _answered(findings: Findings) -> Iterator[Question]:
+    """Yield the questions of a plan, each with the answer of its own function."""
+    limit = findings.study.limit
+    if limit is not None:
+        yield _wind(findings)
+        if findings.plan.nozzle.rate_limit is not None:
+            yield _rate(findings)
+        if findings.plan.load is not None:
+            yield _load(findings)
+        if findings.plan.sizing is not None:
+            yield _flight(findings)
+            yield from _card(findings)
+        request = findings.plan.availability
+        if request is not None and request.least_part is not None:
+            yield _availability(findings, request.least_part)
+        if findings.plan.dispersions is not None:
+            yield _probability(findings, limit)
+    if findings.plan.design is not None or findings.plan.criteria is not None:
+        if limit is not None:
+            yield _autopilot(findings, limit)
+        yield _margins(findings)
+        if limit is not None and findings.plan.vehicle.structure is not None:
+            yield _flexible(findings)
+
+
+def _wind(findings: Findings) -> Question:
+    """Return the question whether the limit covers the required deflection of the wind."""
+    required, governs = findings.study.required_deflection, findings.study.governs
+    whose = "this wind requires"
+    line: Line = (f"set by {governs}",)
+    if not required:
+        line = ("no deflection is needed",)
+    elif np.isinf(required):
+        line = ("with this dead band no limit is sufficient",)
+    return Question("wind", findings.study.sufficient, line, required, whose)
+
+
+def _rate(findings: Findings) -> Question:
+    """Return the question whether the rate limit is above the lower bound of every control."""
+    name, front = "nozzle rate", findings.rates
+    if front is None:
+        return Question(name, None, (_reason(findings, "rates"),))
+    line: Line = ("the least rate with which any control survives with this limit",)
+    if np.isinf(front.required_rate):
+        line = ("with this limit no rate is sufficient",)
+    yes = front.above_lower_bound
+    if findings.head is not None and findings.head.rates is not None:
+        nominal = degrees("asked.calm_rate", front.required_rate, unit="deg/s")
+        line, front = (*line, _at_peak(findings), *nominal), findings.head.rates
+        yes = _also(yes, front.above_lower_bound)
+    required = front.lower_bound * findings.study.of_both
+    measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
+    return Question(name, yes, line, required, "at this rate any control requires", measure)
+
+
+def _load(findings: Findings) -> Question:
+    """Return the question whether the limit and the load limit admit a control of known wind."""
+    name, front = "load", findings.loads
+    if front is None:
+        return Question(name, None, (_reason(findings, "loads"),))
+    line: Line = ("for this load, of a control that knows the wind",)
+    if front.above_lower_bound and front.requires_forecast:
+        line = (*line, "; a law that does not know when it stops bears more")
+    required, whose = (
+        front.lower_bound * findings.study.of_both,
+        "within this load any control requires",
+    )
+    return Question(name, front.above_lower_bound, line, required, whose)
+
+
+def _flight(findings: Findings) -> Question:
+    """Return the question whether the limit covers the total deflection along the flight."""
+    name, request = "whole flight", findings.plan.sizing
+    if findings.flight is None or request is None:
+        return Question(name, None, (_reason(findings, "flight"),))
+    total = findings.flight[1]
+    flight = f"the whole flight of {request.source}" if request.source else "the whole flight"
+    whose = f"{flight} requires"
+    reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
+    line: Line = (flight, reserve)
+    if total.sufficient is None:
+        line = (f"{flight} is not sized {', '.join(total.not_sized)}",)
+    limit = findings.study.limit
+    if total.too_slow and (
+        limit is None or covers(limit, total.required)
+    ):  # the angle is sufficient
+        line = (f"the least rate with which the limit is sufficient for {flight}", reserve)
+        measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
+        return Question(name, False, line, whose=whose, measure=measure)
+    return Question(name, total.sufficient, line, total.required, whose)
+
+
+def _card(findings: Findings) -> Iterator[Question]:
+    """Yield the question whether the nozzle can follow a law along the flight, if it is sized."""
+    name = "nozzle card"
+    if findings.card is None:
+        if "card" in findings.reasons:
+            yield Question(name, None, (_reason(findings, "card"),))
+        return
+    verdict = findings.card.verdict
+    worst = verdict.needs[0]
+    measure = None if worst.there is None else Measure(worst.needed, worst.there, worst.unit)
+    line: Line = (f"the {worst.name} that {findings.card.law} takes along the flight",)
+    if verdict.lost or verdict.unknown:
+        line = (verdict.reason,)
+    yield Question(name, verdict.met, line, measure=measure)
+
+
+def _availability(findings: Findings, minimum: float) -> Question:
+    """Return the question whether at least this fraction of the soundings fly."""
+    if findings.availability is None:
+        return Question("availability", None, (_reason(findings, "availability"),))
+    fraction = findings.availability.part()
+    measure = Measure(100.0 * minimum, 100.0 * fraction.part, "%", 1)
+    yes, line = findings.availability.reaches(minimum), str(fraction)
+    if yes is None:
+        line = f"too few soundings to tell whether {100.0 * minimum:g} % of days fly; {line}"
+    return Question("availability", yes, (line,), measure=measure)
+
+
+def _probability(findings: Findings, limit: float) -> Question:
+    """Return the question whether the limit covers the required quantile of dispersed cases."""
+    d = findings.dispersed
+    if d is None:
+        return Question("probability", None, (_reason(findings, "dispersed"),))
+    r = d.required
+    flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
+    if np.isinf(r.estimate):
+        return Question("probability", False, (*flights, " require more than any limit"))
+    if np.isinf(r.upper):
+        return Question("probability", None, ("too few cases to judge ", *flights))
+    line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
+    whose = f"{text(flights)} require"
+    return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
+
+
+def _autopilot(findings: Findings, limit: float) -> Question:
+    """Return the question whether the autopilot, flown with the limit as its stop, survives."""
+    name, c = "autopilot", findings.comparison
+    if c is None:
+        return Question(name, None, (_reason(findings, "comparison"),))
+    if not c.margins.stable:
+        whose = "" if findings.flexible is None else " of the flexible vehicle"
+        return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
+    if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.of_both, ATTACK):
+        return Question(name, None, (beyond,))
+    peak = without_stop(findings)
+    turns = degrees("asked.autopilot", peak, unit="deg")
+    free: Line = ("without a limit it would turn the nozzle by ", *turns)
+    if findings.study.in_both:
+        free += (" in both planes",)
+    whose = "this autopilot requires"
+    rate, max_rate = c.peak_deflection_rate, findings.plan.nozzle.rate_limit or np.inf
+    if rate > max_rate:
+        free += (", at ", *degrees("asked.rate", rate, unit="deg/s"))
+    requirement = findings.autopilot_requirement
+    if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
+        within = True if covers(limit, peak) and rate <= max_rate else None
+        return Question(name, within, (f"{_reason(findings, 'stop')}; ", *free), peak, whose)
+    yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
+    line: Line = ("flown with its stop; ", *free)
+    if np.isinf(nominal):
+        line = ("flown with a stop it survives at no limit that was tried; ", *free)
+    elif requirement.head is not None:
+        whose += f", by the bound for a {findings.study.direction} wind"
+        at_nominal = degrees("asked.calm", nominal, unit="deg")
+        line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
+    required = nominal if np.isinf(nominal) else requirement.deflection
+    return Question(name, yes, line, required, whose)
+
+
+def _at_peak(findings: Findings) -> str:
+    """Return words on the dynamic pressure of an upper bound, before the nominal number."""
+    wind = f"{findings.study.direction} wind"
+    return f", with the dynamic pressure at the peak of a {wind} throughout, at the nominal one "
+
+
+def _also(nominal: bool | None, head: bool | None) -> bool | None:
+    """Return the answer of both dynamic pressures: yes needs both, no is that at the nominal."""
+    return True if nominal and head else None if nominal else nominal
+
+
+def without_stop(found: Findings) -> float:
+    """Return the peak deflection [rad] of the autopilot without a stop; NaN without autopilot."""
+    if found.comparison is None:
+        return float("nan")
+    return float(found.comparison.peak_deflection * found.study.of_both)
+
+
+def _margins(findings: Findings) -> Question:
+    """Return the question whether the margins satisfy the criteria, by the smallest surplus."""
+    flexible = findings.plan.vehicle.structure is not None
+    field = "flexible" if flexible else "comparison"
+    margins = findings.margins
+    if getattr(findings, field) is None or margins is None:
+        return Question("margins", None, (_reason(findings, field),))
+    satisfied = bool(findings.criteria.are_satisfied(margins))
+    words, whose = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
+    line: Line = (f"the loop{whose} {words} the criteria {findings.criteria.name}",)
+    judged = [j for j in findings.criteria.judge(margins) if np.isfinite(j.surplus)]
+    worst = min(judged, key=_relative_surplus, default=None)
+    if worst is None:
+        return Question("margins", satisfied, line)
+    of = f" of {worst.band}" if worst.band else ""
+    line += (f"; the {worst.requirement.name}{of} has least to spare",)
+    return Question("margins", satisfied, line, measure=_measured(worst))
+
+
+def _relative_surplus(judgement: Judgement) -> float:
+    """Return the surplus of a margin over its criterion; infinite for a criterion of zero."""
+    limit = judgement.requirement.limit
+    return float(judgement.surplus) / limit if limit else np.inf
+
+
+def _measured(judgement: Judgement) -> Measure:
+    """Return a margin with its criterion, in the unit of tables."""
+    limit, unit = judgement.requirement.shown
+    value, digits = unit_factor(unit) * float(judgement.value), DIGITS[unit]
+    return Measure(limit, value, unit, digits, judgement.requirement.is_upper_limit)
+
+
+def _flexible(findings: Findings) -> Question:
+    """Return the question whether the flexible vehicle, flown with this limit, survives."""
+    f = findings.flexible
+    if f is None or f.flight is None:
+        return Question("flexible flight", None, (_reason(findings, "flexible"),))
+    stop = f" with the {findings.study.plane} plane's part of the stop" * findings.study.in_both
+    flexible, rigid = f.flight.outcomes
+    flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{stop}"
+    line: Line = (f"{flown} the flexible vehicle {flexible}",)
+    if f.flight.survived and rigid != flexible:
+        line += (f", the rigid one {rigid}",)
+    required = abs(float(f.boundaries[0].deflection)) * findings.study.of_both
+    limit = findings.study.limit
+    measure = None if limit is None else _of_angles(required, limit)
+    return Question("flexible flight", f.flight.survived, line, measure=measure)
+
+
+def _of_angles(required: float, available: float, unit: str = "deg") -> Measure:
+    """Return the measure of angles [rad] or rates [rad/s], in degrees."""
+    return Measure(float(np.degrees(required)), float(np.degrees(available)), unit)
+
+
+def _reason(findings: Findings, field: str) -> str:
+    """Return the reason why a field of the findings has no answer."""
+    return findings.reasons.get(field, "there is no answer")
+
+
+HEAD = ("question", "answer", "required", "available", "remaining", "why")
+_NUMBERS = ("needed", "there", "left")
+"""Names of the numbers of a measure, below the headings required, available and remaining."""
+_SUFFIXES = {"%": "percent"}
+"""Units in the names of numbers."""
+_ROUNDED = ("deg", "deg/s", "%", "dB", "ms", "")
+"""Units of which the digits behind the point are given; of others four digits count."""
+_NOT_JUDGED = "not judged"
+"""Answer of values that no criterion bounds."""
+_MAX_NAMED_CHANGES = 3
+"""Number of changes that are named of those that miss the criteria."""
+
+
+def asked_table(found: Findings) -> Table:
+    """Return every question with its answer, and below them the values that are not judged."""
+    judged = sorted(questions(found), key=_worst_first)
+    rows = [_row(question, question.answer) for question in judged]
+    rows += [_row(question, _NOT_JUDGED) for question in beside(found)]
+    return Table("Every question, and its answer, worst first", HEAD, tuple(rows))
+
+
+def _worst_first(question: Question) -> tuple[int, float]:
+    """Return the sort key: no, not known, yes, and in each the largest ratio required/available."""
+    ratio = np.nan if question.measure is None else question.measure.part
+    return (False, None, True).index(question.yes), np.inf if np.isnan(ratio) else -ratio
+
+
+def _row(question: Question, answer: str) -> tuple[Line, ...]:
+    """Return the row of a question with its answer."""
+    cells: tuple[Line, ...] = (("",),) * 3
+    if question.measure is not None:
+        cells = measured(f"asked.{question.name.replace(' ', '_')}", question.measure)
+    return ((question.name,), (answer,), *cells, question.line)
+
+
+def measured(key: str, measure: Measure) -> tuple[Line, ...]:
+    """Return required, available and remaining, with units; none remains of what none satisfies."""
+    shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
+    if np.isinf(measure.needed):
+        return (("none is sufficient",), shown[1], ("",))
+    return (*shown, _shown(f"{key}.left", "left", measure))
+
+
+def _shown(key: str, name: str, measure: Measure) -> Line:
+    value, unit = getattr(measure, name), measure.unit
+    suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
+    key += f"_{suffix}" if suffix else ""
+    if unit not in _ROUNDED:
+        return significant(key, value, unit=unit)
+    line = number(key, value, measure.digits, unit)
+    return minimum_limit(line) if name == "needed" and unit == "deg" else line
+
+
+def beside(found: Findings) -> Iterator[Question]:
+    """Yield the values that no criterion bounds, as questions without an answer."""
+    margins = found.margins
+    if isinstance(margins, BandMargins) and not found.criteria.has_mode_limits:
+        yield from _modes(margins)
+    if found.flexible is not None and found.flexible.detuned is not None:
+        d = found.flexible.detuned
+        missed = [name for name, fine in zip(d.changes, d.satisfied, strict=True) if not fine]
+        more = ", ..." * (len(missed) > _MAX_NAMED_CHANGES)
+        named = f": {', '.join(missed[:_MAX_NAMED_CHANGES])}{more}" if missed else ""
+        words = f"{len(missed)} of {len(d.changes)} changes of one mode miss the criteria{named}"
+        yield Question("modes detuned", None, (words,))
+    if found.availability is not None and found.availability.limit is not None:
+        request = found.plan.availability
+        if request is not None and request.least_part is None:
+            words = f"{found.availability.part()}; no least_part is asked in [availability]"
+            yield Question("availability", None, (words,))
+
+
+def _modes(margins: BandMargins) -> Iterator[Question]:
+    """Yield the modes with the smallest gain and phase margins, as a question without an answer."""
+    gains = [mode for mode in margins.modes if mode.stabilised == GAIN]
+    phases = [mode for mode in margins.modes if mode.stabilised == PHASE]
+    line: Line = ()
+    if gains:
+        worst = min(gains, key=lambda mode: float(mode.gain_margin_dB))
+        line += (f"{worst.name} stays ", *margin("asked.mode.gain", worst.gain_margin_dB, "dB"))
+        line += (" below one",)
+    if phases:
+        worst = min(phases, key=lambda mode: float(mode.phase_margin_deg))
+        has = margin("asked.mode.phase", worst.phase_margin_deg, "deg")
+        line += (", " * bool(line) + f"{worst.name} has ", *has, " of phase")
+    if line:
+        words = "; nothing is asked of modes without mode_gain_margin_dB in [criteria]"
+        yield Question("modes", None, (*line, words))

@@ -1,0 +1,168 @@
+"""Study files: the `StudyPlan` of a TOML file.
+
+A plan of a vehicle alone needs no other table of a study file, so that these are imported late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tvclin.base.errors import InputError, instance, naming, path
+from tvclin.base.fields import completed
+from tvclin.base.files import called, tables_of
+from tvclin.base.tables import FileTable
+from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.vehicle.linear_vehicle import load_any_vehicle
+from tvclin.vehicle.vehicle_file import COEFFICIENTS, is_schedule, read_vehicle_text, source_tables
+
+if TYPE_CHECKING:
+    from tvclin.requirement.flight.request import SoundingRequest
+
+_STUDY_HEADINGS, _VEHICLE_HEADINGS = {"study", "campaign"}, {COEFFICIENTS, "vehicle"}
+"""Tables of a study, which names its vehicle, and of a vehicle file, which has its numbers."""
+
+
+def load_study(source: str | PathLike[str], time: float | None = None) -> StudyPlan:
+    """Return the plan of a study file, or a plan of a vehicle alone.
+
+    Parameters
+    ----------
+    source : str or path
+        A study file, a campaign file, a vehicle file, a flight schedule, or the name of a vehicle.
+        The paths in a study file are relative to its folder; `tvclin init --study` writes one.
+    time : float, optional
+        Time of flight [s] of the vehicle, where the source is a flight schedule, or a vehicle with
+        a table [flight], whose nominal flight then counts.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, is not TOML, or has an unknown key (similar keys are
+        suggested), for a flight schedule without a time, and as `StudyPlan`. One sentence says
+        which and how to correct it.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plan = tv.load_study("configuration-i")
+    >>> plan.wind.shape, plan.nozzle.limit
+    ('triangular', None)
+    """
+    document, name = source_tables(source), read_vehicle_text(source)[1]
+    if not _STUDY_HEADINGS & document.keys() and (
+        _VEHICLE_HEADINGS & document.keys() or is_schedule(source)
+    ):
+        if time is None:
+            return StudyPlan(vehicle=load_any_vehicle(source))
+        from tvclin.ascent.schedule_file import load_vehicle_at
+
+        return StudyPlan(vehicle=load_vehicle_at(source, time))
+    from tvclin.studyfile.parse import parse_study
+
+    with naming(called(name)):
+        if time is not None:
+            raise InputError("the time of the vehicle of a study file is time_s in its [study]")
+        return parse_study(document, Path(name).parent)
+
+
+def load_sizing(
+    source: str | PathLike[str], soundings: Mapping[str, SoundingRequest] | None = None
+) -> StudyPlan:
+    """Return the plan of a sizing, from a study file, or from a schedule or vehicle with defaults.
+
+    Parameters
+    ----------
+    source : str or path
+        A study file with [schedule], or a source of `load_schedule`.
+    soundings : dict of str to SoundingRequest, optional
+        Winds over height, added to those of a study file. Without any wind the default is a
+        triangle of 5 degrees for 7.5 seconds.
+
+    Raises
+    ------
+    InputError
+        For a study file without [schedule], and as `load_study` and `load_schedule`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plan = tv.studyfile.load_sizing("configuration-i")
+    >>> plan.sizing.times(plan)[[0, 1, -1]]
+    array([ 44.75,  45.  , 112.25])
+    """
+    from tvclin.ascent.schedule_file import load_schedule
+    from tvclin.requirement.flight.request import SizingRequest
+
+    if soundings is not None:
+        instance("soundings", soundings, Mapping, "of names to SoundingRequest")
+    winds = dict(soundings or {})
+    if _is_study(source):
+        plan = load_study(source)
+        if plan.sizing is None:
+            raise InputError(
+                f"{called(source)} has no flight; add [schedule], see tvclin init --study"
+            )
+        winds = {**plan.sizing.soundings, **winds}
+        return replace(plan, sizing=replace(plan.sizing, soundings=winds))
+    flight = load_schedule(source)
+    sizing = SizingRequest(schedule=flight, source=str(source), pulse=not winds, soundings=winds)
+    return StudyPlan(vehicle=flight.vehicle, sizing=sizing)
+
+
+def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
+    """Return the name or the file of the vehicle of a study file; another source unchanged."""
+    document, name = source_tables(source), read_vehicle_text(source)[1]
+    vehicles = [
+        document[table]["vehicle"]
+        for table in ("study", "campaign")
+        if "vehicle" in document.get(table, {})
+    ]
+    if not vehicles:
+        return source
+    if not isinstance(vehicles[0], str):
+        raise InputError(
+            f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
+            " vehicle file with a table [flight]"
+        )
+    from tvclin.studyfile.campaign_file import beside
+
+    return beside(vehicles[0], Path(name).parent)
+
+
+def _is_study(source: str | PathLike[str]) -> bool:
+    """Return whether a source is a study, or at least neither a vehicle nor a schedule."""
+    path("source", source, "a name or a path")
+    headings = source_tables(source).keys()
+    return bool(_STUDY_HEADINGS & headings) or not (
+        _VEHICLE_HEADINGS & headings or is_schedule(source)
+    )
+
+
+def example() -> str:
+    """Return the study file of the package, which is commented and names every declared key."""
+    from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
+    from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
+    from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest
+
+    folder = files("tvclin.studyfile")
+    text = folder.joinpath("example.toml").read_text(encoding="utf-8")
+    declared: tuple[tuple[FileTable, type], ...] = (
+        (NOZZLE_TABLE, Nozzle),
+        (AUTOPILOT_TABLE, AutopilotDesign),
+        (SIZE_TABLE, SizingRequest),
+    )
+    for table, type_ in declared:
+        text = completed(text, table, type_)
+    return text
+
+
+def example_plan() -> StudyPlan:
+    """Return the plan of the study file of the package."""
+    from tvclin.studyfile.parse import parse_study
+
+    return parse_study(tables_of(example(), "the example"))

@@ -1,0 +1,149 @@
+"""The plan of a study file: a frozen value of all that its numbers depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Self
+
+from tvclin.base.errors import InputError, between, fraction, instance
+from tvclin.base.fields import count, quantity, word
+from tvclin.case.case import DEFAULT_WIND, Case
+from tvclin.ensembles.dispersions import METHODS
+from tvclin.linear.deflections import SWITCHES
+from tvclin.requirement.case_requirement import pulse_of
+from tvclin.requirement.study import Study
+from tvclin.studyfile.title_block import Document
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
+
+if TYPE_CHECKING:
+    from tvclin.case.load import LoadBound
+    from tvclin.control.margins.criteria import Criteria
+    from tvclin.design.standard_trials import LawsRequest
+    from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+    from tvclin.ensembles.dispersions import Dispersions
+    from tvclin.requirement.flight.request import SizingRequest
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyPlan(Case):
+    """Specification of a study and its page: a case, with the requests about it.
+
+    The structure of the vehicle counts for the margins and flights of the autopilot and of laws;
+    boundaries are those of the rigid vehicle.
+
+    Attributes
+    ----------
+    dead_band : float
+        Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.
+    switch : str
+        Exit of the dead band in the boundaries shown: on trim (literal) or on the wind (report).
+    laws : LawsRequest, optional
+        Laws to be flown.
+    criteria : Criteria, optional
+        Criteria for the margins.
+    dispersions : Dispersions, optional
+        Uncertain parameters.
+    cases : int
+        Number of dispersed cases.
+    seed : int
+        Seed of the dispersed cases.
+    method : str
+        Sampling of the dispersed cases: "plain", "sobol" or "latin", as of `draw`.
+    probability : float
+        Fraction of dispersed flights that the deflection is to cover.
+    confidence : float
+        Confidence of each bound of that deflection.
+    sizing : SizingRequest, optional
+        Sizing of the whole flight.
+    availability : AvailabilityRequest, optional
+        Archive of soundings, for the fraction of days on which the case flies.
+    load : LoadBound, optional
+        Bound of the load on the structure.
+    document : Document, optional
+        Project, author, date and revision, for the head of its page.
+
+    Raises
+    ------
+    InputError
+        As `Case`, and for an ensemble of winds.
+    """
+
+    wind: ShapedWind | History = DEFAULT_WIND
+    dead_band: float = quantity("number", 1.0, between(0.0, 1.0))
+    switch: str = word(SWITCHES, "literal")
+    laws: LawsRequest | None = None
+    criteria: Criteria | None = None
+    dispersions: Dispersions | None = None
+    cases: int = count(2000)
+    seed: int = count(0)
+    method: str = word(METHODS, "plain")
+    probability: float = quantity("number", 0.99865, fraction)
+    confidence: float = quantity("number", 0.9, fraction)
+    sizing: SizingRequest | None = None
+    availability: AvailabilityRequest | None = None
+    load: LoadBound | None = None
+    document: Document | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.wind, History):
+            pulse_of(self)
+        self._check_parts()
+
+    def _check_parts(self) -> None:
+        """Raise `InputError` for requests of another type; their modules are imported on use."""
+        if self.document is not None:
+            instance("document", self.document, Document, "for the head of the page")
+        names = ("laws", "criteria", "dispersions", "sizing", "availability", "load")
+        if all(getattr(self, name) is None for name in names):
+            return
+        from tvclin.case.load import LoadBound
+        from tvclin.control.margins.criteria import Criteria
+        from tvclin.design.standard_trials import LawsRequest
+        from tvclin.ensembles.availability.availability_request import AvailabilityRequest
+        from tvclin.ensembles.dispersions import Dispersions
+        from tvclin.requirement.flight.request import SizingRequest
+
+        types = LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound
+        hints = (
+            "of the standard laws",
+            "see Criteria.custom",
+            "of Dispersion values",
+            "see load_sizing",
+            "see load_study",
+            "of one bound",
+        )
+        for name, type_, hint in zip(names, types, hints, strict=True):
+            if getattr(self, name) is not None:
+                instance(name, getattr(self, name), type_, hint)
+        if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:
+            raise InputError(
+                "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
+                " needs [[bending]] or [[slosh]] in its file"
+            )
+
+    @property
+    def held_to(self) -> Criteria:
+        """Criteria for the margins; the classic criteria by default."""
+        from tvclin.control.margins.criteria import CRITERIA
+
+        return self.criteria or CRITERIA["classic"]
+
+    @property
+    def _modes(self) -> bool:
+        """Whether the vehicle has bending or slosh modes."""
+        structure = self.vehicle.structure
+        return structure is not None and bool(structure.bending or structure.slosh)
+
+    @classmethod
+    def of_study(cls, study: Study) -> Self:
+        """Return the plan of a finished study."""
+        instance("study", study, Study, "see Study.from_vehicle")
+        case: Any = {field.name: getattr(study.case, field.name) for field in fields(Case)}
+        options: Any = {name: getattr(study, name) for name in ("dead_band", "switch")}
+        return cls(**case, **options)
+
+    def study(self) -> Study:
+        """Return the study; raise `InputError` as `Study.of`."""
+        return Study.of(self, self.dead_band, self.switch)
