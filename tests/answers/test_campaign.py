@@ -15,7 +15,8 @@ from tvclin.cli.app import app
 from tvclin.ensembles import dispersed_study as quick
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.dispersed_study import part_in_a_wind, raise_to_vectors
-from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, Dispersions, draw
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions
+from tvclin.ensembles.random_numbers import METHODS, draw
 from tvclin.ensembles.statistics import (
     quantile_bound,
     sensitivities,

@@ -16,7 +16,8 @@ from tvclin.case.case import Case
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.cases import BEYOND, divide, evaluate
 from tvclin.ensembles.campaign.outputs import required_name
-from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions, draw
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
+from tvclin.ensembles.random_numbers import draw
 from tvclin.ensembles.statistics import (
     Quantile,
     Success,

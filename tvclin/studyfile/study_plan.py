@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 from tvclin.base.errors import InputError, between, fraction, instance
 from tvclin.base.fields import count, quantity, word
 from tvclin.case.case import DEFAULT_WIND, Case
-from tvclin.ensembles.dispersions import METHODS
+from tvclin.ensembles.random_numbers import METHODS
 from tvclin.linear.deflections import SWITCHES
 from tvclin.requirement.case_requirement import pulse_of
 from tvclin.requirement.study import Study

@@ -25,7 +25,8 @@ from tvclin.case.case import Case
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, Dispersions, modes_nominal
+from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, Dispersions, modes_nominal
+from tvclin.ensembles.random_numbers import METHODS
 from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import directions_of, own_sign
 from tvclin.vehicle.linear_vehicle import complete_vehicle

@@ -15,7 +15,8 @@ from tvclin.control.autopilot.detuning import with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign
 from tvclin.ensembles.campaign.outputs import REGISTRY, Batch, columns, compute
-from tvclin.ensembles.dispersions import WIND, Dispersed, draw, is_of_modes, names_of_modes
+from tvclin.ensembles.dispersions import WIND, Dispersed, is_of_modes, names_of_modes
+from tvclin.ensembles.random_numbers import draw
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant, flexible_model
