@@ -16,7 +16,7 @@ _LINE_INTERVAL_S = 20.0
 
 @contextmanager
 def bar(what: str) -> Iterator[Progress]:
-    """Yield the function that shows a bar with rate and remaining time, or lines in a pipe."""
+    """Yield the function that shows a bar with the remaining time, or lines in a pipe."""
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -26,21 +26,10 @@ def bar(what: str) -> Iterator[Progress]:
     from rich import progress as rich  # late: a terminal alone needs it
 
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
-    columns = (rich.BarColumn(), counted, rich.TextColumn("{task.fields[rate]}"))
+    columns = (rich.BarColumn(), counted, rich.TimeRemainingColumn())
     with rich.Progress(*columns, console=console, speed_estimate_period=_RATE_PERIOD_S) as progress:
-        task = progress.add_task(what, total=None, rate="", visible=False)
-        first: tuple[float, float] | None = None
-
-        def tell(done: float, total: float) -> None:
-            nonlocal first
-            now, speed = monotonic(), progress.tasks[0].speed
-            first = first or (now, done)
-            remaining = _remaining_text(now - first[0], done - first[1], total - done)
-            text = f"{speed:.3g}/s" if speed else ""
-            rate = f"{text}  {remaining and f'{remaining} left'}"
-            progress.update(task, completed=done, total=total, rate=rate, visible=True)
-
-        yield tell
+        task = progress.add_task(what, total=None, visible=False)
+        yield lambda done, total: progress.update(task, completed=done, total=total, visible=True)
 
 
 def lines(what: str) -> Progress:
