@@ -9,9 +9,8 @@ from tvclin.ascent.flight_condition import load_flight_condition
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
-from tvclin.base.sheet import Headings, sheet_in
+from tvclin.base.sheet import MISSING_NUMBERS, Headings, lines_of, sheet_in
 from tvclin.base.tables import FileTable
-from tvclin.base.text import MISSING_NUMBERS, lines_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.vehicle.vehicle_file import (

@@ -8,8 +8,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import shown
-from tvclin.base.sheet import Heading, Headings, Sheet, sheet_in
-from tvclin.base.text import read_lines
+from tvclin.base.sheet import Heading, Headings, Sheet, read_lines, sheet_in
 from tvclin.base.units import UNITS, WRITTEN, unit_of
 
 

@@ -30,9 +30,8 @@ from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_rows
-from tvclin.base.sheet import Heading, Headings, Sheet, read_sheet
+from tvclin.base.sheet import Heading, Headings, Sheet, Text, read_sheet
 from tvclin.base.tables import FileTable
-from tvclin.base.text import Text
 from tvclin.base.units import WRITTEN, unit_of
 from tvclin.winds.pulses import SampledWind
 from tvclin.winds.soundings.profile import WindProfile

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
 from tvclin.base.files import called, reason
-from tvclin.base.text import MISSING_NUMBERS, Text
+from tvclin.base.sheet import MISSING_NUMBERS, Text
 from tvclin.winds.soundings.archive import TOO_FEW, SoundingCollection, SoundingFilter
 from tvclin.winds.soundings.levels import (
     Faults,

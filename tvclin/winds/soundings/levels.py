@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tvclin.base.errors import InputError
-from tvclin.base.text import Text
+from tvclin.base.sheet import Text
 from tvclin.winds.soundings.profile import WindProfile
 
 EARTH_RADIUS = 6_356_766.0

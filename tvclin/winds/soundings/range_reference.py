@@ -16,7 +16,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray, IntArray
 from tvclin.base.errors import InputError, bearing, each, number
-from tvclin.base.text import Text, read_lines
+from tvclin.base.sheet import Text, read_lines
 from tvclin.winds.soundings.profile import WindProfile
 
 _TITLE = re.compile(r"\s*T A B L E\s+I\s+-\s*\d+\.\s+W I N D")

@@ -11,7 +11,7 @@ import numpy as np
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, shown
-from tvclin.base.text import Text
+from tvclin.base.sheet import Text
 from tvclin.winds.soundings.levels import Levels, SoundingEntry, count_of_levels
 
 _LISTS = ("wind_u", "wind_v")

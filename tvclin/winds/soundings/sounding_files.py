@@ -18,8 +18,7 @@ import numpy as np
 from tvclin.base.errors import InputError, callable_for, flag, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
-from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, sheet_in
-from tvclin.base.text import Text, read_lines
+from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, Text, read_lines, sheet_in
 from tvclin.winds.soundings import igra, rocketpy, synthetic, wind_table, wyoming
 from tvclin.winds.soundings.archive import SoundingCollection, SoundingFilter, Soundings, to_minutes
 from tvclin.winds.soundings.igra import is_station, read_station

@@ -23,8 +23,8 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.base.files import tables_of
+from tvclin.base.sheet import Text
 from tvclin.base.tables import FileTable, known
-from tvclin.base.text import Text
 from tvclin.winds.soundings.levels import Levels, SoundingEntry
 from tvclin.winds.soundings.profile import WindProfile
 

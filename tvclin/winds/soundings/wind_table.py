@@ -17,8 +17,7 @@ from tvclin.base.errors import InputError, between, number, shown
 from tvclin.base.errors import text as a_text
 from tvclin.base.files import called
 from tvclin.base.lines import listed
-from tvclin.base.sheet import Heading, Headings, Sheet, head_of, sheet_in
-from tvclin.base.text import Text
+from tvclin.base.sheet import Heading, Headings, Sheet, Text, head_of, sheet_in
 from tvclin.base.units import DEGREE, WRITTEN, unit_of
 from tvclin.winds.soundings.levels import Levels, SoundingEntry, wind_components
 

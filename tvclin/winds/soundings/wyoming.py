@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from tvclin.base.arrays import IntArray
-from tvclin.base.text import Text
+from tvclin.base.sheet import Text
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.levels import Levels, SoundingEntry
 
