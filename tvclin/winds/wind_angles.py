@@ -8,8 +8,8 @@ through the air over V is
 
 so that the wind angles of attack in pitch and yaw and the dynamic pressure over the nominal one are
 
-    alpha = atan2(sin Theta_n, cos Theta_n - w) - Theta_n,    tan(beta) = c/v,    q/q_n = v^2 + c^2,
-    v^2 = (cos Theta_n - w)^2 + sin(Theta_n)^2.
+    alpha = atan2(sin Theta_n, cos Theta_n - w) - Theta_n = atan2(w sin Theta_n, 1 - w cos Theta_n),
+    tan(beta) = c/v,    q/q_n = v^2 + c^2,    v^2 = (cos Theta_n - w)^2 + sin(Theta_n)^2.
 
 A wind that is given by its angles is that whose triangle has them,
 
@@ -76,11 +76,8 @@ def wind_triangle(
     along, across : array_like
         Wind speeds w and c over the speed of the vehicle; w is positive from behind.
     """
-    climb = np.asarray(path, dtype=float)
-    forward, upward = np.cos(climb) - along, np.sin(climb)
-    in_pitch = pressure_in_winds(climb, along)
-    angle = np.arctan2(upward, forward) - climb
-    pitch = np.arctan2(np.sin(angle), np.cos(angle))
+    in_pitch = pressure_in_winds(path, along)
+    pitch = np.arctan2(np.multiply(along, np.sin(path)), 1.0 - np.multiply(along, np.cos(path)))
     yaw = np.arctan2(across, np.sqrt(in_pitch))
     return np.asarray(pitch), np.asarray(yaw), np.asarray(in_pitch + np.square(across))
 
@@ -96,10 +93,10 @@ def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
     `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle, as on a
     level path.
     """
-    path, direction = np.asarray(path), np.asarray(path) + angle
-    possible = (np.sin(path) > 0.0) & (np.sin(direction) > 0.0)
+    sine = np.sin(np.add(path, angle))
+    possible = (np.sin(path) > 0.0) & (sine > 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(possible, np.sin(angle) / np.sin(direction), np.nan)
+        return np.where(possible, np.sin(angle) / sine, np.nan)
 
 
 def pressure_ratio(path: ArrayLike, angle: ArrayLike) -> FloatArray:
